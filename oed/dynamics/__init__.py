@@ -1,0 +1,1 @@
+"""What torque a motion needs: rigid body, friction and every further effect."""

@@ -1,0 +1,23 @@
+"""Torque effects: one family a file, one shape for all.
+
+An effect is a few columns of the torque regressor, given its nonlinear parameters.
+"""
+
+from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
+from oed.dynamics.effects.friction import Coulomb, Viscous
+from oed.dynamics.effects.motor import MotorCoupling, RotorInertia
+from oed.dynamics.effects.offset import TorqueOffset
+from oed.dynamics.effects.rigid_body import RigidBody
+
+__all__ = [
+    "Coulomb",
+    "Effect",
+    "MeasurementEffect",
+    "MotorCoupling",
+    "Parameter",
+    "RigidBody",
+    "RotorInertia",
+    "State",
+    "TorqueOffset",
+    "Viscous",
+]

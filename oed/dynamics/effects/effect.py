@@ -1,0 +1,96 @@
+"""What every torque effect offers, and the state that it is written in."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.motion import Motion
+from oed.dynamics.scalars import Scalar, sign, tanh
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A linear parameter of a torque model.
+
+    Attributes:
+        name: Symbol and joint number from 1, such as "Fv_2".
+        unit: SI unit.
+        joint: Index of the joint it belongs to, None for the whole arm.
+    """
+
+    name: str
+    unit: str
+    joint: int | None
+
+
+@dataclass(frozen=True)
+class State:
+    """Joint coordinates in components: each an (N,) array, a float or a CasADi scalar.
+
+    Attributes:
+        t: Time [s].
+        q: Position of each joint [rad or m].
+        dq: Velocity of each joint.
+        ddq: Acceleration of each joint.
+        sign_width: Velocity over which a solver's sign is smoothed, tanh(v / width)
+            [rad/s]; 0 for the exact sign with sign(0) = 0.
+    """
+
+    t: Scalar
+    q: Sequence[Scalar]
+    dq: Sequence[Scalar]
+    ddq: Sequence[Scalar]
+    sign_width: float = 0.0
+
+    def sign(self, velocity: Scalar, width: float = 0.0) -> Scalar:
+        """Direction of motion, smoothed over the wider of `width` and `sign_width`."""
+        widest = max(width, self.sign_width)
+        return tanh(velocity / widest) if widest > 0 else sign(velocity)
+
+
+class Effect(ABC):
+    """Columns of the torque regressor.
+
+    Subclasses are frozen dataclasses whose fields are the joint and the nonlinear
+    parameters, so that a model can be compared, printed and refined.
+    """
+
+    name: ClassVar[str]
+
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The linear parameters, one a column."""
+
+    @property
+    @abstractmethod
+    def depends_on(self) -> tuple[str, ...]:
+        """Coordinates that the torque depends on, such as ("q_2", "dq_1")."""
+
+    @abstractmethod
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """Torque per unit of each parameter: for each column, joint -> entry."""
+
+
+class MeasurementEffect(ABC):
+    """What measurement does to the whole model, such as a delay: it adds no column.
+
+    `through` receives the function that evaluates all columns of the model, and may
+    change the motion before or the columns after.
+    """
+
+    name: ClassVar[str]
+
+    @abstractmethod
+    def through(
+        self,
+        columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
+        motion: Motion,
+    ) -> Float[ndarray, "samples joints columns"]:
+        """The columns as this effect lets them be seen."""

@@ -1,0 +1,60 @@
+"""Coulomb and viscous friction of a joint (Calafiore 2001, eq. 15)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.scalars import Scalar
+
+
+@dataclass(frozen=True)
+class Coulomb(Effect):
+    """F_c sgn(dq_j).
+
+    Attributes:
+        joint: Index of the joint.
+        width: Velocity over which the sign turns, tanh(dq / width) [rad/s]; 0 for the
+            exact sign. Measured velocity cannot tell its sign below its own noise.
+    """
+
+    joint: int
+    width: float = 0.0
+    name = "coulomb"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """F_c."""
+        return (Parameter(f"Fc_{self.joint + 1}", "N m", self.joint),)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The joint's velocity."""
+        return (f"dq_{self.joint + 1}",)
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """sgn(dq_j)."""
+        return [{self.joint: state.sign(state.dq[self.joint], self.width)}]
+
+
+@dataclass(frozen=True)
+class Viscous(Effect):
+    """F_v dq_j."""
+
+    joint: int
+    name = "viscous"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """F_v."""
+        return (Parameter(f"Fv_{self.joint + 1}", "N m s/rad", self.joint),)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The joint's velocity."""
+        return (f"dq_{self.joint + 1}",)
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """dq_j."""
+        return [{self.joint: state.dq[self.joint]}]

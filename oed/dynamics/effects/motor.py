@@ -1,0 +1,93 @@
+"""What a drive adds to its joint, and to a joint that it is geared to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.scalars import Scalar, mul, total
+
+
+@dataclass(frozen=True)
+class RotorInertia(Effect):
+    """Inertia of the rotor seen at the joint, I_a ddq_j, with I_a = N^2 J for gear ratio N.
+
+    The rotor's gyroscopic torque is neglected, as is usual for geared arms
+    (Khalil and Dombre 2002, section 9.4).
+    """
+
+    joint: int
+    name = "rotor_inertia"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """I_a."""
+        return (Parameter(f"Ia_{self.joint + 1}", "kg m^2", self.joint),)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The joint's acceleration."""
+        return (f"ddq_{self.joint + 1}",)
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """ddq_j."""
+        return [{self.joint: state.ddq[self.joint]}]
+
+
+@dataclass(frozen=True)
+class MotorCoupling(Effect):
+    """A motor whose speed combines several joints, such as the last one of a wrist.
+
+    With motor speed u = sum_j r_j dq_j (in units of the gear ratio), its inertia, viscous
+    and Coulomb friction act on joint j as r_j (I_a u' + F_v u + F_c sgn u). On the Staubli
+    TX40 motor 6 turns with dq_5 + dq_6 (Gautier and Khalil's model of the wrist).
+
+    Attributes:
+        joints: Indices of the joints that the motor turns with.
+        ratios: r_j of each.
+        width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
+    """
+
+    joints: tuple[int, ...]
+    ratios: tuple[float, ...]
+    width: float = 0.0
+    name = "motor_coupling"
+
+    def __post_init__(self) -> None:
+        if len(self.joints) != len(self.ratios) or len(self.joints) < 2:
+            raise ValueError(
+                f"{self.joints=} and {self.ratios=}: need one ratio a joint, two or more"
+            )
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Inertia, viscous and Coulomb friction of the coupled motor."""
+        tag = "".join(str(joint + 1) for joint in self.joints)
+        named = (("Ia", "kg m^2"), ("Fv", "N m s/rad"), ("Fc", "N m"))
+        return tuple(
+            Parameter(f"{symbol}_m{tag}", unit, self.joints[-1])
+            for symbol, unit in named
+        )
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Velocities and accelerations of the coupled joints."""
+        return tuple(f"{x}_{joint + 1}" for x in ("dq", "ddq") for joint in self.joints)
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """Inertia, viscous and Coulomb columns, each on every coupled joint."""
+        speed = self._motor(state.dq)
+        signals = (self._motor(state.ddq), speed, state.sign(speed, self.width))
+        pairs = list(zip(self.joints, self.ratios, strict=True))
+        return [
+            {joint: mul(ratio, signal) for joint, ratio in pairs} for signal in signals
+        ]
+
+    def _motor(self, rates: Sequence[Scalar]) -> Scalar:
+        return total(
+            [
+                mul(ratio, rates[joint])
+                for joint, ratio in zip(self.joints, self.ratios, strict=True)
+            ]
+        )

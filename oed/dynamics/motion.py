@@ -1,0 +1,82 @@
+"""Sampled joint motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.robot import Robot
+
+UNBOUNDED_RANGE = (
+    np.pi
+)  # [rad or m] half width used where a joint has no position limit
+UNBOUNDED_RATE = 3.0  # [rad/s] or [rad/s^2], where a joint has no such limit
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Joint positions, velocities and accelerations at N instants.
+
+    Attributes:
+        t: (N,) time [s].
+        q: (N, n) position [rad or m].
+        dq: (N, n) velocity [rad/s or m/s].
+        ddq: (N, n) acceleration [rad/s^2 or m/s^2].
+    """
+
+    t: Float[ndarray, "samples"]
+    q: Float[ndarray, "samples joints"]
+    dq: Float[ndarray, "samples joints"]
+    ddq: Float[ndarray, "samples joints"]
+
+    def __post_init__(self) -> None:
+        shapes = {"q": self.q.shape, "dq": self.dq.shape, "ddq": self.ddq.shape}
+        if len(set(shapes.values())) != 1 or len(self.t) != len(self.q):
+            raise ValueError(f"shapes disagree: t {self.t.shape}, {shapes}")
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __getitem__(self, samples: slice | ndarray) -> Motion:
+        return Motion(
+            self.t[samples], self.q[samples], self.dq[samples], self.ddq[samples]
+        )
+
+    @classmethod
+    def concatenate(cls, motions: Sequence[Motion]) -> Motion:
+        """One motion after another; time is kept as it is."""
+        return cls(
+            *(
+                np.concatenate([getattr(m, f) for m in motions])
+                for f in ("t", "q", "dq", "ddq")
+            )
+        )
+
+
+def random_motion(robot: Robot, samples: int, rng: np.random.Generator) -> Motion:
+    """Independent random states within the robot's limits: no trajectory, one state a row.
+
+    Args:
+        robot: Its limits bound the states; a joint without one gets a round figure.
+        samples: Number of states N.
+        rng: Source of every draw.
+    """
+
+    def draw(
+        bounds: Float[ndarray, "joints 2"], default: float
+    ) -> Float[ndarray, "samples joints"]:
+        lower = np.where(np.isfinite(bounds[:, 0]), bounds[:, 0], -default)
+        upper = np.where(np.isfinite(bounds[:, 1]), bounds[:, 1], default)
+        return rng.uniform(lower, upper, (samples, robot.n))
+
+    limits = robot.limits
+    return Motion(
+        t=np.arange(samples, dtype=float),
+        q=draw(limits.position, UNBOUNDED_RANGE),
+        dq=draw(limits.velocity, UNBOUNDED_RATE),
+        ddq=draw(limits.acceleration, UNBOUNDED_RATE),
+    )

@@ -1,0 +1,133 @@
+"""Three-vectors of scalars that may be floats, (N,) arrays or CasADi expressions.
+
+The dynamics are written once, in components. A product with an exact zero is the
+float 0.0 and disappears, so a robot's structural zeros cost nothing, neither in an
+array sweep nor in an expression graph.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import casadi
+import numpy as np
+
+Scalar = Any  # float | Float[ndarray, "samples"] | casadi.SX
+Vector = tuple[Scalar, Scalar, Scalar]
+Matrix = tuple[Vector, Vector, Vector]  # rows
+
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+def is_zero(a: Scalar) -> bool:
+    """Whether `a` is the structural zero, not merely an expression that may vanish."""
+    return isinstance(a, float) and a == 0.0
+
+
+def add(a: Scalar, b: Scalar) -> Scalar:
+    """a + b."""
+    if is_zero(a):
+        return b
+    return a if is_zero(b) else a + b
+
+
+def sub(a: Scalar, b: Scalar) -> Scalar:
+    """a - b."""
+    if is_zero(b):
+        return a
+    return -b if is_zero(a) else a - b
+
+
+def mul(a: Scalar, b: Scalar) -> Scalar:
+    """a b."""
+    if is_zero(a) or is_zero(b):
+        return 0.0
+    if isinstance(a, float) and a == 1.0:
+        return b
+    return a if isinstance(b, float) and b == 1.0 else a * b
+
+
+def total(terms: Sequence[Scalar]) -> Scalar:
+    """Sum of the terms."""
+    result: Scalar = 0.0
+    for term in terms:
+        result = add(result, term)
+    return result
+
+
+def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    """Inner product."""
+    return total([mul(x, y) for x, y in zip(a, b, strict=True)])
+
+
+def plus(a: Vector, b: Vector) -> Vector:
+    """a + b."""
+    return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """a - b."""
+    return (sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2]))
+
+
+def scale(s: Scalar, a: Vector) -> Vector:
+    """s a."""
+    return (mul(s, a[0]), mul(s, a[1]), mul(s, a[2]))
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """a x b."""
+    return (
+        sub(mul(a[1], b[2]), mul(a[2], b[1])),
+        sub(mul(a[2], b[0]), mul(a[0], b[2])),
+        sub(mul(a[0], b[1]), mul(a[1], b[0])),
+    )
+
+
+def apply(rows: Matrix, a: Vector) -> Vector:
+    """Matrix times vector."""
+    return (dot(rows[0], a), dot(rows[1], a), dot(rows[2], a))
+
+
+def apply_transposed(rows: Matrix, a: Vector) -> Vector:
+    """Transposed matrix times vector."""
+    columns = tuple(zip(*rows, strict=True))
+    return (dot(columns[0], a), dot(columns[1], a), dot(columns[2], a))
+
+
+def sin(a: Scalar) -> Scalar:
+    """Sine of any kind of scalar."""
+    return casadi.sin(a) if isinstance(a, casadi.SX) else np.sin(a)
+
+
+def cos(a: Scalar) -> Scalar:
+    """Cosine of any kind of scalar."""
+    return casadi.cos(a) if isinstance(a, casadi.SX) else np.cos(a)
+
+
+def tanh(a: Scalar) -> Scalar:
+    """Hyperbolic tangent of any kind of scalar."""
+    return casadi.tanh(a) if isinstance(a, casadi.SX) else np.tanh(a)
+
+
+def exp(a: Scalar) -> Scalar:
+    """Exponential of any kind of scalar."""
+    return casadi.exp(a) if isinstance(a, casadi.SX) else np.exp(a)
+
+
+def magnitude(a: Scalar) -> Scalar:
+    """Absolute value of any kind of scalar."""
+    return casadi.fabs(a) if isinstance(a, casadi.SX) else np.abs(a)
+
+
+def sign(a: Scalar) -> Scalar:
+    """Sign of any kind of scalar, with sign(0) = 0."""
+    return casadi.sign(a) if isinstance(a, casadi.SX) else np.sign(a)
+
+
+def power(a: Scalar, exponent: float) -> Scalar:
+    """a raised to a constant."""
+    return (
+        casadi.power(a, exponent) if isinstance(a, casadi.SX) else np.power(a, exponent)
+    )

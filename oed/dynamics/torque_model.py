@@ -1,0 +1,129 @@
+"""The torque model: rigid body plus effects, all of one shape."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects import (
+    Coulomb,
+    Effect,
+    MeasurementEffect,
+    Parameter,
+    RigidBody,
+    State,
+    TorqueOffset,
+    Viscous,
+)
+from oed.dynamics.motion import Motion
+from oed.dynamics.newton_euler import joint_components
+from oed.robot import Robot
+
+
+@dataclass(frozen=True)
+class TorqueModel:
+    """Joint torque as a linear function of parameters (5), effect by effect.
+
+    Attributes:
+        robot: The machine.
+        effects: What makes torque; usually `RigidBody` first.
+        measurement: What the measurement does to the sum, innermost first.
+    """
+
+    robot: Robot
+    effects: tuple[Effect, ...]
+    measurement: tuple[MeasurementEffect, ...] = ()
+
+    @classmethod
+    def standard(
+        cls, robot: Robot, *, offset: bool = False, sign_width: float = 0.0
+    ) -> TorqueModel:
+        """The paper's model: rigid body, Coulomb and viscous friction of every joint (15).
+
+        Args:
+            robot: The machine.
+            offset: Whether to add a constant torque to every joint.
+            sign_width: Width of the Coulomb terms' sign [rad/s].
+        """
+        joints = range(robot.n)
+        friction: list[Effect] = []
+        for j in joints:
+            friction += [Coulomb(j, sign_width), Viscous(j)]
+        offsets = [TorqueOffset(j) for j in joints] if offset else []
+        return cls(robot, (RigidBody(robot), *friction, *offsets))
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The p linear parameters, in column order."""
+        return tuple(p for effect in self.effects for p in effect.parameters)
+
+    def with_effects(self, *effects: Effect) -> TorqueModel:
+        """This model with more effects."""
+        return dataclasses.replace(self, effects=(*self.effects, *effects))
+
+    def with_measurement(self, *effects: MeasurementEffect) -> TorqueModel:
+        """This model seen through further measurement effects."""
+        return dataclasses.replace(self, measurement=(*self.measurement, *effects))
+
+    def columns(self, motion: Motion) -> Float[ndarray, "samples joints parameters"]:
+        """Torque per unit parameter at every instant and joint."""
+        evaluate: Callable[[Motion], Float[ndarray, "samples joints parameters"]]
+        evaluate = self._effect_columns
+        for seen_through in self.measurement:
+            evaluate = _compose(seen_through, evaluate)
+        return evaluate(motion)
+
+    def regressor(self, motion: Motion) -> Float[ndarray, "rows parameters"]:
+        """H of (6a): row k n + j is joint j at instant k."""
+        columns = self.columns(motion)
+        return columns.reshape(-1, columns.shape[2])
+
+    def torque(
+        self, parameters: Float[ndarray, "parameters"], motion: Motion
+    ) -> Float[ndarray, "samples joints"]:
+        """Predicted torque of every joint [N m or N]."""
+        return self.columns(motion) @ parameters
+
+    def symbolic_columns(
+        self, q: casadi.SX, dq: casadi.SX, ddq: casadi.SX, sign_width: float
+    ) -> casadi.SX:
+        """The (n, p) regressor at one instant as an expression.
+
+        Args:
+            q: (n, 1) position; likewise dq and ddq.
+            dq: Velocity.
+            ddq: Acceleration.
+            sign_width: Smoothing of the velocity sign [rad/s], so that it has a derivative.
+        """
+        state = State(0.0, *(casadi.vertsplit(x) for x in (q, dq, ddq)), sign_width)
+        result = casadi.SX(self.robot.n, len(self.parameters))
+        for column, by_joint in enumerate(self._entries(state)):
+            for joint, entry in by_joint.items():
+                result[joint, column] = entry
+        return result
+
+    def _effect_columns(
+        self, motion: Motion
+    ) -> Float[ndarray, "samples joints parameters"]:
+        entries = self._entries(State(motion.t, *joint_components(motion)))
+        columns = np.zeros((len(motion), self.robot.n, len(entries)))
+        for column, by_joint in enumerate(entries):
+            for joint, entry in by_joint.items():
+                columns[:, joint, column] = entry
+        return columns
+
+    def _entries(self, state: State) -> list:
+        return [entry for effect in self.effects for entry in effect.entries(state)]
+
+
+def _compose(
+    effect: MeasurementEffect,
+    inner: Callable[[Motion], Float[ndarray, "samples joints parameters"]],
+) -> Callable[[Motion], Float[ndarray, "samples joints parameters"]]:
+    return lambda motion: effect.through(inner, motion)

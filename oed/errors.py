@@ -1,0 +1,60 @@
+"""Errors that carry their evidence.
+
+`ValueError` is for a caller's mistake. An `OedError` is a numerical or data
+outcome that a program may want to catch, inspect and report.
+"""
+
+from numpy import ndarray
+
+
+class OedError(Exception):
+    """Base class of all outcomes that this package reports as errors."""
+
+
+class RobotError(OedError):
+    """A robot description cannot be used as it stands."""
+
+
+class RankUndetermined(OedError):
+    """The singular values show no clear gap, so the rank would be a guess.
+
+    Attributes:
+        singular_values: The evidence, largest first, of the normalised regressor.
+    """
+
+    def __init__(self, message: str, singular_values: ndarray) -> None:
+        super().__init__(message)
+        self.singular_values = singular_values
+
+
+class DataSetError(OedError):
+    """A data set on disk cannot be read as it stands.
+
+    Attributes:
+        file: The file at fault, as given to the reader.
+        row: Its line, counted from 1 with the header as line 1 (in Parquet: the data row
+            from 1); None where no single row is at fault.
+        column: Name of the column, or of the key in `dataset.toml`; None where none is.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str,
+        row: int | None = None,
+        column: str | None = None,
+    ) -> None:
+        place = [file]
+        if row is not None:
+            place.append(f"row {row}")
+        if column is not None:
+            place.append(
+                f"column {column!r}"
+                if not file.endswith(".toml")
+                else f"key {column!r}"
+            )
+        super().__init__(f"{', '.join(place)}: {message}")
+        self.file = file
+        self.row = row
+        self.column = column

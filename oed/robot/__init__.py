@@ -1,0 +1,28 @@
+"""What the machine is: kinematics, inertial parameters, gravity, limits."""
+
+from oed.robot.builtin import BUILTIN_ROBOTS, imi_scara
+from oed.robot.inertia import (
+    PARAMETER_SYMBOLS,
+    PARAMETER_UNITS,
+    parameters_from_pseudo_inertia,
+    pseudo_inertia,
+    transform_parameters,
+)
+from oed.robot.limits import JointLimits
+from oed.robot.load import arm_joints, load_robot
+from oed.robot.robot import Joint, Robot
+
+__all__ = [
+    "BUILTIN_ROBOTS",
+    "PARAMETER_SYMBOLS",
+    "PARAMETER_UNITS",
+    "Joint",
+    "JointLimits",
+    "Robot",
+    "arm_joints",
+    "imi_scara",
+    "load_robot",
+    "parameters_from_pseudo_inertia",
+    "pseudo_inertia",
+    "transform_parameters",
+]

@@ -1,0 +1,88 @@
+"""Limits of position, velocity, acceleration, jerk and torque, joint by joint."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from numpy.typing import ArrayLike
+
+LIMITED = ("position", "velocity", "acceleration", "torque", "jerk")
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """What each joint may do; infinite where nothing is known.
+
+    Attributes:
+        position: (n, 2) lower and upper bound [rad or m].
+        velocity: (n, 2) lower and upper bound [rad/s or m/s].
+        acceleration: (n, 2) lower and upper bound [rad/s^2 or m/s^2].
+        torque: (n, 2) lower and upper bound [N m or N].
+        jerk: (n, 2) lower and upper bound [rad/s^3 or m/s^3].
+
+    Raises:
+        ValueError: If a lower bound is not below its upper bound.
+    """
+
+    position: Float[ndarray, "joints 2"]
+    velocity: Float[ndarray, "joints 2"]
+    acceleration: Float[ndarray, "joints 2"]
+    torque: Float[ndarray, "joints 2"]
+    jerk: Float[ndarray, "joints 2"]
+
+    def __post_init__(self) -> None:
+        for kind in LIMITED:
+            bounds = getattr(self, kind)
+            wrong = ~(bounds[:, 0] < bounds[:, 1])
+            if wrong.any():
+                joint = int(np.flatnonzero(wrong)[0])
+                raise ValueError(
+                    f"{kind} limit of joint {joint + 1}: lower {bounds[joint, 0]:g} "
+                    f"is not below upper {bounds[joint, 1]:g}"
+                )
+
+    @classmethod
+    def unlimited(cls, joints: int) -> JointLimits:
+        """No limit on any of `joints` joints."""
+        free = np.tile([-np.inf, np.inf], (joints, 1))
+        return cls(*(free.copy() for _ in LIMITED))
+
+    @classmethod
+    def symmetric(
+        cls,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
+    ) -> JointLimits:
+        """Limits |x| <= bound, one bound (n,) a joint; None leaves that kind free."""
+        bounds = {
+            "position": position,
+            "velocity": velocity,
+            "acceleration": acceleration,
+            "torque": torque,
+            "jerk": jerk,
+        }
+        given = {
+            kind: _both_sides(bound)
+            for kind, bound in bounds.items()
+            if bound is not None
+        }
+        return cls.unlimited(len(given["position"])).with_(**given)
+
+    def with_(self, **bounds: Float[ndarray, "joints 2"]) -> JointLimits:
+        """These limits with some kinds replaced by (n, 2) arrays."""
+        return dataclasses.replace(
+            self,
+            **{kind: np.asarray(bound, dtype=float) for kind, bound in bounds.items()},
+        )
+
+
+def _both_sides(bound: ArrayLike) -> Float[ndarray, "joints 2"]:
+    upper = np.asarray(bound, dtype=float)
+    return np.stack([-upper, upper], axis=1)

@@ -1,0 +1,130 @@
+"""A fixed-base tree of revolute and prismatic joints, one body a joint."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.robot.inertia import PARAMETER_SYMBOLS, PARAMETER_UNITS
+from oed.robot.limits import JointLimits
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint and the body that it carries; fixed parts are merged into that body.
+
+    The body frame J sits on the joint axis and turns with the body. L is the frame
+    of the link in the file that the robot came from.
+
+    Attributes:
+        name: The joint's name in the file.
+        kind: "revolute" or "prismatic".
+        parent: Index of the joint whose body carries this one, -1 for the base.
+        axis: Unit vector of the joint axis in J.
+        R_PJ: Axes of J in the parent body frame at q = 0.
+        p_PJ: Origin of J in the parent body frame at q = 0 [m].
+        link: The link's name in the file.
+        R_LJ: Axes of J in the link frame.
+        p_LJ: Origin of J in the link frame [m].
+    """
+
+    name: str
+    kind: Literal["revolute", "prismatic"]
+    parent: int
+    axis: Float[ndarray, "3"]
+    R_PJ: Float[ndarray, "3 3"]
+    p_PJ: Float[ndarray, "3"]
+    link: str
+    R_LJ: Float[ndarray, "3 3"]
+    p_LJ: Float[ndarray, "3"]
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot as the dynamics see it.
+
+    Attributes:
+        name: For reports.
+        joints: The n active joints in the order of every (N, n) array.
+        parameters: (10 n,) standard inertial parameters, joint by joint, each about
+            its body frame's origin; in the order of `oed.robot.inertia`.
+        gravity: (3,) acceleration of gravity in the base frame [m/s^2].
+        limits: Limits of the n joints.
+        source: File or built-in name that the robot was loaded from.
+        locked: Names of the joints of the source that are held still.
+    """
+
+    name: str
+    joints: tuple[Joint, ...]
+    parameters: Float[ndarray, "standard"]
+    gravity: Float[ndarray, "3"]
+    limits: JointLimits
+    source: str = ""
+    locked: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.parameters) != 10 * self.n:
+            raise ValueError(
+                f"{len(self.parameters)} parameters for {self.n} joints of ten each"
+            )
+        if len(self.limits.position) != self.n:
+            raise ValueError(
+                f"limits of {len(self.limits.position)} joints, robot has {self.n}"
+            )
+
+    @property
+    def n(self) -> int:
+        """Number of active joints."""
+        return len(self.joints)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the active joints, in column order."""
+        return tuple(joint.name for joint in self.joints)
+
+    @cached_property
+    def outward(self) -> tuple[int, ...]:
+        """Joint indices ordered so that every parent precedes its children."""
+        order: list[int] = []
+        while len(order) < self.n:
+            order += [
+                i
+                for i, joint in enumerate(self.joints)
+                if i not in order and (joint.parent == -1 or joint.parent in order)
+            ]
+        return tuple(order)
+
+    def path_to(self, joint: int) -> tuple[int, ...]:
+        """Joint indices from the base to `joint`, both ends included."""
+        path = [joint]
+        while self.joints[path[0]].parent != -1:
+            path.insert(0, self.joints[path[0]].parent)
+        return tuple(path)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """(10 n) names such as "mx_2": symbol and joint number from 1."""
+        return tuple(f"{s}_{i + 1}" for i in range(self.n) for s in PARAMETER_SYMBOLS)
+
+    @property
+    def parameter_units(self) -> tuple[str, ...]:
+        """(10 n) units of `parameters`."""
+        return PARAMETER_UNITS * self.n
+
+    def with_parameters(self, parameters: Float[ndarray, "standard"]) -> Robot:
+        """This robot with other inertial parameters."""
+        return dataclasses.replace(self, parameters=np.asarray(parameters, dtype=float))
+
+    def with_gravity(self, gravity: Float[ndarray, "3"]) -> Robot:
+        """This robot under another gravity [m/s^2]."""
+        return dataclasses.replace(self, gravity=np.asarray(gravity, dtype=float))
+
+    def with_limits(self, limits: JointLimits) -> Robot:
+        """This robot with other limits."""
+        return dataclasses.replace(self, limits=limits)
