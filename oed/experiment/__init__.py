@@ -1,0 +1,1 @@
+"""Recordings: what was measured, read and written, and the signals made of it."""

@@ -1,0 +1,77 @@
+"""Where a CSV file is at fault: the slow walk, taken only once a fault is known to exist."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+
+from oed.errors import DataSetError
+from oed.experiment.toml_table import LARGEST
+
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+NOT_A_NUMBER = {"nan", "inf", "infinity"}
+FIRST_ROW = 2  # the header is line 1
+
+
+def find_fault(
+    body: str,
+    header: tuple[str, ...],
+    wanted: Collection[str],
+    file: str,
+    *,
+    is_complete: bool,
+) -> DataSetError | None:
+    """The first fault of a CSV file's rows.
+
+    Args:
+        body: The lines after the header, separated by line feeds.
+        header: Names of the columns.
+        wanted: Those that must hold numbers.
+        file: Name for the message.
+        is_complete: Whether the last line of the file ends with a line break.
+    """
+    lines = body.removesuffix("\n").split("\n")
+    for i, line in enumerate(lines):
+        is_last = i == len(lines) - 1
+        message, column = _line_fault(line, header, wanted, is_last=is_last)
+        if message:
+            return DataSetError(message, file=file, row=i + FIRST_ROW, column=column)
+    if not is_complete:
+        message = (
+            "the last line has no line break, so its last number may have been cut off; "
+            "end it with a line break if it is whole, else delete it"
+        )
+        return DataSetError(message, file=file, row=len(lines) + FIRST_ROW - 1, column=header[-1])
+    return None
+
+
+def _line_fault(
+    line: str, header: tuple[str, ...], wanted: Collection[str], *, is_last: bool
+) -> tuple[str, str | None]:
+    if not line.strip():
+        return "empty line; delete it, or repair the log if a sample is missing", None
+    cells = line.split(",")
+    if len(cells) < len(header):
+        what = "the last line is truncated: it" if is_last else "the row"
+        missing = header[len(cells)]
+        return f"{what} holds {len(cells)} of {len(header)} columns; delete or repair it", missing
+    if len(cells) > len(header):
+        hint = "decimal commas?" if ";" in line else "a comma inside a number or text?"
+        return f"the row holds {len(cells)} cells for {len(header)} columns ({hint})", None
+    for name, cell in zip(header, cells, strict=True):
+        fault = _cell_fault(cell.strip()) if name in wanted else ""
+        if fault:
+            return fault, name
+    return "", None
+
+
+def _cell_fault(cell: str) -> str:
+    if not cell:
+        return "empty cell; remove the row or repair the log"
+    if cell.lower().lstrip("+-") in NOT_A_NUMBER:
+        return f"{cell} is not a finite number; remove the row or repair the log"
+    if not NUMBER.fullmatch(cell):
+        return f"{cell[:40]!r} is not a number"
+    if not abs(float(cell)) <= LARGEST:
+        return f"{cell[:40]} is beyond {LARGEST:g}; check its unit"
+    return ""

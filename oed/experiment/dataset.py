@@ -1,0 +1,117 @@
+"""One robot and its recordings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.experiment.recording import Recording, Role
+from oed.robot import Robot
+
+TorqueKind = Literal["measured", "current", "commanded"]
+TORQUE_KINDS: tuple[TorqueKind, ...] = get_args(TorqueKind)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What is known of the joints' drives, at the joint side; None where it is not.
+
+    Attributes:
+        gear_ratio: (n,) motor turns per joint turn.
+        rotor_inertia: (n,) inertia of the rotor, at the motor side [kg m^2].
+        current_to_torque: (n,) joint torque per motor current, gear included [N m/A]; the
+            recordings' torques have been multiplied by it.
+
+    Raises:
+        ValueError: If the numbers of joints disagree or an entry is not finite.
+    """
+
+    gear_ratio: Float[ndarray, "joints"] | None = None
+    rotor_inertia: Float[ndarray, "joints"] | None = None
+    current_to_torque: Float[ndarray, "joints"] | None = None
+
+    def __post_init__(self) -> None:
+        given = {
+            name: getattr(self, name) for name in DRIVE_KEYS if getattr(self, name) is not None
+        }
+        lengths = {name: len(values) for name, values in given.items()}
+        if len(set(lengths.values())) > 1:
+            raise ValueError(f"numbers of joints disagree: {lengths}")
+        for name, values in given.items():
+            if not np.isfinite(values).all():
+                raise ValueError(f"{name} is not finite: {values}")
+
+
+DRIVE_KEYS = ("gear_ratio", "rotor_inertia", "current_to_torque")
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """One robot and what was recorded of it.
+
+    Attributes:
+        name: Shown in reports.
+        source: Where the data come from.
+        licence: Of the data.
+        robot: Its joints are the recordings' columns, its limits those of the data set.
+        torque: How the torque was obtained: "measured" at the joint, from the drive's
+            "current", or only "commanded".
+        drive: What is known of the drives.
+        recordings: In the order of the data set.
+
+    Raises:
+        ValueError: If a recording's number of joints is not the robot's, or a name is used twice.
+    """
+
+    name: str
+    source: str
+    licence: str
+    robot: Robot
+    torque: TorqueKind
+    drive: Drive = field(default_factory=Drive)
+    recordings: tuple[Recording, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.torque not in TORQUE_KINDS:
+            raise ValueError(f"torque {self.torque!r} is none of {TORQUE_KINDS}")
+        for recording in self.recordings:
+            if recording.n != self.robot.n:
+                raise ValueError(
+                    f"recording {recording.name!r} has {recording.n} joints, "
+                    f"robot {self.robot.name!r} has {self.robot.n}"
+                )
+        for key in DRIVE_KEYS:
+            values = getattr(self.drive, key)
+            if values is not None and len(values) != self.robot.n:
+                raise ValueError(f"{key} of {len(values)} joints, the robot has {self.robot.n}")
+        names = [recording.name for recording in self.recordings]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"recordings named twice: {twice}")
+
+    @property
+    def estimation(self) -> tuple[Recording, ...]:
+        """Recordings to estimate parameters from."""
+        return self._with_role("estimation")
+
+    @property
+    def validation(self) -> tuple[Recording, ...]:
+        """Recordings to choose between models with."""
+        return self._with_role("validation")
+
+    @property
+    def test(self) -> tuple[Recording, ...]:
+        """Recordings to be looked at last."""
+        return self._with_role("test")
+
+    @property
+    def unused(self) -> tuple[tuple[str, str], ...]:
+        """Pairs (file, column) of the columns that nothing reads, to be shown to the user."""
+        return tuple((r.source, column) for r in self.recordings for column in r.unused_columns)
+
+    def _with_role(self, role: Role) -> tuple[Recording, ...]:
+        return tuple(recording for recording in self.recordings if recording.role == role)

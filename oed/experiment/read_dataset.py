@@ -1,0 +1,213 @@
+"""Read a data set from its folder; see `oed.errors.DataSetError` for what a fault says."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.errors import DataSetError, OedError
+from oed.experiment.column_names import ColumnNames, find_columns
+from oed.experiment.dataset import DRIVE_KEYS, DataSet, Drive
+from oed.experiment.manifest import MANIFEST, Manifest, RecordingEntry, read_manifest
+from oed.experiment.recording import Recording
+from oed.experiment.recording_checks import (
+    check_positions,
+    check_repetitions,
+    check_rows,
+    check_time,
+    derive_repetition,
+    repetition_index,
+)
+from oed.experiment.recording_file import read_columns
+from oed.experiment.toml_table import nearest
+from oed.robot import Robot, load_robot
+
+STILL = 0.01  # [rad or m] a joint that travels no further may be left out as locked
+
+
+def read_dataset(directory: str | Path, *, joints: Sequence[str] | None = None) -> DataSet:
+    """Read a folder with a `dataset.toml`, a robot and recordings.
+
+    Args:
+        directory: The folder.
+        joints: Names of the joints to keep, in this order; all if None. The others are
+            locked where they stood, and must have stood still.
+
+    Returns:
+        The data set with torques in N m (currents are multiplied by `current_to_torque`),
+        columns and drive of the kept joints only, and limits of the data set where it
+        states any, else of the robot's file.
+
+    Raises:
+        DataSetError: At the first fault, naming file, row and column.
+    """
+    folder = Path(directory)
+    if not folder.is_dir():
+        raise DataSetError("no such folder", file=str(folder))
+    manifest = read_manifest(folder)
+    every = tuple(range(len(manifest.joints)))
+    robot = _load_robot(folder, manifest, every, {})
+    _check_all_listed(folder, manifest, robot)
+    recordings = _read_recordings(folder, manifest, robot)
+    kept = _kept(folder, manifest, joints)
+    if kept != every:
+        standing = _standing(manifest, recordings, kept)
+        robot = _load_robot(folder, manifest, kept, standing)
+        recordings = tuple(_select(recording, kept) for recording in recordings)
+    return DataSet(
+        name=manifest.name,
+        source=manifest.source,
+        licence=manifest.licence,
+        robot=robot,
+        torque=manifest.torque,
+        drive=_select_drive(manifest.drive, kept),
+        recordings=recordings,
+    )
+
+
+def _load_robot(
+    folder: Path, manifest: Manifest, kept: Sequence[int], locked: Mapping[str, float]
+) -> Robot:
+    """The robot with the kept joints active and the limits of the data set."""
+    is_builtin = manifest.robot.startswith("builtin:")
+    source = manifest.robot if is_builtin else folder / manifest.robot
+    names = [manifest.joints[j] for j in kept]
+    limits = {kind: bounds[list(kept)] for kind, bounds in manifest.limits.items()}
+    try:
+        robot = load_robot(source, joints=names, locked=locked, gravity=tuple(manifest.gravity))
+        return robot.with_limits(robot.limits.with_(**limits))
+    except (OedError, ValueError, RuntimeError, OSError) as error:
+        key = "joints" if "joint" in str(error) else "robot"
+        message = f"the robot cannot be used: {error}"
+        raise DataSetError(message, file=str(folder / MANIFEST), column=key) from error
+
+
+def _check_all_listed(folder: Path, manifest: Manifest, robot: Robot) -> None:
+    """A joint that nobody logged may have stood anywhere: its inertia is then unknown."""
+    if robot.locked:
+        message = (
+            f"lists {robot.n} joints, {manifest.robot} has {robot.n + len(robot.locked)} that "
+            f"move; not listed: {', '.join(robot.locked)}. Record these too, or, if they were "
+            "held at zero, make them `fixed` in the robot's file"
+        )
+        raise DataSetError(message, file=str(folder / MANIFEST), column="joints")
+
+
+def _read_recordings(folder: Path, manifest: Manifest, robot: Robot) -> tuple[Recording, ...]:
+    seen: dict[Path, str] = {}
+    recordings = []
+    for entry in manifest.recordings:
+        path = folder / entry.file
+        try:
+            real = path.resolve()
+        except (OSError, RuntimeError) as error:
+            raise DataSetError(f"cannot be found: {error}", file=str(path)) from error
+        if real in seen:
+            message = f"{entry.file!r} and {seen[real]!r} are the same file; list it once"
+            raise DataSetError(message, file=str(folder / MANIFEST), column="recording.file")
+        seen[real] = entry.file
+        recordings.append(_read_recording(path, entry, robot, manifest.drive))
+    return tuple(recordings)
+
+
+def _read_recording(path: Path, entry: RecordingEntry, robot: Robot, drive: Drive) -> Recording:
+    file = str(path)
+    read = read_columns(path, lambda header: find_columns(header, robot.n, file).all)
+    names = find_columns((*read.values, *read.others), robot.n, file)
+    fields = _Fields(names, read.values)
+    t = read.values["t"]
+    check_time(t, file, read.first_row)
+    check_rows(t, robot.n, file)
+    q = fields.stacked("q")
+    check_positions(q, robot, file, read.first_row)
+    repetition = None
+    if "repetition" in read.values:
+        repetition = repetition_index(read.values["repetition"], file, read.first_row)
+    check_repetitions(t, repetition, entry, file)
+    if repetition is None and entry.repetitions is not None:
+        repetition = derive_repetition(t, entry.repetitions, entry.period)
+    factor = drive.current_to_torque
+    tau = fields.stacked("tau")
+    return Recording(
+        name=entry.name,
+        role=entry.role,
+        t=t,
+        q=q,
+        tau=tau if factor is None else tau * factor,
+        dq=fields.stacked("dq") if "dq" in names.fields else None,
+        ddq=fields.stacked("ddq") if "ddq" in names.fields else None,
+        repetition=repetition,
+        temperature=fields.stacked("temperature") if "temperature" in names.fields else None,
+        period=entry.period,
+        source=file,
+        unused_columns=read.others,
+    )
+
+
+@dataclass(frozen=True)
+class _Fields:
+    names: ColumnNames
+    values: Mapping[str, Float[ndarray, "samples"]]
+
+    def stacked(self, field: str) -> Float[ndarray, "samples columns"]:
+        return np.column_stack([self.values[name] for name in self.names.fields[field]])
+
+
+def _kept(folder: Path, manifest: Manifest, joints: Sequence[str] | None) -> tuple[int, ...]:
+    if joints is None:
+        return tuple(range(len(manifest.joints)))
+    if not joints or len(set(joints)) != len(joints):
+        raise DataSetError(
+            f"choose at least one joint, each once; chosen: {list(joints)}",
+            file=str(folder / MANIFEST),
+            column="joints",
+        )
+    for name in joints:
+        if name not in manifest.joints:
+            message = f"no joint {name!r} to choose; {nearest(name, manifest.joints)}"
+            raise DataSetError(message, file=str(folder / MANIFEST), column="joints")
+    return tuple(manifest.joints.index(name) for name in joints)
+
+
+def _standing(
+    manifest: Manifest, recordings: Sequence[Recording], kept: Sequence[int]
+) -> dict[str, float]:
+    """Positions [rad or m] of the joints left out, which must stand still throughout."""
+    left_out = [j for j in range(len(manifest.joints)) if j not in kept]
+    standing = {}
+    for j in left_out:
+        name = manifest.joints[j]
+        start = float(recordings[0].q[0, j])
+        for recording in recordings:
+            travel = float(np.abs(recording.q[:, j] - start).max())
+            if travel > STILL:
+                message = (
+                    f"joint {name!r} was not chosen but moves {travel:.4g} (at most {STILL:g} "
+                    "counts as still), so it cannot be locked; choose it too"
+                )
+                raise DataSetError(message, file=recording.source, column=f"q_{j + 1}")
+        samples = np.concatenate([recording.q[:, j] for recording in recordings])
+        standing[name] = float(samples.mean())
+    return standing
+
+
+def _select(recording: Recording, kept: Sequence[int]) -> Recording:
+    columns = list(kept)
+    return dataclasses.replace(
+        recording,
+        q=recording.q[:, columns],
+        tau=recording.tau[:, columns],
+        dq=None if recording.dq is None else recording.dq[:, columns],
+        ddq=None if recording.ddq is None else recording.ddq[:, columns],
+    )
+
+
+def _select_drive(drive: Drive, kept: Sequence[int]) -> Drive:
+    given = {key: getattr(drive, key) for key in DRIVE_KEYS}
+    return Drive(**{key: None if v is None else v[list(kept)] for key, v in given.items()})

@@ -1,0 +1,122 @@
+"""What must hold of a recording's numbers before they are believed."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from oed.errors import DataSetError
+from oed.experiment.manifest import RecordingEntry
+from oed.robot import Robot
+
+PARAMETERS_PER_JOINT = 12  # ten inertial parameters, Coulomb and viscous friction
+# A joint cannot be this far beyond its limits; degrees taken for radians are 57 times too large,
+# and even a motion over a tenth of the range shows.
+BEYOND_LIMITS = 5.0
+PERIOD_TOLERANCE = 0.002  # of the span: clocks of motion and logger differ by far less
+
+
+def check_rows(t: Float[ndarray, "samples"], joints: int, file: str) -> None:
+    """Refuse fewer rows than the torque model of `joints` joints has parameters."""
+    needed = PARAMETERS_PER_JOINT * joints
+    if len(t) < needed:
+        message = (
+            f"{len(t)} rows are fewer than the {needed} parameters of {joints} joints "
+            f"({PARAMETERS_PER_JOINT} each: inertia, Coulomb and viscous friction); record longer"
+        )
+        raise DataSetError(message, file=file)
+
+
+def check_time(t: Float[ndarray, "samples"], file: str, first_row: int) -> None:
+    """Refuse time that repeats or runs back."""
+    stuck = np.flatnonzero(np.diff(t) <= 0)
+    if stuck.size:
+        i = int(stuck[0])
+        what = "repeats" if t[i + 1] == t[i] else "runs back"
+        message = (
+            f"time {what}: {t[i]:.9g} s is followed by {t[i + 1]:.9g} s; "
+            "sort the rows, drop repeated ones, or log time with more digits"
+        )
+        raise DataSetError(message, file=file, row=i + 1 + first_row, column="t")
+
+
+def check_positions(
+    q: Float[ndarray, "samples joints"], robot: Robot, file: str, first_row: int
+) -> None:
+    """Refuse positions so far beyond the limits that they must be degrees."""
+    bound = np.abs(robot.limits.position).max(axis=1)
+    for j, joint in enumerate(robot.joints):
+        row = int(np.abs(q[:, j]).argmax())
+        largest = float(abs(q[row, j]))
+        if largest <= BEYOND_LIMITS * bound[j]:
+            continue
+        unit = "rad" if joint.kind == "revolute" else "m"
+        advice = (
+            "this looks like degrees; convert positions and velocities to radians"
+            if joint.kind == "revolute"
+            else "this looks like millimetres; convert to metres"
+        )
+        message = (
+            f"|q| = {largest:.5g} is {largest / bound[j]:.3g} times the limit of joint "
+            f"{joint.name!r}, {bound[j]:.4g} {unit}: {advice}"
+        )
+        raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
+
+
+def repetition_index(
+    values: Float[ndarray, "samples"], file: str, first_row: int
+) -> Int[ndarray, "samples"]:
+    """The `repetition` column as whole numbers that never fall."""
+    wrong = np.flatnonzero((values < 0) | (values != np.round(values)))
+    if wrong.size:
+        row = int(wrong[0])
+        message = f"{values[row]:g} is not a repetition; count them 0, 1, 2, …"
+        raise DataSetError(message, file=file, row=row + first_row, column="repetition")
+    falls = np.flatnonzero(np.diff(values) < 0)
+    if falls.size:
+        row = int(falls[0]) + 1
+        message = f"repetition {values[row]:g} follows {values[row - 1]:g}; they must not fall"
+        raise DataSetError(message, file=file, row=row + first_row, column="repetition")
+    return values.astype(np.int64)
+
+
+def check_repetitions(
+    t: Float[ndarray, "samples"],
+    repetition: Int[ndarray, "samples"] | None,
+    entry: RecordingEntry,
+    file: str,
+) -> None:
+    """Hold `repetitions` and `period` of the manifest against the rows."""
+    if entry.repetitions is None:
+        return
+    if repetition is not None and len(np.unique(repetition)) != entry.repetitions:
+        message = (
+            f"the column holds {len(np.unique(repetition))} repetitions, "
+            f"dataset.toml says repetitions = {entry.repetitions}; correct one of them"
+        )
+        raise DataSetError(message, file=file, column="repetition")
+    if entry.period is None:
+        return
+    # The last sample of whole periods comes at their end or one step before it.
+    span = float(t[-1] - t[0] + np.median(np.diff(t)))
+    stated = entry.repetitions * entry.period
+    slack = 2 * float(np.median(np.diff(t))) + PERIOD_TOLERANCE * stated
+    if abs(span - stated) > slack:
+        message = (
+            f"the time column spans {span:.6g} s, but dataset.toml says {entry.repetitions} "
+            f"repetitions x {entry.period:g} s = {stated:.6g} s; correct either, or cut the "
+            "recording to whole periods"
+        )
+        raise DataSetError(message, file=file, column="t")
+
+
+def derive_repetition(
+    t: Float[ndarray, "samples"], repetitions: int, period: float | None
+) -> Int[ndarray, "samples"]:
+    """Repetition index from time alone, for a recording that holds whole repetitions."""
+    if period is None:
+        period = float(t[-1] - t[0] + np.median(np.diff(t))) / repetitions
+    # A sample that rounding puts just before the end of a period opens the next one.
+    phase = (t - t[0]) / period + 1e-6
+    return np.minimum(np.floor(phase), repetitions - 1).astype(np.int64)

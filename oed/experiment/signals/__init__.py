@@ -1,0 +1,1 @@
+"""Signal processing, one operation a function; nothing here knows of robots."""
