@@ -1,0 +1,61 @@
+# make setup   leave the pinned environment in .venv (skipped while environment.txt is unchanged)
+# make test    setup, then the tests
+# make paper   setup, then the main job: recordings in, parameters, tables and figures out
+#              make paper DATA=DIR reads the data sets in DIR
+# make lint    setup, then lint, format check and type check
+# make clean   remove the environment, the caches and what a run wrote (results/ stays)
+
+VENV := .venv
+PYTHON := $(VENV)/bin/python
+STAMP := $(VENV)/environment.sha256
+# Two workers share the machine with whatever else runs on it.
+WORKERS ?= 2
+DATA ?=
+
+# The tests run in parallel already: more BLAS threads would only wait for one another.
+test: export OMP_NUM_THREADS = 1
+
+.DEFAULT_GOAL := help
+.PHONY: help setup test paper lint clean
+
+help:
+	@sed -n 's/^# \{0,1\}//p;/^$$/q' Makefile
+
+setup: $(STAMP)
+
+# The stamp holds the hash of environment.txt, so that a fresh checkout time does not reinstall.
+$(STAMP): environment.txt
+	@if [ -f $@ ] && sha256sum --check --status $@; then touch $@; exit 0; fi; \
+	set -e; \
+	for candidate in python3.11 python3; do \
+	  if command -v $$candidate >/dev/null 2>&1 && \
+	     $$candidate -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; then \
+	    python=$$candidate; break; \
+	  fi; \
+	done; \
+	if [ -z "$${python:-}" ]; then \
+	  echo "make setup: needs Python 3.11; neither python3.11 nor python3 on the PATH is that." >&2; \
+	  exit 1; \
+	fi; \
+	echo "Setting up $(VENV) with $$python"; \
+	$$python -m venv --clear $(VENV) || { \
+	  echo "make setup: $$python cannot make an environment; on Debian and Ubuntu install python3.11-venv." >&2; \
+	  exit 1; \
+	}; \
+	$(PYTHON) -m pip install --quiet --disable-pip-version-check --require-hashes -r environment.txt; \
+	sha256sum environment.txt > $@
+
+test: setup
+	$(PYTHON) -m pytest -n $(WORKERS)
+
+paper: setup
+	$(PYTHON) -m studies.paper $(if $(DATA),--data "$(DATA)")
+
+lint: setup
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m ruff format --check .
+	$(PYTHON) -m basedpyright
+
+clean:
+	rm -rf $(VENV) out build dist .pytest_cache .ruff_cache .hypothesis .numba_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

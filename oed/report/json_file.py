@@ -1,0 +1,103 @@
+"""JSON files that are whole or not there, with NumPy values written as plain ones."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import tempfile
+from collections.abc import Mapping
+from datetime import date, datetime
+from pathlib import Path
+
+import numpy as np
+
+
+def plain_value(value: object, place: str = "$") -> object:
+    """A value in the types that JSON has.
+
+    Args:
+        value: Numbers, text, None, NumPy scalars and arrays, paths, dates, dataclasses,
+            mappings with text keys, sequences and sets of these. Sets come out sorted.
+        place: Where the value stands, for the error message.
+
+    Raises:
+        ValueError: If a number is NaN or infinite, which JSON cannot say.
+        TypeError: If a type or a key has no counterpart in JSON.
+    """
+    if value is None or isinstance(value, (bool, str, int)):
+        return value
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise ValueError(f"{place} is {value}: JSON has no such number; write null instead")
+        return float(value)
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain_value(value.tolist(), place)
+    if isinstance(value, (Path, datetime, date)):
+        return str(value) if isinstance(value, Path) else value.isoformat()
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+        return plain_value(fields, place)
+    if isinstance(value, Mapping):
+        return {_key(k, place): plain_value(v, f"{place}.{k}") for k, v in value.items()}
+    if isinstance(value, (set, frozenset)):
+        value = sorted(value)
+    if isinstance(value, (list, tuple)):
+        return [plain_value(v, f"{place}[{i}]") for i, v in enumerate(value)]
+    raise TypeError(f"{place} is a {type(value).__name__}, which JSON has no type for")
+
+
+def write_json(path: str | Path, value: object) -> None:
+    """Write a value as indented JSON.
+
+    Raises:
+        ValueError: As `plain_value`; nothing is written.
+        TypeError: As `plain_value`; nothing is written.
+    """
+    text = json.dumps(plain_value(value), indent=2, ensure_ascii=False, allow_nan=False)
+    write_atomically(path, text + "\n")
+
+
+def read_json(path: str | Path) -> object:
+    """The value that a JSON file holds.
+
+    Raises:
+        ValueError: If the file is not JSON, or holds NaN or an infinity.
+    """
+    return json.loads(Path(path).read_text(encoding="utf-8"), parse_constant=_refuse_constant)
+
+
+def write_atomically(path: str | Path, text: str) -> None:
+    """Write a text file so that a reader sees the old or the new one, never a part.
+
+    Folders on the way are made. The temporary file lies beside the target: a rename is
+    only atomic within one file system.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    part = Path(name)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="") as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        # mkstemp makes files private; a result is for everyone that the umask allows.
+        umask = os.umask(0)
+        os.umask(umask)
+        part.chmod(0o666 & ~umask)
+        part.replace(path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+
+
+def _key(key: object, place: str) -> str:
+    if not isinstance(key, str):
+        raise TypeError(f"{place} has the key {key!r}: JSON has text keys only")
+    return key
+
+
+def _refuse_constant(constant: str) -> object:
+    raise ValueError(f"holds {constant}, which is not JSON")

@@ -1,0 +1,22 @@
+"""Where the tests find what is not written by them."""
+
+from pathlib import Path
+
+import pytest
+
+REPO = Path(__file__).resolve().parent.parent
+# Recordings are too large to commit: they lie beside the checkout where there are any.
+SHARED_DATA = REPO.parent / "shared" / "data"
+
+needs_shared_data = pytest.mark.skipif(
+    not SHARED_DATA.is_dir(),
+    reason="the measured recordings (../shared/data, beside the checkout) are not on this machine",
+)
+
+
+def example_robot(name: str) -> Path:
+    """Path of a URDF of the package example-robot-data, such as "panda_description/urdf/panda.urdf"."""
+    robots = Path(sysconfig.get_path("purelib"), "cmeel.prefix/share/example-robot-data/robots")
+    path = robots / name
+    assert path.is_file(), f"example-robot-data has no {name}"
+    return path

@@ -1,0 +1,110 @@
+"""The order of the packages holds: data flow one way, and so do the imports."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from tests.paths import REPO
+
+ORDER = ("robot", "dynamics", "design", "experiment", "estimation", "diagnosis", "report")
+SHARED_BY_ALL = ("errors",)
+OUTSIDE = ("studies", "tests", "paper_figures")
+# A figure reads results/: what it shows was computed, and recorded, by a study.
+NOT_IN_FIGURES = ("oed.design", "scipy.optimize", "cma", "casadi", "cvxpy", "clarabel", "scs")
+
+
+def imported_modules(file: Path, root: Path) -> list[tuple[int, str]]:
+    """Every module that a file imports, wherever in it, as (line, absolute dotted name)."""
+    package = file.relative_to(root).parent.parts
+    found: list[tuple[int, str]] = []
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"), str(file))):
+        if isinstance(node, ast.Import):
+            found += [(node.lineno, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join((*base, *(node.module or "").split("."))).strip(".")
+            # `from oed import design` names a package in the alias, not in the module.
+            found += [(node.lineno, f"{module}.{alias.name}") for alias in node.names]
+    return found
+
+
+def is_within(module: str, package: str) -> bool:
+    return module == package or module.startswith(package + ".")
+
+
+def faults_of_library_file(file: Path, root: Path) -> list[str]:
+    parts = file.relative_to(root).with_suffix("").parts
+    layer = parts[1]
+    if layer in ORDER:
+        allowed = (*SHARED_BY_ALL, *ORDER[: ORDER.index(layer) + 1])
+    elif layer in SHARED_BY_ALL or layer == "__init__":
+        allowed = SHARED_BY_ALL
+    else:
+        return [f"{file.relative_to(root)}: {layer!r} has no place in the order {ORDER}"]
+    faults = []
+    for line, module in imported_modules(file, root):
+        top, *inner = module.split(".")
+        upstream = top == "oed" and inner and inner[0] in ORDER and inner[0] not in allowed
+        if upstream or top in OUTSIDE:
+            faults.append(f"{file.relative_to(root)}:{line} imports {module}")
+    return faults
+
+
+def faults_of_figure(file: Path, root: Path) -> list[str]:
+    return [
+        f"{file.relative_to(root)}:{line} imports {module}"
+        for line, module in imported_modules(file, root)
+        if any(is_within(module, forbidden) for forbidden in NOT_IN_FIGURES)
+    ]
+
+
+def layering_faults(root: Path) -> list[str]:
+    faults = []
+    for file in sorted((root / "oed").rglob("*.py")):
+        faults += faults_of_library_file(file, root)
+    for file in sorted((root / "paper_figures").rglob("*.py")):
+        faults += faults_of_figure(file, root)
+    return faults
+
+
+def test_imports_run_downstream_only() -> None:
+    assert layering_faults(REPO) == []
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("oed/robot/x.py", "from oed.dynamics import Motion"),
+        ("oed/robot/x.py", "from oed import report"),
+        ("oed/dynamics/effects/x.py", "from ...design.criteria import log_det"),
+        ("oed/estimation/x.py", "import oed.diagnosis.residual as residual"),
+        ("oed/report/x.py", "def f():\n    from studies.identify import run"),
+        ("oed/errors.py", "from oed.robot import Robot"),
+        ("oed/helpers/x.py", "import numpy"),
+        ("paper_figures/x.py", "from oed.design import problem"),
+        ("paper_figures/x.py", "from scipy.optimize import minimize"),
+    ],
+)
+def test_a_planted_fault_is_caught(tmp_path: Path, path: str, line: str) -> None:
+    file = tmp_path / path
+    file.parent.mkdir(parents=True)
+    file.write_text(line + "\n", encoding="utf-8")
+    assert len(layering_faults(tmp_path)) == 1
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("oed/dynamics/x.py", "from oed.robot import Robot"),
+        ("oed/dynamics/effects/x.py", "from ..motion import Motion"),
+        ("oed/robot/x.py", "from oed.errors import RobotError"),
+        ("oed/report/x.py", "from oed.estimation import Estimate"),
+        ("paper_figures/x.py", "from oed.report.style import save_figure"),
+    ],
+)
+def test_a_downstream_import_passes(tmp_path: Path, path: str, line: str) -> None:
+    file = tmp_path / path
+    file.parent.mkdir(parents=True)
+    file.write_text(line + "\n", encoding="utf-8")
+    assert layering_faults(tmp_path) == []
