@@ -11,8 +11,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.errors import DataSetError
-from oed.experiment.dataset import DRIVE_KEYS, TORQUE_KINDS, Drive
-from oed.experiment.recording import ROLES
+from oed.experiment.dataset import DRIVE_KEYS, TORQUE_KINDS, Drive, TorqueKind
+from oed.experiment.recording import ROLES, Role
 from oed.experiment.toml_table import LARGEST, TomlTable
 
 MANIFEST = "dataset.toml"
@@ -37,7 +37,7 @@ class RecordingEntry:
     """One [[recording]] table: its file, role, repetitions and period [s]."""
 
     file: str
-    role: str
+    role: Role
     repetitions: int | None
     period: float | None
 
@@ -57,7 +57,7 @@ class Manifest:
     robot: str
     joints: tuple[str, ...]
     gravity: Float[ndarray, "3"]
-    torque: str
+    torque: TorqueKind
     limits: dict[str, Float[ndarray, "joints 2"]]
     drive: Drive
     recordings: tuple[RecordingEntry, ...]
@@ -73,7 +73,7 @@ def read_manifest(directory: Path) -> Manifest:
     table = TomlTable(_parse(path), path)
     table.only(*TOP_KEYS, "limits", "drive", "recording")
     if table.integer("format") != FORMAT:
-        table.fail("format", f"is {table.value('format')}; this reader knows format = {FORMAT}")
+        table.fail("format", f"another version; this reader knows format = {FORMAT}")
     joints = table.names("joints")
     return Manifest(
         name=table.text("name"),
@@ -146,7 +146,7 @@ def _recording(table: TomlTable) -> RecordingEntry:
         table.fail("file", f"{file!r} must end in one of {SUFFIXES}")
     repetitions = table.integer("repetitions") if table.has("repetitions") else None
     if repetitions is not None and not 1 <= repetitions <= LARGEST:
-        table.fail("repetitions", f"must be at least 1, got {repetitions:.9g}")
+        table.fail("repetitions", f"must be at least 1 and below {LARGEST:g}")
     period = table.number("period") if table.has("period") else None
     if period is not None and not 0 < period <= LARGEST:
         table.fail("period", f"must be a positive number of seconds, got {period:g}")

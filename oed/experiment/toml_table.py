@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Never
+from typing import Never, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -15,6 +15,8 @@ from oed.errors import DataSetError
 
 # No joint quantity in SI units comes near, nor do seconds since 1970: beyond it, a unit is wrong.
 LARGEST = 1e10
+
+Choice = TypeVar("Choice", bound=str)
 
 
 class TomlTable:
@@ -30,47 +32,58 @@ class TomlTable:
         raise self.error(key, message)
 
     def error(self, key: str, message: str) -> DataSetError:
+        """A `DataSetError` about `key`."""
         return DataSetError(message, file=str(self._path), column=f"{self._prefix}{key}")
 
     def only(self, *known: str) -> None:
+        """Refuse keys that are not `known`."""
         for key in self._content:
             if key not in known:
                 raise self.error(key, f"unknown key; {nearest(key, known)}")
 
     def has(self, key: str) -> bool:
+        """Whether the key is there."""
         return key in self._content
 
     def value(self, key: str) -> object:
+        """The value, of whatever type; the key must be there."""
         if key not in self._content:
             raise self.error(key, "missing; add it (the format's page describes each key)")
         return self._content[key]
 
     def text(self, key: str) -> str:
+        """Text that is not blank."""
         value = self.value(key)
         if not isinstance(value, str) or not value.strip() or "\0" in value:
             raise self.error(key, f"must be text in quotes, got {_show(value)}")
         return value
 
-    def one_of(self, key: str, choices: Collection[str]) -> str:
+    def one_of(self, key: str, choices: Collection[Choice]) -> Choice:
+        """Text that is one of `choices`."""
         value = self.text(key)
-        if value not in choices:
-            raise self.error(key, f"{value!r} is not allowed; {nearest(value, choices)}")
-        return value
+        for choice in choices:
+            if choice == value:
+                return choice
+        raise self.error(key, f"{_show(value)} is not allowed; {nearest(value, choices)}")
 
     def integer(self, key: str) -> int:
+        """A whole number."""
         value = self.value(key)
         if isinstance(value, bool) or not isinstance(value, int):
             raise self.error(key, f"must be a whole number, got {_show(value)}")
         return value
 
     def number(self, key: str) -> float:
+        """A finite number."""
         return self._number(key, self.value(key), finite=True)
 
     def numbers(self, key: str, count: int) -> Float[ndarray, "count"]:
+        """A list of `count` finite numbers."""
         values = self._list(key, count)
         return np.array([self._number(key, value, finite=True) for value in values])
 
     def names(self, key: str) -> tuple[str, ...]:
+        """A list of different names."""
         values = self.value(key)
         if not isinstance(values, list) or not values:
             raise self.error(key, f"must be a list of joint names, got {_show(values)}")
@@ -82,6 +95,7 @@ class TomlTable:
         return tuple(values)
 
     def bounds(self, key: str, n: int) -> Float[ndarray, "n 2"]:
+        """(n, 2) lower and upper bounds from [lower, upper] or one positive bound a joint."""
         return np.array([self._bound(key, value) for value in self._list(key, n)])
 
     def _bound(self, key: str, value: object) -> tuple[float, float]:
@@ -100,12 +114,14 @@ class TomlTable:
         return -bound, bound
 
     def child(self, key: str) -> TomlTable:
+        """The table [key]; empty if absent."""
         value = self._content.get(key, {})
         if not isinstance(value, dict):
             raise self.error(key, f"must be a table [{key}], got {_show(value)}")
         return TomlTable(value, self._path, f"{self._prefix}{key}.")
 
     def children(self, key: str) -> list[TomlTable]:
+        """The tables [[key]], at least one."""
         values = self.value(key)
         if not isinstance(values, list) or not values:
             raise self.error(key, f"must be one [[{key}]] table a file, got {_show(values)}")
@@ -126,7 +142,9 @@ class TomlTable:
     def _number(self, key: str, value: object, *, finite: bool) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self.error(key, f"must be a number, got {_show(value)}")
-        if value != value or (abs(value) > LARGEST and (finite or not _is_infinite(value))):
+        is_infinite = isinstance(value, float) and np.isinf(value)
+        # NaN fails every comparison.
+        if not (abs(value) <= LARGEST or (is_infinite and not finite)):
             raise self.error(key, f"must be a finite number below {LARGEST:g}, got {_show(value)}")
         return float(value)
 
@@ -136,10 +154,6 @@ def nearest(word: str, known: Collection[str]) -> str:
     close = get_close_matches(word, known, n=1)
     choices = ", ".join(known)
     return f"did you mean {close[0]!r}? Known: {choices}" if close else f"known: {choices}"
-
-
-def _is_infinite(value: float) -> bool:
-    return isinstance(value, float) and np.isinf(value)
 
 
 def _show(value: object) -> str:

@@ -57,9 +57,10 @@ def spectral_derivative(
     harmonics: int | None = None,
     order: int = 1,
 ) -> Float[ndarray, "samples *columns"]:
-    """Derivative of periodic motion, exact for the harmonics kept (Swevers et al., IEEE
-    Trans. Robotics and Automation 13(5), 1997, section IV).
+    """Derivative of periodic motion, exact for the harmonics kept.
 
+    Swevers et al., "Optimal robot excitation and identification", IEEE Trans. Robotics and
+    Automation 13(5), 1997: a periodic excitation is differentiated in the frequency domain.
     Everything between the harmonics of the period, and above the last one kept, is noise
     by assumption and is removed.
 

@@ -1,0 +1,198 @@
+"""From a recording to the motion and torque that an estimate is made of."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from numpy import ndarray
+
+from oed.dynamics.motion import Motion
+from oed.experiment.recording import Recording, Role
+from oed.experiment.signals.differentiation import central_difference
+from oed.experiment.signals.lowpass import lowpass
+from oed.experiment.signals.resampling import (
+    Interpolation,
+    fresh_rows,
+    resample,
+    uniform_grid,
+)
+
+VelocitySource = Literal["differentiated", "logged"]
+
+
+@dataclass(frozen=True)
+class ProcessingSettings:
+    """How recordings become motion and torque; `choose_settings` proposes one.
+
+    Attributes:
+        rate: Of the uniform grid that everything is brought to [Hz].
+        cutoff: Of the zero-phase low-pass of q, dq and tau alike [Hz].
+        order: Of the one-way Butterworth filter.
+        decimation: Every how many-th sample of the grid is kept.
+        trim: Cut at each end, where the filter has not settled [s].
+        velocity: "differentiated" from the filtered position, or the "logged" dq.
+        interpolation: Between the logged instants.
+        drop_repeats: Whether rows that repeat their predecessor exactly are left out.
+        reasons: One line a setting, why it was chosen.
+
+    Raises:
+        ValueError: If a setting is out of its range.
+    """
+
+    rate: float
+    cutoff: float
+    order: int = 4
+    decimation: int = 1
+    trim: float = 0.0
+    velocity: VelocitySource = "differentiated"
+    interpolation: Interpolation = "cubic"
+    drop_repeats: bool = True
+    reasons: tuple[str, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        if not 0 < self.cutoff < self.rate / 2:
+            raise ValueError(
+                f"cut-off {self.cutoff:g} Hz must lie between 0 and half the rate {self.rate:g} Hz"
+            )
+        if self.decimation < 1 or self.order < 1:
+            raise ValueError(f"decimation {self.decimation}, order {self.order}: both at least 1")
+        if self.cutoff > self.output_rate / 2:
+            raise ValueError(
+                f"{self.output_rate:g} Hz after decimation by {self.decimation} cannot carry "
+                f"signals up to {self.cutoff:g} Hz"
+            )
+        if self.trim < 0:
+            raise ValueError(f"trim {self.trim:g} s must not be negative")
+        if self.velocity not in ("differentiated", "logged"):
+            raise ValueError(f"velocity {self.velocity!r} is neither differentiated nor logged")
+
+    @property
+    def output_rate(self) -> float:
+        """Sampling rate of the result [Hz]."""
+        return self.rate / self.decimation
+
+    def with_cutoff(self, cutoff: float) -> ProcessingSettings:
+        """These settings with another cut-off [Hz], and the decimation and trim that suit it."""
+        return dataclasses.replace(
+            self,
+            cutoff=cutoff,
+            decimation=suitable_decimation(self.rate, cutoff),
+            trim=suitable_trim(cutoff),
+            reasons=(f"cut-off {cutoff:g} Hz: given",),
+        )
+
+    def __str__(self) -> str:
+        return "\n".join(self.reasons)
+
+
+@dataclass(frozen=True)
+class ProcessedRecording:
+    """Motion and torque of one recording, in one frequency band.
+
+    Attributes:
+        name: Of the recording.
+        role: Of the recording.
+        motion: N samples on a uniform grid.
+        tau: (N, n) torque [N m or N].
+        rate: Sampling rate [Hz].
+        bandwidth: Cut-off of the low-pass [Hz]: successive residuals are correlated over
+            about 1 / (2 bandwidth).
+        repetition: (N,) repetition that each sample belongs to, where the recording says.
+    """
+
+    name: str
+    role: Role
+    motion: Motion
+    tau: Float[ndarray, "samples joints"]
+    rate: float
+    bandwidth: float
+    repetition: Int[ndarray, "samples"] | None = None
+
+    def __post_init__(self) -> None:
+        if self.tau.shape != self.motion.q.shape:
+            raise ValueError(f"tau is {self.tau.shape}, q is {self.motion.q.shape}")
+
+    def __len__(self) -> int:
+        return len(self.tau)
+
+
+# Ten samples a cut-off period keep the band with a wide margin for the filter's slope.
+SAMPLES_PER_CUTOFF = 10.0
+# The filter's response to a wrong guess beyond an end decays within this many periods of the
+# cut-off; a tenth of a second is cut in any case, where loggers and drives settle.
+TRIM_PERIODS = 1.5
+LEAST_TRIM = 0.1  # [s]
+
+
+def suitable_decimation(rate: float, cutoff: float) -> int:
+    """Largest decimation that leaves ten samples a period of the cut-off."""
+    return max(1, int(rate / (SAMPLES_PER_CUTOFF * cutoff) + 1e-9))
+
+
+def suitable_trim(cutoff: float) -> float:
+    """Time to cut at each end [s]."""
+    return max(LEAST_TRIM, TRIM_PERIODS / cutoff)
+
+
+def process(recording: Recording, settings: ProcessingSettings) -> ProcessedRecording:
+    """Resample, low-pass, differentiate, trim and decimate one recording.
+
+    Position and torque pass the same filter, so the model's two sides see the same band.
+    Velocity and acceleration are central differences of the filtered signal.
+
+    Raises:
+        ValueError: If the recording is too short for the settings, or has no logged
+            velocity where they ask for it.
+    """
+    if settings.velocity == "logged" and recording.dq is None:
+        raise ValueError(f"{recording.name}: no dq was logged; choose velocity='differentiated'")
+    fresh = (
+        fresh_samples(recording) if settings.drop_repeats else np.ones(len(recording), dtype=bool)
+    )
+    grid = uniform_grid(recording.t, settings.rate)
+    cut = int(np.ceil(settings.trim * settings.rate))
+    if len(grid) - 2 * cut < 3 or fresh.sum() < 4:
+        raise ValueError(
+            f"{recording.name}: {recording.duration:g} s are too short to trim "
+            f"{settings.trim:g} s at each end at {settings.rate:g} Hz"
+        )
+
+    def filtered(x: Float[ndarray, "samples joints"]) -> Float[ndarray, "grid joints"]:
+        uniform = resample(recording.t[fresh], x[fresh], grid, settings.interpolation)
+        return lowpass(uniform, settings.rate, settings.cutoff, settings.order)
+
+    q = filtered(recording.q)
+    is_logged = settings.velocity == "logged" and recording.dq is not None
+    dq = filtered(recording.dq) if is_logged else central_difference(q, settings.rate)
+    whole = Motion(grid, q, dq, central_difference(dq, settings.rate))
+    kept = np.arange(cut, len(grid) - cut)[:: settings.decimation]
+    return ProcessedRecording(
+        name=recording.name,
+        role=recording.role,
+        motion=whole[kept],
+        tau=filtered(recording.tau)[kept],
+        rate=settings.output_rate,
+        bandwidth=settings.cutoff,
+        repetition=_repetition_at(recording, grid[kept]),
+    )
+
+
+def fresh_samples(recording: Recording) -> Bool[ndarray, "samples"]:
+    """Rows of a recording that are not stale copies of the row before."""
+    fresh = fresh_rows(*(x for x in (recording.q, recording.dq, recording.tau) if x is not None))
+    # The last instant anchors the grid's end even where it is stale.
+    fresh[-1] = True
+    return fresh
+
+
+def _repetition_at(
+    recording: Recording, instants: Float[ndarray, "samples"]
+) -> Int[ndarray, "samples"] | None:
+    if recording.repetition is None:
+        return None
+    before = np.searchsorted(recording.t, instants + 1e-9, side="right") - 1
+    return recording.repetition[before]
