@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from numpy.typing import ArrayLike
 
+Bounds = Sequence[float] | Float[ndarray, "joints"]
 LIMITED = ("position", "velocity", "acceleration", "torque", "jerk")
 
 
@@ -54,11 +55,11 @@ class JointLimits:
     @classmethod
     def symmetric(
         cls,
-        position: ArrayLike,
-        velocity: ArrayLike | None = None,
-        acceleration: ArrayLike | None = None,
-        torque: ArrayLike | None = None,
-        jerk: ArrayLike | None = None,
+        position: Bounds,
+        velocity: Bounds | None = None,
+        acceleration: Bounds | None = None,
+        torque: Bounds | None = None,
+        jerk: Bounds | None = None,
     ) -> JointLimits:
         """Limits |x| <= bound, one bound (n,) a joint; None leaves that kind free."""
         bounds = {
@@ -68,11 +69,7 @@ class JointLimits:
             "torque": torque,
             "jerk": jerk,
         }
-        given = {
-            kind: _both_sides(bound)
-            for kind, bound in bounds.items()
-            if bound is not None
-        }
+        given = {kind: _both_sides(bound) for kind, bound in bounds.items() if bound is not None}
         return cls.unlimited(len(given["position"])).with_(**given)
 
     def with_(self, **bounds: Float[ndarray, "joints 2"]) -> JointLimits:
@@ -83,6 +80,6 @@ class JointLimits:
         )
 
 
-def _both_sides(bound: ArrayLike) -> Float[ndarray, "joints 2"]:
+def _both_sides(bound: Bounds) -> Float[ndarray, "joints 2"]:
     upper = np.asarray(bound, dtype=float)
     return np.stack([-upper, upper], axis=1)
