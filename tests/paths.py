@@ -1,5 +1,6 @@
 """Where the tests find what is not written by them."""
 
+import sysconfig
 from pathlib import Path
 
 import pytest

@@ -51,15 +51,11 @@ class BaseParameters:
     def __len__(self) -> int:
         return len(self.columns)
 
-    def reduce(
-        self, regressor: Float[ndarray, "*rows parameters"]
-    ) -> Float[ndarray, "*rows base"]:
+    def reduce(self, regressor: Float[ndarray, "*rows parameters"]) -> Float[ndarray, "*rows base"]:
         """The base columns of a full regressor."""
         return regressor[..., self.columns]
 
-    def from_standard(
-        self, parameters: Float[ndarray, "parameters"]
-    ) -> Float[ndarray, "base"]:
+    def from_standard(self, parameters: Float[ndarray, "parameters"]) -> Float[ndarray, "base"]:
         """Base parameters of a full parameter vector."""
         return self.regrouping @ parameters
 
@@ -102,9 +98,7 @@ def find_base_parameters(
     factor, norms = normalised_factor(regressor, tolerance)
     singular_values = np.linalg.svd(factor, compute_uv=False)
     rank = _rank(singular_values, tolerance, gap)
-    kept = _first_independent(
-        factor, preference if preference is not None else range(count)
-    )
+    kept = _first_independent(factor, preference if preference is not None else range(count))
     if len(kept) != rank:
         raise RankUndetermined(
             f"{len(kept)} columns are independent one by one, but the singular values say {rank}",
@@ -113,9 +107,7 @@ def find_base_parameters(
     normalised = np.linalg.lstsq(factor[:, kept], factor, rcond=None)[0]
     normalised[np.abs(normalised) < NEGLIGIBLE] = 0.0
     normalised[:, kept] = np.eye(rank)
-    regrouping = (
-        normalised * np.where(np.isfinite(norms), norms, 0.0) / norms[kept][:, None]
-    )
+    regrouping = normalised * np.where(np.isfinite(norms), norms, 0.0) / norms[kept][:, None]
     names = [parameter.name for parameter in parameters]
     return BaseParameters(
         columns=np.array(kept),
@@ -123,8 +115,7 @@ def find_base_parameters(
         singular_values=singular_values,
         names=tuple(names[c] for c in kept),
         expressions=tuple(
-            _expression(regrouping[row], names, c, lengths)
-            for row, c in enumerate(kept)
+            _expression(regrouping[row], names, c, lengths) for row, c in enumerate(kept)
         ),
         units=tuple(parameters[c].unit for c in kept),
         joints=tuple(parameters[c].joint for c in kept),
@@ -145,9 +136,7 @@ def normalised_factor(
     return np.linalg.qr(regressor / norms, mode="r"), norms
 
 
-def _rank(
-    singular_values: Float[ndarray, "parameters"], tolerance: float, gap: float
-) -> int:
+def _rank(singular_values: Float[ndarray, "parameters"], tolerance: float, gap: float) -> int:
     rank = int((singular_values > tolerance * singular_values[0]).sum())
     if rank < len(singular_values):
         kept, dropped = singular_values[rank - 1], singular_values[rank]
@@ -160,9 +149,7 @@ def _rank(
     return rank
 
 
-def _first_independent(
-    factor: Float[ndarray, "rows columns"], order: Iterable[int]
-) -> list[int]:
+def _first_independent(factor: Float[ndarray, "rows columns"], order: Iterable[int]) -> list[int]:
     """Columns, taken in order, that are no combination of those before them."""
     kept: list[int] = []
     basis = np.zeros((factor.shape[0], 0))

@@ -31,16 +31,12 @@ from oed.dynamics.scalars import (
 from oed.robot import Robot
 
 
-def energy_entries(
-    robot: Robot, q: Sequence[Scalar], dq: Sequence[Scalar]
-) -> list[Scalar]:
+def energy_entries(robot: Robot, q: Sequence[Scalar], dq: Sequence[Scalar]) -> list[Scalar]:
     """Total energy per unit of each of the 10 n standard parameters [J per unit]."""
     gravity: Vector = tuple(float(g) for g in robot.gravity)  # type: ignore[assignment]
     # Per body: angular and linear velocity of its origin, gravity in its axes, and height
     # of its origin against gravity.
-    states: dict[int, tuple[Vector, Vector, Vector, Scalar]] = {
-        -1: (ZERO, ZERO, gravity, 0.0)
-    }
+    states: dict[int, tuple[Vector, Vector, Vector, Scalar]] = {-1: (ZERO, ZERO, gravity, 0.0)}
     entries: dict[int, list[Scalar]] = {}
     for i in robot.outward:
         joint = robot.joints[i]
@@ -65,9 +61,7 @@ def energy_entries(
     return [entry for i in range(robot.n) for entry in entries[i]]
 
 
-def energy_regressor(
-    robot: Robot, motion: Motion
-) -> Float[ndarray, "samples standard"]:
+def energy_regressor(robot: Robot, motion: Motion) -> Float[ndarray, "samples standard"]:
     """Total energy of each unit parameter at every instant; `motion.ddq` is not used."""
     q, dq, _ = joint_components(motion)
     entries = energy_entries(robot, q, dq)

@@ -80,8 +80,7 @@ def with_right_angles(robot: Robot) -> Robot:
     Each rotation is then brought back to the nearest orthonormal one.
     """
     joints = tuple(
-        dataclasses.replace(joint, R_PJ=_nearest_rotation(joint.R_PJ))
-        for joint in robot.joints
+        dataclasses.replace(joint, R_PJ=_nearest_rotation(joint.R_PJ)) for joint in robot.joints
     )
     return dataclasses.replace(robot, joints=joints)
 
@@ -92,9 +91,7 @@ def _reduce(
     parameters: tuple[Parameter, ...],
     robot: Robot,
 ) -> BaseParameters:
-    lengths = sorted(
-        {round(float(abs(x)), 9) for joint in robot.joints for x in joint.p_PJ if x}
-    )
+    lengths = sorted({round(float(abs(x)), 9) for joint in robot.joints for x in joint.p_PJ if x})
     exact = find_base_parameters(
         square, parameters, preference=_preference(parameters, robot), lengths=lengths
     )
@@ -133,8 +130,7 @@ def _unlimited(robot: Robot) -> Robot:
 
 def _with_robot(model: TorqueModel, robot: Robot) -> TorqueModel:
     effects = tuple(
-        RigidBody(robot) if isinstance(effect, RigidBody) else effect
-        for effect in model.effects
+        RigidBody(robot) if isinstance(effect, RigidBody) else effect for effect in model.effects
     )
     return dataclasses.replace(model, robot=robot, effects=effects)
 

@@ -11,9 +11,7 @@ from numpy import ndarray
 
 from oed.robot import Robot
 
-UNBOUNDED_RANGE = (
-    np.pi
-)  # [rad or m] half width used where a joint has no position limit
+UNBOUNDED_RANGE = np.pi  # [rad or m] half width used where a joint has no position limit
 UNBOUNDED_RATE = 3.0  # [rad/s] or [rad/s^2], where a joint has no such limit
 
 
@@ -42,18 +40,13 @@ class Motion:
         return len(self.t)
 
     def __getitem__(self, samples: slice | ndarray) -> Motion:
-        return Motion(
-            self.t[samples], self.q[samples], self.dq[samples], self.ddq[samples]
-        )
+        return Motion(self.t[samples], self.q[samples], self.dq[samples], self.ddq[samples])
 
     @classmethod
     def concatenate(cls, motions: Sequence[Motion]) -> Motion:
         """One motion after another; time is kept as it is."""
         return cls(
-            *(
-                np.concatenate([getattr(m, f) for m in motions])
-                for f in ("t", "q", "dq", "ddq")
-            )
+            *(np.concatenate([getattr(m, f) for m in motions]) for f in ("t", "q", "dq", "ddq"))
         )
 
 

@@ -120,9 +120,7 @@ def inverse_dynamics(
         body, joint = bodies[i], robot.joints[i]
         force, moment = _inertial_wrench(robot.parameters[10 * i : 10 * i + 10], body)
         force, moment = plus(force, forces[i]), plus(moment, moments[i])
-        torques[i] = dot(
-            _vector(joint.axis), moment if joint.kind == "revolute" else force
-        )
+        torques[i] = dot(_vector(joint.axis), moment if joint.kind == "revolute" else force)
         if joint.parent >= 0:
             at_parent = apply(body.R_PJ, force)
             turned = plus(apply(body.R_PJ, moment), cross(body.p_PJ, at_parent))
@@ -164,9 +162,7 @@ def regressor_entries(
     return columns
 
 
-def rigid_body_regressor(
-    robot: Robot, motion: Motion
-) -> Float[ndarray, "samples joints standard"]:
+def rigid_body_regressor(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints standard"]:
     """The regressor of the 10 n standard parameters at every instant of a motion."""
     entries = regressor_entries(robot, *joint_components(motion))
     regressor = np.zeros((len(motion), robot.n, len(entries)))
@@ -179,24 +175,18 @@ def rigid_body_regressor(
 def rigid_body_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
     """Torque of the robot's own parameters by the recursion (2) [N m or N]."""
     torques = inverse_dynamics(robot, *joint_components(motion))
-    return np.stack(
-        [np.broadcast_to(torque, len(motion)) for torque in torques], axis=1
-    )
+    return np.stack([np.broadcast_to(torque, len(motion)) for torque in torques], axis=1)
 
 
 def joint_components(
     motion: Motion,
 ) -> tuple[list[ndarray], list[ndarray], list[ndarray]]:
     """q, dq and ddq as lists of contiguous (N,) arrays, one a joint."""
-    q, dq, ddq = (
-        list(np.ascontiguousarray(x.T)) for x in (motion.q, motion.dq, motion.ddq)
-    )
+    q, dq, ddq = (list(np.ascontiguousarray(x.T)) for x in (motion.q, motion.dq, motion.ddq))
     return q, dq, ddq
 
 
-def _inertial_wrench(
-    parameters: Float[ndarray, "10"], body: BodyMotion
-) -> tuple[Vector, Vector]:
+def _inertial_wrench(parameters: Float[ndarray, "10"], body: BodyMotion) -> tuple[Vector, Vector]:
     """Force and moment that the body needs at its origin (2a-b, first and last terms)."""
     mass = float(parameters[0])
     h = _vector(parameters[1:4])
@@ -209,9 +199,7 @@ def _inertial_wrench(
     return force, moment
 
 
-def _screw_on_unit_wrenches(
-    angular: Vector, linear: Vector, body: BodyMotion
-) -> list[Scalar]:
+def _screw_on_unit_wrenches(angular: Vector, linear: Vector, body: BodyMotion) -> list[Scalar]:
     """Power of a joint's unit screw against the wrench of each unit parameter."""
     w, dw, a = body.w, body.dw, body.a
     centripetal = minus(scale(dot(linear, w), w), scale(dot(w, w), linear))

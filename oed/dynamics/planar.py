@@ -19,8 +19,7 @@ PLANAR_PARAMETERS = (
 
 
 def planar_regressor(motion: Motion, l_1: float) -> Float[ndarray, "samples 2 8"]:
-    """Regressor (16) for xi = [Gamma_1z + m_2 l_1^2, m_2 s_2x, m_2 s_2y, Gamma_2z,
-    gamma_s1, gamma_v1, gamma_s2, gamma_v2], with sgn(0) = 0.
+    """Regressor (16) of the eight `PLANAR_PARAMETERS`, with sgn(0) = 0.
 
     Args:
         motion: Of two joints.

@@ -26,21 +26,21 @@ def is_zero(a: Scalar) -> bool:
 
 
 def add(a: Scalar, b: Scalar) -> Scalar:
-    """a + b."""
+    """Sum a + b."""
     if is_zero(a):
         return b
     return a if is_zero(b) else a + b
 
 
 def sub(a: Scalar, b: Scalar) -> Scalar:
-    """a - b."""
+    """Difference a - b."""
     if is_zero(b):
         return a
     return -b if is_zero(a) else a - b
 
 
 def mul(a: Scalar, b: Scalar) -> Scalar:
-    """a b."""
+    """Product a b."""
     if is_zero(a) or is_zero(b):
         return 0.0
     if isinstance(a, float) and a == 1.0:
@@ -62,22 +62,22 @@ def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
 
 
 def plus(a: Vector, b: Vector) -> Vector:
-    """a + b."""
+    """Vector sum a + b."""
     return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """a - b."""
+    """Vector difference a - b."""
     return (sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2]))
 
 
 def scale(s: Scalar, a: Vector) -> Vector:
-    """s a."""
+    """Vector s a."""
     return (mul(s, a[0]), mul(s, a[1]), mul(s, a[2]))
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """a x b."""
+    """Vector product a x b."""
     return (
         sub(mul(a[1], b[2]), mul(a[2], b[1])),
         sub(mul(a[2], b[0]), mul(a[0], b[2])),
@@ -127,7 +127,5 @@ def sign(a: Scalar) -> Scalar:
 
 
 def power(a: Scalar, exponent: float) -> Scalar:
-    """a raised to a constant."""
-    return (
-        casadi.power(a, exponent) if isinstance(a, casadi.SX) else np.power(a, exponent)
-    )
+    """Any kind of scalar raised to a constant."""
+    return casadi.power(a, exponent) if isinstance(a, casadi.SX) else np.power(a, exponent)

@@ -108,9 +108,7 @@ class TorqueModel:
                 result[joint, column] = entry
         return result
 
-    def _effect_columns(
-        self, motion: Motion
-    ) -> Float[ndarray, "samples joints parameters"]:
+    def _effect_columns(self, motion: Motion) -> Float[ndarray, "samples joints parameters"]:
         entries = self._entries(State(motion.t, *joint_components(motion)))
         columns = np.zeros((len(motion), self.robot.n, len(entries)))
         for column, by_joint in enumerate(entries):

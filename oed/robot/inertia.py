@@ -29,9 +29,7 @@ def pseudo_inertia(parameters: Float[ndarray, "10"]) -> Float[ndarray, "4 4"]:
     inertia = inertia_tensor(parameters)
     moment = parameters[1:4]
     sigma = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    return np.block(
-        [[sigma, moment[:, None]], [moment[None, :], parameters[:1][None, :]]]
-    )
+    return np.block([[sigma, moment[:, None]], [moment[None, :], parameters[:1][None, :]]])
 
 
 def parameters_from_pseudo_inertia(

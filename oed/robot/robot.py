@@ -70,13 +70,9 @@ class Robot:
 
     def __post_init__(self) -> None:
         if len(self.parameters) != 10 * self.n:
-            raise ValueError(
-                f"{len(self.parameters)} parameters for {self.n} joints of ten each"
-            )
+            raise ValueError(f"{len(self.parameters)} parameters for {self.n} joints of ten each")
         if len(self.limits.position) != self.n:
-            raise ValueError(
-                f"limits of {len(self.limits.position)} joints, robot has {self.n}"
-            )
+            raise ValueError(f"limits of {len(self.limits.position)} joints, robot has {self.n}")
 
     @property
     def n(self) -> int:

@@ -65,10 +65,7 @@ class MotorCoupling(Effect):
         """Inertia, viscous and Coulomb friction of the coupled motor."""
         tag = "".join(str(joint + 1) for joint in self.joints)
         named = (("Ia", "kg m^2"), ("Fv", "N m s/rad"), ("Fc", "N m"))
-        return tuple(
-            Parameter(f"{symbol}_m{tag}", unit, self.joints[-1])
-            for symbol, unit in named
-        )
+        return tuple(Parameter(f"{symbol}_m{tag}", unit, self.joints[-1]) for symbol, unit in named)
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -80,9 +77,7 @@ class MotorCoupling(Effect):
         speed = self._motor(state.dq)
         signals = (self._motor(state.ddq), speed, state.sign(speed, self.width))
         pairs = list(zip(self.joints, self.ratios, strict=True))
-        return [
-            {joint: mul(ratio, signal) for joint, ratio in pairs} for signal in signals
-        ]
+        return [{joint: mul(ratio, signal) for joint, ratio in pairs} for signal in signals]
 
     def _motor(self, rates: Sequence[Scalar]) -> Scalar:
         return total(

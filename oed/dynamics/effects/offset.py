@@ -30,6 +30,6 @@ class TorqueOffset(Effect):
         """Nothing."""
         return ()
 
-    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:  # noqa: ARG002  # the same torque in every state
         """1."""
         return [{self.joint: 1.0}]

@@ -32,9 +32,7 @@ class RigidBody(Effect):
     @property
     def depends_on(self) -> tuple[str, ...]:
         """All joint coordinates."""
-        return tuple(
-            f"{x}_{i + 1}" for x in ("q", "dq", "ddq") for i in range(self.robot.n)
-        )
+        return tuple(f"{x}_{i + 1}" for x in ("q", "dq", "ddq") for i in range(self.robot.n))
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """The Newton-Euler regressor."""

@@ -1,0 +1,127 @@
+"""Four answers to one question: the torque of a robot, by Drake and by this package.
+
+Newton-Euler, regressor times parameters and the compiled expression share their source;
+Drake's MultibodyPlant shares nothing with them but the file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import MultibodyForces, RevoluteJoint
+from pydrake.systems.framework import Context
+
+from oed.dynamics.effects import RigidBody
+from oed.dynamics.motion import Motion, random_motion
+from oed.dynamics.newton_euler import rigid_body_regressor, rigid_body_torque
+from oed.dynamics.torque_model import TorqueModel
+from oed.robot import Robot
+from oed.robot.robot_file import load_plant
+
+AGREEMENT = 1e-10  # of the largest torque: a thousand times what rounding explains
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """How far three of our torques are from Drake's, relative to the largest torque.
+
+    Attributes:
+        robot: Name of the robot.
+        joints: Number of active joints.
+        states: Number of random states compared.
+        newton_euler: Worst relative disagreement of the recursion (2) with Drake.
+        regressor: The same of regressor times parameters (4).
+        casadi: The same of the CasADi function.
+    """
+
+    robot: str
+    joints: int
+    states: int
+    newton_euler: float
+    regressor: float
+    casadi: float
+
+    @property
+    def worst(self) -> float:
+        """The largest of the three."""
+        return max(self.newton_euler, self.regressor, self.casadi)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all are within `AGREEMENT`."""
+        return self.worst < AGREEMENT
+
+
+def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck:
+    """Compare a robot's inverse dynamics with Drake's at random states.
+
+    Args:
+        robot: Loaded from a file that Drake can parse, with the file's inertial parameters.
+        states: Number of states.
+        seed: Of the random states.
+    """
+    motion = random_motion(robot, states, np.random.default_rng(seed))
+    reference = drake_torque(robot, motion)
+    largest = np.abs(reference).max()
+
+    def disagreement(torque: Float[ndarray, "samples joints"]) -> float:
+        return float(np.abs(torque - reference).max() / largest)
+
+    return CrossCheck(
+        robot=robot.name,
+        joints=robot.n,
+        states=states,
+        newton_euler=disagreement(rigid_body_torque(robot, motion)),
+        regressor=disagreement(rigid_body_regressor(robot, motion) @ robot.parameters),
+        casadi=disagreement(_symbolic_torque(robot, motion)),
+    )
+
+
+def drake_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
+    """Torque by Drake's MultibodyPlant of the robot's own file, other joints locked at 0."""
+    plant = load_plant(robot.source)
+    plant.mutable_gravity_field().set_gravity_vector(robot.gravity)
+    context = plant.CreateDefaultContext()
+    joints = [plant.GetJointByName(name) for name in robot.joint_names]
+    for name in robot.locked:
+        joint = plant.GetJointByName(name)
+        is_revolute = isinstance(joint, RevoluteJoint)
+        (joint.set_angle if is_revolute else joint.set_translation)(context, 0.0)
+    positions = np.array([joint.position_start() for joint in joints])
+    velocities = np.array([joint.velocity_start() for joint in joints])
+    return _inverse_dynamics(plant, context, motion, positions, velocities)
+
+
+def _inverse_dynamics(
+    plant: MultibodyPlant,
+    context: Context,
+    motion: Motion,
+    positions: ndarray,
+    velocities: ndarray,
+) -> Float[ndarray, "samples joints"]:
+    q_all = plant.GetPositions(context).copy()
+    dq_all, ddq_all = np.zeros(plant.num_velocities()), np.zeros(plant.num_velocities())
+    no_force = MultibodyForces(plant)
+    torques = np.empty(motion.q.shape)
+    for k, (q, dq, ddq) in enumerate(zip(motion.q, motion.dq, motion.ddq, strict=True)):
+        q_all[positions], dq_all[velocities], ddq_all[velocities] = q, dq, ddq
+        plant.SetPositions(context, q_all)
+        plant.SetVelocities(context, dq_all)
+        total = plant.CalcInverseDynamics(context, ddq_all, no_force)
+        total = total - plant.CalcGravityGeneralizedForces(context)
+        torques[k] = total[velocities]
+    return torques
+
+
+def _symbolic_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
+    model = TorqueModel(robot, (RigidBody(robot),))
+    q, dq, ddq = (casadi.SX.sym(name, robot.n) for name in ("q", "dq", "ddq"))
+    columns = model.symbolic_columns(q, dq, ddq, sign_width=0.0)
+    torque = casadi.Function("torque", [q, dq, ddq], [columns @ robot.parameters])
+    states = (motion.q.T, motion.dq.T, motion.ddq.T)
+    return np.asarray(torque.map(len(motion))(*states)).T

@@ -1,0 +1,80 @@
+"""Robot files read by Drake's own Parser into a plant.
+
+A plant without a scene graph leaves meshes unread, so missing ones stop nobody.
+"""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, PrismaticJoint, RevoluteJoint, RigidBody
+from pydrake.multibody.tree import Joint as DrakeJoint
+
+from oed.errors import RobotError
+
+SUFFIXES = (".urdf", ".sdf", ".xml", ".mjcf")
+
+
+def load_plant(source: str | Path) -> MultibodyPlant:
+    """Parse a file into a finalized continuous plant whose base is welded to the world."""
+    path = Path(source)
+    if not path.is_file():
+        raise RobotError(f"{path}: no such robot file; give a URDF, SDF or MJCF file")
+    if path.suffix.lower() not in SUFFIXES:
+        raise RobotError(f"{path}: unknown kind of robot file; expected one of {SUFFIXES}")
+    plant = MultibodyPlant(time_step=0.0)
+    # The parser warns about transmissions, mimic joints and cameras, none of which matter here.
+    drake_log = logging.getLogger("drake")
+    level = drake_log.level
+    drake_log.setLevel(logging.ERROR)
+    try:
+        Parser(plant).AddModels(str(path))
+    except RuntimeError as error:
+        raise RobotError(f"{path}: Drake cannot read this file: {error}") from error
+    finally:
+        drake_log.setLevel(level)
+    weld_free_bodies(plant)
+    plant.Finalize()
+    return plant
+
+
+def weld_free_bodies(plant: MultibodyPlant) -> None:
+    """Fix every body that no joint carries to the world: an arm stands on its base."""
+    carried = {joint.child_body().index() for joint in joints_of(plant)}
+    for body in bodies_of(plant):
+        if body.index() != plant.world_body().index() and body.index() not in carried:
+            plant.WeldFrames(plant.world_frame(), body.body_frame())
+
+
+def outward_names(plant: MultibodyPlant) -> tuple[str, ...]:
+    """Movable joints branch by branch from the base, whatever the file's order."""
+    inboard: dict[int, list[DrakeJoint]] = {}
+    for joint in joints_of(plant):
+        inboard.setdefault(int(joint.parent_body().index()), []).append(joint)
+
+    def beyond(body: int) -> list[str]:
+        names: list[str] = []
+        for joint in inboard.get(body, []):
+            names += [joint.name()] if is_movable(joint) else []
+            names += beyond(int(joint.child_body().index()))
+        return names
+
+    return tuple(beyond(int(plant.world_body().index())))
+
+
+def joints_of(plant: MultibodyPlant) -> list[DrakeJoint]:
+    """All joints, welds included."""
+    return [plant.get_joint(index) for index in plant.GetJointIndices()]
+
+
+def bodies_of(plant: MultibodyPlant) -> list[RigidBody]:
+    """All bodies, the world first."""
+    return [plant.get_body(BodyIndex(i)) for i in range(plant.num_bodies())]
+
+
+def is_movable(joint: DrakeJoint) -> bool:
+    """Whether this joint can be an active one."""
+    return isinstance(joint, RevoluteJoint | PrismaticJoint)

@@ -1,0 +1,70 @@
+"""The torque model: one shape for all effects, numbers and symbols alike."""
+
+import casadi
+import numpy as np
+import pytest
+
+from oed.dynamics.effects import MotorCoupling, RotorInertia
+from oed.dynamics.models import MODELS, build_model
+from oed.dynamics.motion import random_motion
+from oed.dynamics.torque_model import TorqueModel
+from oed.robot import imi_scara, load_robot
+from tests.paths import example_robot
+
+
+def _full_model() -> TorqueModel:
+    robot = load_robot(example_robot("ur_description/urdf/ur5_robot.urdf"))
+    coupling = MotorCoupling((4, 5), (1.0, 0.5), width=0.1)
+    return build_model("offset", robot, sign_width=0.1).with_effects(coupling)
+
+
+def test_symbols_and_numbers_give_the_same_columns() -> None:
+    model = _full_model()
+    motion = random_motion(model.robot, 5, np.random.default_rng(10))
+    q, dq, ddq = (casadi.SX.sym(name, 6) for name in ("q", "dq", "ddq"))
+    columns = casadi.Function(
+        "columns", [q, dq, ddq], [model.symbolic_columns(q, dq, ddq, sign_width=0.0)]
+    )
+    for k, numeric in enumerate(model.columns(motion)):
+        symbolic = np.asarray(columns(motion.q[k], motion.dq[k], motion.ddq[k]))
+        assert numeric == pytest.approx(symbolic, abs=1e-12)
+
+
+def test_rows_are_sample_major() -> None:
+    model = TorqueModel.standard(imi_scara())
+    motion = random_motion(model.robot, 4, np.random.default_rng(11))
+    regressor = model.regressor(motion)
+    assert regressor.shape == (8, 24)
+    assert np.array_equal(regressor[5], model.columns(motion)[2, 1])
+
+
+def test_torque_is_columns_times_parameters_effect_by_effect() -> None:
+    model = TorqueModel.standard(imi_scara()).with_effects(RotorInertia(1))
+    motion = random_motion(model.robot, 6, np.random.default_rng(12))
+    parameters = np.zeros(len(model.parameters))
+    parameters[[p.name for p in model.parameters].index("Ia_2")] = 0.3
+    torque = model.torque(parameters, motion)
+    assert torque[:, 0] == pytest.approx(0.0)
+    assert torque[:, 1] == pytest.approx(0.3 * motion.ddq[:, 1])
+
+
+def test_every_parameter_has_its_own_name() -> None:
+    names = [p.name for p in _full_model().parameters]
+    assert len(set(names)) == len(names)
+
+
+def test_a_coupled_motor_acts_on_both_joints_with_its_ratios() -> None:
+    robot = imi_scara()
+    coupling = TorqueModel(robot, (MotorCoupling((0, 1), (1.0, 2.0)),))
+    motion = random_motion(robot, 8, np.random.default_rng(13))
+    inertia, viscous, coulomb = 0.2, 0.5, 0.7
+    speed = motion.dq @ [1.0, 2.0]
+    motor = inertia * motion.ddq @ [1.0, 2.0] + viscous * speed + coulomb * np.sign(speed)
+    torque = coupling.torque(np.array([inertia, viscous, coulomb]), motion)
+    assert torque == pytest.approx(np.outer(motor, [1.0, 2.0]))
+
+
+def test_an_unknown_model_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(ValueError, match="standard"):
+        build_model("stanadrd", imi_scara())
+    assert set(MODELS) == {"standard", "rotor", "offset"}
