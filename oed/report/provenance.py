@@ -56,39 +56,39 @@ class Provenance:
     python: str
     platform: str
 
+    @classmethod
+    def collect(cls, configuration: object, *, seed: int | None) -> Provenance:
+        """The provenance of a result made here and now.
+
+        Args:
+            configuration: The study's configuration, an instance of a dataclass.
+            seed: Seed of its random generator.
+
+        Raises:
+            ValueError: If the configuration is no instance of a dataclass, or holds NaN.
+        """
+        if not dataclasses.is_dataclass(configuration) or isinstance(configuration, type):
+            raise ValueError(f"not an instance of a dataclass: {configuration!r}")
+        settings = {
+            f.name: plain_value(getattr(configuration, f.name), f.name)
+            for f in dataclasses.fields(configuration)
+        }
+        commit, dirty = git_state(Path(__file__).resolve().parent)
+        return cls(
+            seed=seed,
+            configuration=settings,
+            versions=package_versions(KEY_PACKAGES),
+            commit=commit,
+            dirty=dirty,
+            date=datetime.now(UTC).isoformat(timespec="seconds"),
+            cpu=cpu_name(),
+            python=platform.python_version(),
+            platform=platform.platform(),
+        )
+
     def write(self, path: str | Path) -> None:
         """Write as JSON, whole or not at all."""
         write_json(path, self)
-
-
-def collect_provenance(configuration: object, *, seed: int | None) -> Provenance:
-    """The provenance of a result made here and now.
-
-    Args:
-        configuration: The study's configuration, an instance of a dataclass.
-        seed: Seed of its random generator.
-
-    Raises:
-        ValueError: If the configuration is not an instance of a dataclass, or holds NaN.
-    """
-    if not dataclasses.is_dataclass(configuration) or isinstance(configuration, type):
-        raise ValueError(f"not an instance of a dataclass: {configuration!r}")
-    settings = {
-        f.name: plain_value(getattr(configuration, f.name), f.name)
-        for f in dataclasses.fields(configuration)
-    }
-    commit, dirty = git_state(Path(__file__).resolve().parent)
-    return Provenance(
-        seed=seed,
-        configuration=settings,
-        versions=package_versions(KEY_PACKAGES),
-        commit=commit,
-        dirty=dirty,
-        date=datetime.now(UTC).isoformat(timespec="seconds"),
-        cpu=cpu_name(),
-        python=platform.python_version(),
-        platform=platform.platform(),
-    )
 
 
 def package_versions(packages: tuple[str, ...]) -> dict[str, str]:

@@ -1,0 +1,134 @@
+"""What an estimate explains and what it leaves, joint by joint (Calafiore 2001, figures 5, 6, 8).
+
+Every function draws the arrays that it is given, computes nothing, and returns the figure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib as mpl
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy import ndarray
+
+from oed.report.joint_grid import joint_grid
+from oed.report.signal_lines import draw_signal
+from oed.report.style import BLUE, GREY, STYLE, VERMILION
+
+_TORQUE = "torque [N m]"
+_RESIDUAL = "residual torque [N m]"
+_TIME = "time [s]"
+
+
+@mpl.rc_context(STYLE)
+def plot_torques(
+    t: Float[ndarray, "samples"],
+    measured: Float[ndarray, "samples joints"],
+    predicted: Float[ndarray, "samples joints"],
+    joint_names: Sequence[str],
+    *,
+    ylabel: str = _TORQUE,
+) -> Figure:
+    """Measured torque and the torque that the model reconstructs (figure 6).
+
+    Args:
+        t: (N,) time [s].
+        measured: (N, n) [N m].
+        predicted: (N, n) [N m].
+        joint_names: (n,) names, in the order of the columns.
+        ylabel: Another label where the joints are prismatic.
+
+    Raises:
+        ValueError: If there is not one name a joint.
+    """
+    _require_names(joint_names, measured.shape[1])
+    figure, panels = joint_grid(joint_names, xlabel=_TIME, ylabel=ylabel)
+    for j, panel in enumerate(panels):
+        draw_signal(panel, t, measured[:, j], color=GREY, label="measured", linewidth=1.6)
+        draw_signal(panel, t, predicted[:, j], color=BLUE, label="predicted", linewidth=0.7)
+        panel.margins(x=0)
+    _legend_above(figure, panels[0])
+    return figure
+
+
+@mpl.rc_context(STYLE)
+def plot_residuals(
+    t: Float[ndarray, "samples"],
+    residual: Float[ndarray, "samples joints"],
+    joint_names: Sequence[str],
+    rms: Float[ndarray, "joints"],
+    *,
+    ylabel: str = _RESIDUAL,
+) -> Figure:
+    """What the model leaves unexplained, with the band of one rms (figures 5 and 8).
+
+    Args:
+        t: (N,) time [s].
+        residual: (N, n) measured minus predicted [N m].
+        joint_names: (n,) names, in the order of the columns.
+        rms: (n,) root mean square of the residual [N m].
+        ylabel: Another label where the joints are prismatic.
+
+    Raises:
+        ValueError: If there is not one name a joint.
+    """
+    _require_names(joint_names, residual.shape[1])
+    figure, panels = joint_grid(joint_names, xlabel=_TIME, ylabel=ylabel)
+    for j, panel in enumerate(panels):
+        draw_signal(panel, t, residual[:, j], color=BLUE, label="residual", linewidth=0.6)
+        for sign, label in ((1, "± rms"), (-1, "_")):
+            panel.axhline(sign * rms[j], color=VERMILION, linewidth=0.9, dashes=(4, 2), label=label)
+        panel.set_title(f"rms {rms[j]:.3g}", loc="right", color=VERMILION, fontsize=7.0)
+        panel.margins(x=0)
+    _legend_above(figure, panels[0])
+    return figure
+
+
+@mpl.rc_context(STYLE)
+def plot_residual_spectrum(
+    frequency: Float[ndarray, "frequencies"],
+    density: Float[ndarray, "frequencies joints"],
+    joint_names: Sequence[str],
+    *,
+    cutoff: float | None = None,
+) -> Figure:
+    """Spectral density of the residual: flat is noise, a peak or a slope is not.
+
+    Args:
+        frequency: (F,) [Hz]; the first may be zero and is then left out.
+        density: (F, n) [(N m)²/Hz].
+        joint_names: (n,) names, in the order of the columns.
+        cutoff: Cut-off of the low-pass filter, drawn where given [Hz].
+
+    Raises:
+        ValueError: If there is not one name a joint.
+    """
+    _require_names(joint_names, density.shape[1])
+    figure, panels = joint_grid(
+        joint_names, xlabel="frequency [Hz]", ylabel="residual density [(N m)²/Hz]", sharey=True
+    )
+    positive = frequency > 0
+    for j, panel in enumerate(panels):
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        draw_signal(panel, frequency[positive], density[positive, j], color=BLUE, label="residual")
+        if cutoff is not None:
+            panel.axvline(
+                cutoff, color=VERMILION, dashes=(4, 2), label=f"filter cut-off {cutoff:.3g} Hz"
+            )
+        panel.margins(x=0)
+    if cutoff is not None:
+        _legend_above(figure, panels[0])
+    return figure
+
+
+def _legend_above(figure: Figure, panel: Axes) -> None:
+    handles, labels = panel.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+
+
+def _require_names(joint_names: Sequence[str], joints: int) -> None:
+    if len(joint_names) != joints:
+        raise ValueError(f"{len(joint_names)} joint names for {joints} joints")
