@@ -1,0 +1,95 @@
+"""Autoregressive noise from regression residuals."""
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.signal import lfilter
+
+from oed.estimation.autoregressive import (
+    AutoregressiveNoise,
+    choose_order,
+    lagged_sums,
+    levinson,
+    segment_bounds,
+)
+
+CORRECTIONS = 10
+LARGEST_ORDER_PER_DECADE = 10  # the customary 10 log10 N (Brockwell & Davis, section 10.1)
+
+
+def fit_autoregressive_noise(
+    influence: Float[ndarray, "samples joints p"],
+    residual: Float[ndarray, "samples joints"],
+    segments: tuple[int, ...],
+) -> AutoregressiveNoise:
+    """Fit the noise behind residuals of a regression.
+
+    Residuals are M v with M = I - Q Q^T: the fit takes most from the frequencies that the
+    motion excites, which are the ones that matter to the parameters, and so residuals look
+    whiter and smaller than the noise. For a given noise the expected lagged products of M v
+    are known exactly; the fit is moved until they are those of the residuals, which is the
+    bias correction that REML makes for the variance alone.
+
+    Args:
+        influence: Q, orthonormal columns (short of the prior's share).
+        residual: (N, n), of unit variance by design.
+        segments: Lengths of the independent recordings.
+    """
+    samples, joints = residual.shape
+    longest = max(segments)
+    lags = min(int(LARGEST_ORDER_PER_DECADE * np.log10(samples)), longest // 4) + 1
+    # Divided by N at every lag, not by the pairs there are: only that keeps the autocovariance
+    # of strongly low-passed residuals positive definite. Measured on SCARA data with noise
+    # low-passed to 0.2 of the Nyquist frequency: 93 % coverage, against 86 % with the other.
+    observed = lagged_sums(residual, residual, lags, segments) / samples
+    shares = np.sum(influence**2, axis=(0, 2))
+    orders = [choose_order(observed[:, j], samples - shares[j]) for j in range(joints)]
+    target = observed.copy()
+    noise = _fit(target, residual, orders, segments)
+    for _ in range(CORRECTIONS):
+        loss = _expected_loss(influence, noise, lags, segments) / samples
+        previous, target = target, observed + loss
+        noise = _fit(target, residual, orders, segments)
+        if np.all(np.abs(target - previous)[0] <= 1e-3 * np.abs(target[0])):
+            break
+    return noise
+
+
+def _fit(
+    autocovariance: Float[ndarray, "lags joints"],
+    residual: Float[ndarray, "samples joints"],
+    orders: list[int],
+    segments: tuple[int, ...],
+) -> AutoregressiveNoise:
+    polynomials, deviations, innovations = [], [], []
+    for joint, order in enumerate(orders):
+        polynomial, variance = levinson(autocovariance[:, joint], order)
+        polynomials.append(polynomial)
+        deviations.append(np.sqrt(variance[-1]))
+        innovations.append(
+            np.concatenate(
+                [
+                    lfilter(polynomial, [1.0], residual[a:b, joint])
+                    for a, b in segment_bounds(segments)
+                ]
+            )
+        )
+    products = np.array(innovations) @ np.array(innovations).T
+    lengths = np.sqrt(np.diag(products))
+    correlation = products / np.outer(lengths, lengths)
+    return AutoregressiveNoise(tuple(polynomials), correlation * np.outer(deviations, deviations))
+
+
+def _expected_loss(
+    influence: Float[ndarray, "samples joints p"],
+    noise: AutoregressiveNoise,
+    lags: int,
+    segments: tuple[int, ...],
+) -> Float[ndarray, "lags joints"]:
+    """Lagged sums of the noise less those expected of its residuals M v."""
+    covered = np.concatenate([noise.cover(influence[a:b]) for a, b in segment_bounds(segments)])
+    inner = np.einsum("kjp,kjq->pq", influence, covered)
+    half = covered - 0.5 * influence @ inner
+    return lagged_sums(half, influence, lags, segments) + lagged_sums(
+        influence, half, lags, segments
+    )

@@ -1,0 +1,167 @@
+"""From stacked torque equations to an Estimate, with the defaults of this package."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.estimation.covariance import CovarianceMethod, estimate_covariance
+from oed.estimation.estimate import Estimate
+from oed.estimation.identifiability import (
+    LARGEST_RELATIVE_STD,
+    Identifiability,
+    badly_excited,
+    find_identifiable,
+)
+from oed.estimation.least_squares import batch_least_squares, check_stack
+from oed.estimation.noise import TorqueNoise, whiten
+from oed.estimation.prior import Prior
+from oed.estimation.robust import RobustLoss, robust_least_squares
+from oed.estimation.triangular import NotIdentifiable, Solution
+from oed.estimation.weights import variances_from_residuals
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """A solution with the whitened rows and residuals that its covariance is read from."""
+
+    solution: Solution
+    white_regressor: Float[ndarray, "rows p"]
+    white_residual: Float[ndarray, "samples joints"]
+    variances: Float[ndarray, "joints"]
+    text: str
+
+
+def identify(
+    regressor: Float[ndarray, "rows p"],
+    torque: Float[ndarray, "samples joints"],
+    names: tuple[str, ...],
+    units: tuple[str, ...],
+    *,
+    noise: TorqueNoise = None,
+    prior: Prior | None = None,
+    robust: RobustLoss | None = None,
+    covariance: CovarianceMethod = "hac",
+    segments: tuple[int, ...] | None = None,
+    largest_relative_std: float = LARGEST_RELATIVE_STD,
+) -> Estimate:
+    """Estimate what the data determine, and name what they do not.
+
+    Args:
+        regressor: H, row k n + j is joint j at sample k.
+        torque: (N, n) [N m].
+        names: (p,) of the columns.
+        units: (p,).
+        noise: R_v as in `whiten`; None takes joint variances from the residuals.
+        prior: None is R_xi = inf.
+        robust: Loss of an M-estimate in place of least squares; it finds its own variances.
+        covariance: As in `estimate_covariance`.
+        segments: Samples of each recording in the stack.
+        largest_relative_std: Beyond it a parameter is named and not quoted.
+
+    Raises:
+        ValueError: If shapes disagree, entries are not finite, `noise` comes with `robust`, or
+            no degree of freedom is left.
+        NotIdentifiable: If nothing is determined, or only some parameters are and a prior
+            on the others cannot be carried over to the combinations.
+    """
+    joints = torque.shape[1]
+    rows = torque.reshape(-1)
+    check_stack(regressor, rows, joints)
+    if robust and noise is not None:
+        raise ValueError("a robust estimate finds its own noise: give either")
+    found = _determined(regressor, names, prior)
+    columns = regressor[:, list(found.kept)]
+    fit = (
+        _fit_robust(columns, rows, joints, prior, robust)
+        if robust
+        else _fit_least_squares(columns, rows, joints, prior, noise)
+    )
+    spread = estimate_covariance(
+        fit.white_regressor,
+        fit.white_residual,
+        fit.solution.posterior_factor,
+        method=covariance,
+        segments=segments,
+    )
+    parameters = fit.solution.parameters
+    weak = badly_excited(
+        found.names,
+        parameters,
+        spread.covariance,
+        fit.solution.information_factor,
+        threshold=largest_relative_std,
+    )
+    return Estimate(
+        names=found.names,
+        units=tuple(units[c] for c in found.kept),
+        parameters=parameters,
+        covariance=spread.covariance,
+        information_factor=fit.solution.information_factor,
+        residual=torque - (columns @ parameters).reshape(torque.shape),
+        degrees_of_freedom=float(len(rows) - len(parameters)),
+        effective_degrees_of_freedom=spread.degrees_of_freedom,
+        joint_variances=fit.variances,
+        status="reduced" if found.removed else "determined",
+        method=f"{fit.text}; covariance: {spread.text}",
+        unidentifiable=found.removed + tuple(weak),
+        reasons=found.reasons + tuple(weak.values()),
+        columns=found.kept,
+    )
+
+
+def _determined(
+    regressor: Float[ndarray, "rows p"], names: tuple[str, ...], prior: Prior | None
+) -> Identifiability:
+    rows = regressor if prior is None else np.vstack([regressor, prior.factor])
+    found = find_identifiable(rows, names)
+    lost = found.removed and prior is not None and len(prior.factor)
+    if lost or not found.kept:
+        raise NotIdentifiable(
+            f"not determined by the data and the prior: {', '.join(found.removed)}",
+            found.singular_values,
+            np.zeros(len(names)),
+        )
+    return found
+
+
+def _fit_least_squares(
+    regressor: Float[ndarray, "rows p"],
+    torque: Float[ndarray, "rows"],
+    joints: int,
+    prior: Prior | None,
+    noise: TorqueNoise,
+) -> _Fit:
+    text = "least squares, given noise"
+    if noise is None:
+        noise = variances_from_residuals(regressor, torque, joints, prior=prior)
+        text = "least squares, joint variances from residuals"
+    solution = batch_least_squares(regressor, torque, joints, noise=noise, prior=prior)
+    residual = torque - regressor @ solution.parameters
+    return _Fit(
+        solution=solution,
+        white_regressor=whiten(regressor, noise, joints),
+        white_residual=whiten(residual, noise, joints).reshape(-1, joints),
+        variances=np.mean(residual.reshape(-1, joints) ** 2, axis=0),
+        text=text,
+    )
+
+
+def _fit_robust(
+    regressor: Float[ndarray, "rows p"],
+    torque: Float[ndarray, "rows"],
+    joints: int,
+    prior: Prior | None,
+    loss: RobustLoss,
+) -> _Fit:
+    robust = robust_least_squares(regressor, torque, joints, loss=loss, prior=prior)
+    return _Fit(
+        solution=robust.solution,
+        white_regressor=robust.pseudo_regressor,
+        white_residual=robust.pseudo_residual,
+        variances=robust.variances,
+        text=f"M-estimate with the {loss} loss, joint scales from the median absolute residual",
+    )
