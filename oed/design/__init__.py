@@ -1,0 +1,1 @@
+"""Which motion to ask for: trajectory classes, criteria, exact limits and optimisers."""

@@ -1,0 +1,84 @@
+"""Proven extrema of a motion over its whole horizon, by branch and bound.
+
+On an interval of half width h about m, a function f with |f''| <= M everywhere obeys
+|f(t) - f(m)| <= |f'(m)| h + M h^2 / 2. Intervals that this bound cannot rule out are split
+until bound and largest value found agree; what is returned is the bound, never the sample.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.trajectories import TrajectoryClass
+
+TOLERANCE = 1e-7  # of a joint's own scale, between proven bound and attained value
+FIRST_INTERVALS = 128
+SPLIT = 4
+# Rounding of a sum of sines, relative to the sum of their magnitudes: a thousand times the unit.
+ROUNDING = 1e-13
+DEPTH = 40  # halvings by four beyond which doubles cannot split an interval any more
+
+
+def proven_range(
+    trajectory: TrajectoryClass,
+    z: Float[ndarray, "size"],
+    order: int,
+    *,
+    tolerance: float = TOLERANCE,
+) -> Float[ndarray, "joints 2"]:
+    """Bounds that a derivative of position never leaves, for all t in the horizon.
+
+    Args:
+        trajectory: The class.
+        z: The motion.
+        order: 0 position, 1 velocity, 2 acceleration, 3 jerk.
+        tolerance: How far the bounds may lie beyond the extrema, relative to the sum of the
+            magnitudes of the joint's terms.
+
+    Returns:
+        (n, 2) lower bound on the minimum and upper bound on the maximum.
+    """
+    curvature = trajectory.derivative_bound(z, order + 2)
+    scale = trajectory.derivative_bound(z, order)
+    middle, half = _first_intervals(trajectory)
+    attained = np.stack([np.full(len(scale), np.inf), np.full(len(scale), -np.inf)])
+    proven = attained.copy()
+    gap = tolerance * scale
+    for _ in range(DEPTH):
+        value = trajectory.derivative(z, middle, order)
+        slope = np.abs(trajectory.derivative(z, middle, order + 1))
+        reach = slope * half[:, None] + curvature * half[:, None] ** 2 / 2
+        attained[0] = np.minimum(attained[0], value.min(axis=0))
+        attained[1] = np.maximum(attained[1], value.max(axis=0))
+        is_open = (value - reach < attained[0] - gap) | (value + reach > attained[1] + gap)
+        split = is_open.any(axis=1)
+        _widen(proven, (value - reach)[~split], (value + reach)[~split])
+        if not split.any():
+            break
+        middle, half = _split(middle[split], half[split])
+    else:
+        _widen(proven, (value - reach)[split], (value + reach)[split])
+    slack = ROUNDING * (scale + np.abs(attained).max(axis=0))
+    return np.stack([proven[0] - slack, proven[1] + slack], axis=1)
+
+
+def _first_intervals(trajectory: TrajectoryClass) -> tuple[ndarray, ndarray]:
+    """Middles and half widths of intervals that no breakpoint lies within."""
+    ends = trajectory.breakpoints
+    edges = [np.linspace(a, b, FIRST_INTERVALS + 1) for a, b in zip(ends, ends[1:], strict=False)]
+    middle = np.concatenate([(edge[1:] + edge[:-1]) / 2 for edge in edges])
+    half = np.concatenate([np.diff(edge) / 2 for edge in edges])
+    return middle, half
+
+
+def _split(middle: ndarray, half: ndarray) -> tuple[ndarray, ndarray]:
+    parts = (np.arange(SPLIT) * 2 + 1 - SPLIT) / SPLIT
+    return (middle[:, None] + half[:, None] * parts).reshape(-1), np.repeat(half / SPLIT, SPLIT)
+
+
+def _widen(proven: ndarray, lower: ndarray, upper: ndarray) -> None:
+    if len(lower):
+        proven[0] = np.minimum(proven[0], lower.min(axis=0))
+        proven[1] = np.maximum(proven[1], upper.max(axis=0))

@@ -1,0 +1,180 @@
+"""Limits on a motion: how far a motion is from them, proof that it keeps them, repair."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.extrema import proven_range
+from oed.design.trajectories import TrajectoryClass
+from oed.robot import JointLimits
+
+KINEMATIC = ("position", "velocity", "acceleration", "jerk")  # index = order of derivative
+# A repaired motion stays this fraction inside, so that no rounding can carry it out again.
+MARGIN = 1e-9
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Bounds that a motion never leaves at any t in its horizon.
+
+    Attributes:
+        position: (n, 2) lower and upper bound [rad or m].
+        velocity: (n, 2) [rad/s].
+        acceleration: (n, 2) [rad/s^2].
+        jerk: (n, 2) [rad/s^3].
+        torque: (n, 2) of the nominal model [N m]; None where no model was given.
+        violation: Worst violation of any limit, relative to it; <= 0 proves feasibility.
+        worst: Which limit that is, in words.
+    """
+
+    position: Float[ndarray, "joints 2"]
+    velocity: Float[ndarray, "joints 2"]
+    acceleration: Float[ndarray, "joints 2"]
+    jerk: Float[ndarray, "joints 2"]
+    torque: Float[ndarray, "joints 2"] | None
+    violation: float
+    worst: str
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether every limit is proven to be kept."""
+        return self.violation <= 0.0
+
+    @property
+    def certified_max(self) -> dict[str, list[float]]:
+        """Largest magnitude of each kind and joint, for a design file."""
+        kinds = {kind: getattr(self, kind) for kind in (*KINEMATIC, "torque")}
+        return {
+            kind: np.abs(bounds).max(axis=1).tolist()
+            for kind, bounds in kinds.items()
+            if bounds is not None
+        }
+
+
+def check_limits(limits: JointLimits) -> None:
+    """Refuse limits that forbid standing still.
+
+    Raises:
+        ValueError: If a velocity, acceleration, jerk or torque range excludes zero.
+    """
+    for kind in ("velocity", "acceleration", "jerk"):
+        lower, upper = getattr(limits, kind).T
+        wrong = ~((lower < 0) & (upper > 0))
+        if wrong.any():
+            joint = int(np.flatnonzero(wrong)[0])
+            raise ValueError(
+                f"{kind} limit of joint {joint + 1}, [{lower[joint]:g}, {upper[joint]:g}], "
+                "does not allow motion in both directions"
+            )
+
+
+def certify(
+    trajectory: TrajectoryClass,
+    z: Float[ndarray, "size"],
+    limits: JointLimits,
+    torque: Float[ndarray, "joints 2"] | None = None,
+) -> Certificate:
+    """Prove bounds on a motion and compare them with the limits.
+
+    Args:
+        trajectory: The class.
+        z: The motion.
+        limits: Of the joints.
+        torque: (n, 2) proven bounds on the nominal torque, where there is a nominal model.
+    """
+    ranges = {kind: proven_range(trajectory, z, order) for order, kind in enumerate(KINEMATIC)}
+    checked = ranges if torque is None else {**ranges, "torque": torque}
+    worst = {kind: violation_of(bounds, getattr(limits, kind)) for kind, bounds in checked.items()}
+    kind = max(worst, key=lambda k: worst[k].max())
+    joint = int(worst[kind].argmax())
+    return Certificate(
+        **ranges,
+        torque=torque,
+        violation=float(worst[kind][joint]),
+        worst=f"{kind} of joint {joint + 1}",
+    )
+
+
+def violation_of(
+    bounds: Float[ndarray, "joints 2"], limit: Float[ndarray, "joints 2"]
+) -> Float[ndarray, "joints"]:
+    """Violation of each joint relative to half the width of its range; -1 where unlimited.
+
+    Where only one side is limited, relative to that side's magnitude.
+    """
+    half = np.diff(limit, axis=1)[:, 0] / 2
+    finite = np.where(np.isfinite(limit), np.abs(limit), 0.0).max(axis=1)
+    scale = np.where(np.isfinite(half), half, np.where(finite > 0, finite, 1.0))
+    beyond = np.maximum(limit[:, 0] - bounds[:, 0], bounds[:, 1] - limit[:, 1])
+    return np.maximum(beyond / scale, -1.0)
+
+
+def sampled_ranges(
+    trajectory: TrajectoryClass, z: Float[ndarray, "size"], t: Float[ndarray, "samples"]
+) -> dict[str, Float[ndarray, "joints 2"]]:
+    """Smallest and largest sample of each kinematic quantity: fast, and no proof."""
+    ranges = {}
+    for order, kind in enumerate(KINEMATIC):
+        values = trajectory.derivative(z, t, order)
+        ranges[kind] = np.stack([values.min(axis=0), values.max(axis=0)], axis=1)
+    return ranges
+
+
+def repair(
+    trajectory: TrajectoryClass, z: Float[ndarray, "size"], limits: JointLimits
+) -> Float[ndarray, "size"]:
+    """Scale each joint's motion about its centre, and move that centre, into the limits.
+
+    The result provably keeps position, velocity, acceleration and jerk limits. A motion that
+    keeps them already is returned as it is.
+    """
+    z = trajectory.clip(z)
+    ranges = {kind: proven_range(trajectory, z, order) for order, kind in enumerate(KINEMATIC)}
+    if all((violation_of(b, getattr(limits, k)) <= 0).all() for k, b in ranges.items()):
+        return z
+    factors = _kinematic_factors(trajectory, z, limits, ranges)
+    z = trajectory.shrink(z, factors)
+    if trajectory.has_offset:
+        centre = trajectory.centre(trajectory.clip(z))
+        swing = (ranges["position"] - centre[:, None]) * factors[:, None] + centre[:, None]
+        slack = MARGIN * np.maximum(1.0, np.abs(swing))
+        up = np.maximum(limits.position[:, 0] - (swing - slack)[:, 0], 0.0)
+        down = np.minimum(limits.position[:, 1] - (swing + slack)[:, 1], 0.0)
+        z = trajectory.shift(z, up + down)
+    return z
+
+
+def _kinematic_factors(
+    trajectory: TrajectoryClass,
+    z: Float[ndarray, "size"],
+    limits: JointLimits,
+    ranges: dict[str, Float[ndarray, "joints 2"]],
+) -> Float[ndarray, "joints"]:
+    """The largest factor of each joint, at most 1, that brings all its ranges within limits."""
+    centre = trajectory.centre(z)
+    if trajectory.has_offset:
+        room = np.diff(limits.position, axis=1)[:, 0]
+        # Room for the slack of the shift on both sides.
+        room = room - 4 * MARGIN * np.maximum(1.0, np.abs(limits.position).max(axis=1))
+        factors = _ratio(room, np.diff(ranges["position"], axis=1)[:, 0])
+    else:
+        factors = _two_sided(
+            limits.position - centre[:, None], ranges["position"] - centre[:, None]
+        )
+    for kind in KINEMATIC[1:]:
+        factors = np.minimum(factors, _two_sided(getattr(limits, kind), ranges[kind]))
+    return np.where(factors < 1.0, factors * (1 - MARGIN), 1.0)
+
+
+def _two_sided(limit: ndarray, extent: ndarray) -> Float[ndarray, "joints"]:
+    return np.minimum(_ratio(-limit[:, 0], -extent[:, 0]), _ratio(limit[:, 1], extent[:, 1]))
+
+
+def _ratio(room: ndarray, needed: ndarray) -> Float[ndarray, "joints"]:
+    """room / needed where more is needed than there is, else 1."""
+    is_short = needed > room
+    return np.where(is_short, np.where(is_short, room, 1.0) / np.where(is_short, needed, 1.0), 1.0)

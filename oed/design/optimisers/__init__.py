@@ -1,0 +1,1 @@
+"""Optimisers of one problem object; each a function of the same shape."""

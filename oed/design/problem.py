@@ -1,0 +1,182 @@
+"""The design problem, built once and handed to every optimiser."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.criteria import CRITERIA, Criterion, cost, cost_and_slope
+from oed.design.fast_information import FastInformation
+from oed.design.limits import (
+    KINEMATIC,
+    Certificate,
+    certify,
+    check_limits,
+    repair,
+    sampled_ranges,
+    violation_of,
+)
+from oed.design.trajectories import TrajectoryClass
+from oed.dynamics.base_parameters import BaseParameters
+from oed.dynamics.compiled import CompiledRegressor, compile_regressor
+from oed.dynamics.torque_model import TorqueModel
+from oed.robot import JointLimits
+
+DENSE = 1000  # instants of the fast look at the limits
+CONTINUOUS = 4000  # instants of the average over continuous time
+
+
+@dataclass(frozen=True)
+class DesignProblem:
+    """Find the motion of a class that tells most about the base parameters.
+
+    Attributes:
+        model: The torque model.
+        base: Its base parameters, b of them.
+        trajectory: The class of motions.
+        limits: What the motion must keep at all t. Torque limits count only with `nominal`.
+        instants: (N,) sampled instants [s]; the criterion's rows are N n.
+        criterion: "J_k", "J_d", "A" or "E".
+        covariance: R_v of the torque [N^2 m^2], (n,) or (n, n); the identity if None.
+        prior: (b, b) information already at hand.
+        scaling: (b,) factors of the columns, so that parameters of different units compare.
+        nominal: (p,) parameters of the model by which torque is predicted; None to leave
+            torque free.
+        sign_width: Smoothing of the velocity sign where a gradient is asked for [rad/s].
+        native: Whether to compile the regressor to machine code where possible.
+    """
+
+    model: TorqueModel
+    base: BaseParameters
+    trajectory: TrajectoryClass
+    limits: JointLimits
+    instants: Float[ndarray, "samples"]
+    criterion: Criterion = "J_d"
+    covariance: Float[ndarray, "..."] | None = None
+    prior: Float[ndarray, "base base"] | None = None
+    scaling: Float[ndarray, "base"] | None = None
+    nominal: Float[ndarray, "parameters"] | None = None
+    sign_width: float = 0.02
+    native: bool = True
+
+    def __post_init__(self) -> None:
+        if self.criterion not in CRITERIA:
+            raise ValueError(f"criterion {self.criterion!r} is none of {CRITERIA}")
+        if self.trajectory.joints != self.model.robot.n:
+            raise ValueError(
+                f"trajectories of {self.trajectory.joints} joints, robot of {self.model.robot.n}"
+            )
+        check_limits(self.limits)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without the compiled code, which every process loads for itself."""
+        return {k: v for k, v in self.__dict__.items() if k not in ("regressor", "fast")}
+
+    @property
+    def size(self) -> int:
+        """Number of decision variables."""
+        return self.trajectory.size
+
+    @property
+    def rows(self) -> int:
+        """Rows of the regressor, N n."""
+        return len(self.instants) * self.model.robot.n
+
+    @cached_property
+    def regressor(self) -> CompiledRegressor:
+        """The base regressor, compiled."""
+        return compile_regressor(self.model, self.base, native=self.native)
+
+    @cached_property
+    def fast(self) -> FastInformation:
+        """Information and its gradient."""
+        return FastInformation(self.regressor, self.covariance)
+
+    def information(
+        self, z: Float[ndarray, "size"], *, scaled: bool = True
+    ) -> Float[ndarray, "base base"]:
+        """Lambda at the instants, with the exact velocity sign.
+
+        Args:
+            z: The motion.
+            scaled: Whether to apply the column scaling.
+        """
+        bare = self.fast.information(self.trajectory.motion(z, self.instants))
+        return self._complete(bare, scaled)
+
+    def continuous_information(
+        self, z: Float[ndarray, "size"], *, scaled: bool = True, points: int = CONTINUOUS
+    ) -> Float[ndarray, "base base"]:
+        """Lambda of N instants spread evenly over continuous time: N times its mean.
+
+        With the rows of the paper's sampled criterion, so that J_d compares. Midpoint rule.
+        """
+        t = (np.arange(points) + 0.5) * (self.trajectory.horizon / points)
+        bare = self.fast.information(self.trajectory.motion(z, t)) * (len(self.instants) / points)
+        return self._complete(bare, scaled)
+
+    def cost(self, z: Float[ndarray, "size"]) -> float:
+        """The criterion to be minimised, with the exact sign; infinite where singular."""
+        return cost(self.information(z), self.criterion)
+
+    def cost_and_gradient(
+        self,
+        z: Float[ndarray, "size"],
+        *,
+        sign_width: float | None = None,
+        exponent: float = np.inf,
+    ) -> tuple[float, Float[ndarray, "size"]]:
+        """The criterion with a smooth sign, and its gradient.
+
+        Args:
+            z: The motion.
+            sign_width: Of the smooth sign [rad/s]; the problem's own if None.
+            exponent: Of the Schatten norms that smooth J_k and E; infinite for the criterion.
+        """
+        width = self.sign_width if sign_width is None else sign_width
+        motion = self.trajectory.motion(z, self.instants)
+        bare, entries = self.fast.information_and_entries(motion, width)
+        value, slope = cost_and_slope(self._complete(bare, True), self.criterion, exponent)
+        if not np.isfinite(value):
+            return value, np.zeros(self.size)
+        if self.scaling is not None:
+            slope = slope * np.outer(self.scaling, self.scaling)
+        adjoints = self.fast.pull_back(motion, entries, slope, width)
+        return value, self.trajectory.pull_back(z, self.instants, adjoints)
+
+    def violation(self, z: Float[ndarray, "size"]) -> float:
+        """Worst violation of the kinematic limits on a dense grid, relative to the limit."""
+        t = np.linspace(0.0, self.trajectory.horizon, DENSE)
+        ranges = sampled_ranges(self.trajectory, z, t)
+        return float(max(violation_of(ranges[k], getattr(self.limits, k)).max() for k in KINEMATIC))
+
+    def certificate(self, z: Float[ndarray, "size"]) -> Certificate:
+        """Proven bounds on the motion for all t."""
+        return certify(self.trajectory, z, self.limits)
+
+    def repair(self, z: Float[ndarray, "size"]) -> Float[ndarray, "size"]:
+        """The motion brought within the limits by scaling and shifting each joint."""
+        return repair(self.trajectory, z, self.limits)
+
+    def random_start(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
+        """A random motion that fills the limits of every joint.
+
+        Amplitudes are drawn from the box with a weight that falls with frequency, then every
+        joint is scaled up or down until it touches one of its limits.
+        """
+        lower, upper = self.trajectory.bounds.T
+        z = rng.uniform(lower, upper)
+        return self.repair(z)
+
+    def _complete(
+        self, information: Float[ndarray, "base base"], scaled: bool
+    ) -> Float[ndarray, "base base"]:
+        if self.prior is not None:
+            information = information + self.prior
+        if scaled and self.scaling is not None:
+            information = information * np.outer(self.scaling, self.scaling)
+        return information

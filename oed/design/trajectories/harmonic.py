@@ -1,0 +1,203 @@
+"""The paper's sums of sines with free amplitudes and frequencies (Calafiore 2001, eq. 10)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import comb
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from oed.design.trajectories.ramp import Ramp
+from oed.design.trajectories.trajectory import TrajectoryClass
+from oed.robot import JointLimits
+
+AMPLITUDE_BOUND = 4.0  # [rad or m] of each term, where sums may cancel under exact limits
+# Highest frequency under exact limits, as a multiple of the conservative bound (12d). At four
+# times it one sine within the acceleration limit moves a sixteenth of the position range.
+FREQUENCY_MULTIPLE = 4.0
+
+
+@dataclass(frozen=True)
+class HarmonicClass(TrajectoryClass):
+    """q_j(t) = centre_j + sum_k a_jk sin(omega_jk t), both a and omega free (10).
+
+    z = [a_11 ... a_1W, a_21 ... a_nW, omega_11 ... omega_nW], the order of the paper's genotype.
+
+    Attributes:
+        horizon: [s]
+        middle: (n,) fixed centre of each joint; zero in the paper.
+        terms: W, the number of sines a joint.
+        amplitude_bound: (n,) largest |a_jk| [rad or m].
+        frequency_bound: (n,) largest omega_jk [rad/s].
+        ramp: Seconds over which the motion rises from rest and returns to it; 0 for the
+            paper's class, which starts at full speed.
+        box_keeps_limits: Whether the box alone keeps the limits, by (11)-(12).
+    """
+
+    horizon: float
+    middle: Float[ndarray, "joints"]
+    terms: int
+    amplitude_bound: Float[ndarray, "joints"]
+    frequency_bound: Float[ndarray, "joints"]
+    ramp: float = 0.0
+    box_keeps_limits: bool = False
+    name = "harmonic"
+    is_linear = False
+    has_offset = False
+
+    def __post_init__(self) -> None:
+        finite = np.isfinite(self.amplitude_bound) & np.isfinite(self.frequency_bound)
+        if not finite.all():
+            raise ValueError(f"joint {int(np.flatnonzero(~finite)[0]) + 1} has no finite box")
+
+    @classmethod
+    def conservative(cls, limits: JointLimits, horizon: float, terms: int = 3) -> HarmonicClass:
+        """The class whose box keeps position, velocity and acceleration limits (12)."""
+        middle, reach, omega = _conservative(limits)
+        return cls(horizon, middle, terms, reach / terms, omega, box_keeps_limits=True)
+
+    @classmethod
+    def exact(
+        cls,
+        limits: JointLimits,
+        horizon: float,
+        terms: int = 3,
+        *,
+        amplitude_bound: float = AMPLITUDE_BOUND,
+        frequency_multiple: float = FREQUENCY_MULTIPLE,
+        ramp: float = 0.0,
+    ) -> HarmonicClass:
+        """The class with a wide box, to be used with limits on the motion itself."""
+        middle, _, omega = _conservative(limits)
+        wide = np.full(len(middle), amplitude_bound)
+        return cls(horizon, middle, terms, wide, omega * frequency_multiple, ramp)
+
+    @property
+    def joints(self) -> int:
+        """Number of joints n."""
+        return len(self.middle)
+
+    @cached_property
+    def bounds(self) -> Float[ndarray, "size 2"]:
+        """|a| <= amplitude_bound and 0 <= omega <= frequency_bound."""
+        amplitude = np.repeat(self.amplitude_bound, self.terms)
+        frequency = np.repeat(self.frequency_bound, self.terms)
+        lower = np.concatenate([-amplitude, np.zeros_like(frequency)])
+        return np.stack([lower, np.concatenate([amplitude, frequency])], axis=1)
+
+    @cached_property
+    def variables(self) -> Int[ndarray, "joints own"]:
+        """Amplitudes, then frequencies, of each joint."""
+        amplitude = np.arange(self.joints * self.terms).reshape(self.joints, self.terms)
+        return np.concatenate([amplitude, amplitude + amplitude.size], axis=1)
+
+    def derivative(
+        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+    ) -> Float[ndarray, "samples joints"]:
+        """Exact time derivative of position."""
+        a, omega = self._parts(z)
+        rest = self.middle if order == 0 else 0.0
+        return rest + self._ramped(t, order, lambda t, k: (_wave(t, omega, k) * a).sum(axis=2))
+
+    def sensitivity(
+        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+    ) -> Float[ndarray, "samples joints own"]:
+        """By each joint's amplitudes, then frequencies."""
+        a, omega = self._parts(z)
+
+        def parts(t: ndarray, k: int) -> ndarray:
+            by_amplitude = _wave(t, omega, k)
+            # d/d omega of omega^k sin(omega t + k pi/2)
+            by_omega = t[:, None, None] * _wave(t, omega, k, phase=1)
+            if k > 0:
+                angle = omega * t[:, None, None] + k * np.pi / 2
+                by_omega = by_omega + k * omega ** (k - 1) * np.sin(angle)
+            return np.concatenate([by_amplitude, a * by_omega], axis=2)
+
+        return self._ramped(t, order, parts)
+
+    def derivative_bound(self, z: Float[ndarray, "size"], order: int) -> Float[ndarray, "joints"]:
+        """sum_k |a_k| omega_k^order, as in (11); with the ramp's own bounds by Leibniz."""
+        a, omega = self._parts(z)
+        bare = [(np.abs(a) * omega**k).sum(axis=1) for k in range(order + 1)]
+        if not self.ramp:
+            return bare[order]
+        return sum(comb(order, k) * self._ramp.bound(order - k) * bare[k] for k in range(order + 1))
+
+    def centre(self, z: Float[ndarray, "size"]) -> Float[ndarray, "joints"]:
+        """The fixed middle."""
+        return self.middle
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        """The ends of the ramp too."""
+        inner = (self.ramp, self.horizon - self.ramp) if self.ramp else ()
+        return (0.0, *inner, self.horizon)
+
+    def shrink(
+        self, z: Float[ndarray, "size"], factors: Float[ndarray, "joints"]
+    ) -> Float[ndarray, "size"]:
+        """Amplitudes multiplied, frequencies kept."""
+        a, omega = self._parts(z)
+        return np.concatenate([(a * factors[:, None]).reshape(-1), omega.reshape(-1)])
+
+    def shift(
+        self, z: Float[ndarray, "size"], distance: Float[ndarray, "joints"]
+    ) -> Float[ndarray, "size"]:
+        """Unchanged: the class has no offset."""
+        return z
+
+    def describe(self, z: Float[ndarray, "size"]) -> dict[str, ndarray]:
+        """Centre, amplitudes and frequencies, (n, W) each."""
+        a, omega = self._parts(z)
+        return {
+            "centre": self.middle,
+            "amplitude": a,
+            "frequency": omega,
+            "ramp": np.array(self.ramp),
+        }
+
+    def _parts(self, z: Float[ndarray, "size"]) -> tuple[ndarray, ndarray]:
+        a, omega = np.asarray(z, dtype=float).reshape(2, self.joints, self.terms)
+        return a, omega
+
+    @cached_property
+    def _ramp(self) -> Ramp:
+        return Ramp(self.horizon, self.ramp)
+
+    def _ramped(self, t: ndarray, order: int, part: Callable[[ndarray, int], ndarray]) -> ndarray:
+        """Derivative of ramp times part, by Leibniz' rule; of part alone without a ramp."""
+        if not self.ramp:
+            return part(t, order)
+        total = 0.0
+        for k in range(order + 1):
+            values = part(t, k)
+            factor = comb(order, k) * self._ramp.derivative(t, order - k)
+            total = total + factor.reshape(-1, *(1,) * (values.ndim - 1)) * values
+        return total
+
+
+def _wave(t: ndarray, omega: ndarray, order: int, phase: int = 0) -> ndarray:
+    """(N, n, W) omega^order sin(omega t + (order + phase) pi/2)."""
+    angle = omega * t[:, None, None]
+    turned = (np.sin, np.cos, np.sin, np.cos)[(order + phase) % 4](angle)
+    return (1, 1, -1, -1)[(order + phase) % 4] * omega**order * turned
+
+
+def _conservative(limits: JointLimits) -> tuple[ndarray, ndarray, ndarray]:
+    """Middle and half width of the position range, and omega_max of (12d)."""
+    middle = limits.position.mean(axis=1)
+    reach = np.diff(limits.position, axis=1)[:, 0] / 2
+    if not np.isfinite(reach).all():
+        raise ValueError("harmonic bounds (12) need finite position limits of every joint")
+    speed, acceleration = (np.abs(x).min(axis=1) for x in (limits.velocity, limits.acceleration))
+    omega = np.minimum(speed / reach, np.sqrt(acceleration / reach))
+    if not np.isfinite(omega).all():
+        raise ValueError(
+            "harmonic bounds (12) need a velocity or acceleration limit of every joint"
+        )
+    return middle, reach, omega

@@ -1,0 +1,123 @@
+"""What every class of trajectories offers to criteria, limits and optimisers."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from oed.dynamics.motion import Motion
+
+JERK = 3  # highest derivative of position that limits speak of
+
+
+class TrajectoryClass(ABC):
+    """A family of joint motions on [0, horizon], one decision vector z a motion.
+
+    Every joint has its own m variables; z holds those of all joints. Subclasses are frozen
+    dataclasses, built once for a robot.
+
+    Attributes:
+        name: For reports and design files.
+        is_linear: Whether position is affine in z, so that limits are linear.
+        has_offset: Whether the mean of each joint is free.
+    """
+
+    name: ClassVar[str]
+    is_linear: ClassVar[bool]
+    has_offset: ClassVar[bool]
+
+    horizon: float
+
+    @property
+    @abstractmethod
+    def joints(self) -> int:
+        """Number of joints n."""
+
+    @property
+    @abstractmethod
+    def bounds(self) -> Float[ndarray, "size 2"]:
+        """Finite box of the decision variables."""
+
+    @property
+    @abstractmethod
+    def variables(self) -> Int[ndarray, "joints own"]:
+        """Indices in z of each joint's own variables."""
+
+    @property
+    def size(self) -> int:
+        """Number of decision variables."""
+        return len(self.bounds)
+
+    @abstractmethod
+    def derivative(
+        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+    ) -> Float[ndarray, "samples joints"]:
+        """Exact time derivative of position, of any order from 0 [rad/s^order]."""
+
+    @abstractmethod
+    def sensitivity(
+        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+    ) -> Float[ndarray, "samples joints own"]:
+        """Partial derivatives of `derivative` by each joint's own `variables`."""
+
+    @abstractmethod
+    def derivative_bound(self, z: Float[ndarray, "size"], order: int) -> Float[ndarray, "joints"]:
+        """An upper bound, valid for all t, on |`derivative`| of order 1 or more; for order 0
+        on the distance from the centre."""
+
+    @abstractmethod
+    def centre(self, z: Float[ndarray, "size"]) -> Float[ndarray, "joints"]:
+        """Position about which each joint moves [rad or m]."""
+
+    @abstractmethod
+    def shrink(
+        self, z: Float[ndarray, "size"], factors: Float[ndarray, "joints"]
+    ) -> Float[ndarray, "size"]:
+        """The motion with each joint's distance from its centre multiplied by a factor."""
+
+    @abstractmethod
+    def shift(
+        self, z: Float[ndarray, "size"], distance: Float[ndarray, "joints"]
+    ) -> Float[ndarray, "size"]:
+        """The motion with each joint's centre moved; unchanged where there is no offset."""
+
+    @abstractmethod
+    def describe(self, z: Float[ndarray, "size"]) -> dict[str, ndarray]:
+        """The coefficients by name, for a design file."""
+
+    def motion(self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"]) -> Motion:
+        """Position, velocity and acceleration at instants t [s]."""
+        return Motion(np.asarray(t, dtype=float), *(self.derivative(z, t, k) for k in range(3)))
+
+    def pull_back(
+        self,
+        z: Float[ndarray, "size"],
+        t: Float[ndarray, "samples"],
+        adjoints: tuple[Float[ndarray, "samples joints"], ...],
+    ) -> Float[ndarray, "size"]:
+        """Gradient by z of a function whose gradients by q, dq, ddq, ... are `adjoints`."""
+        gradient = np.zeros(self.size)
+        for order, adjoint in enumerate(adjoints):
+            parts = np.einsum("kj,kjm->jm", adjoint, self.sensitivity(z, t, order))
+            np.add.at(gradient, self.variables, parts)
+        return gradient
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        """Instants between which position is infinitely often differentiable, ends included."""
+        return (0.0, self.horizon)
+
+    def instants(self, count: int) -> Float[ndarray, "samples"]:
+        """`count` equally spaced instants k T / count, k = 0 ... count - 1 [s].
+
+        The end of the horizon is left out: in a periodic motion it repeats the start.
+        """
+        return np.arange(count) * (self.horizon / count)
+
+    def clip(self, z: Float[ndarray, "size"]) -> Float[ndarray, "size"]:
+        """The nearest point of the box."""
+        return np.clip(z, self.bounds[:, 0], self.bounds[:, 1])
