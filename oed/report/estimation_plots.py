@@ -77,10 +77,12 @@ def plot_residuals(
     _require_names(joint_names, residual.shape[1])
     figure, panels = joint_grid(joint_names, xlabel=_TIME, ylabel=ylabel)
     for j, panel in enumerate(panels):
-        draw_signal(panel, t, residual[:, j], color=BLUE, label="residual", linewidth=0.6)
+        draw_signal(panel, t, residual[:, j], color=BLUE, label="residual", linewidth=0.4)
         for sign, label in ((1, "± rms"), (-1, "_")):
-            panel.axhline(sign * rms[j], color=VERMILION, linewidth=0.9, dashes=(4, 2), label=label)
-        panel.set_title(f"rms {rms[j]:.3g}", loc="right", color=VERMILION, fontsize=7.0)
+            panel.axhline(sign * rms[j], color=VERMILION, linewidth=1.2, label=label)
+        panel.set_title(
+            f"rms {rms[j]:#.3g}".rstrip("."), loc="right", color=VERMILION, fontsize=7.0
+        )
         panel.margins(x=0)
     _legend_above(figure, panels[0])
     return figure

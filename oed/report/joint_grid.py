@@ -45,5 +45,8 @@ def joint_grid(
         if index + columns >= n:  # nothing below it
             panel.set_xlabel(xlabel)
             panel.tick_params(labelbottom=True)
+        if index // columns < rows - 1:
+            # The empty place below has room for its labels: they must not part the rows.
+            panel.xaxis.set_in_layout(False)
     figure.supylabel(ylabel, fontsize=8.0)
     return figure, panels[:n]

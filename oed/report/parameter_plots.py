@@ -50,17 +50,19 @@ def plot_parameter_convergence(
     figure = new_figure(width, min(0.5 + 1.05 * rows, PAGE_HEIGHT))
     panels = list(figure.subplots(rows, columns, sharex=True, squeeze=False).ravel())
     # A longer name than its panel would run into the next one.
-    letters = 26 if columns < 6 else 17
+    letters = 26 if columns < 6 else 15
     size = 7.0 if columns < 6 else 6.0
     steps = np.unique(np.linspace(0, len(samples) - 1, _POINTS).round().astype(int))
+    # Small panels have no room for five digits.
+    unit, label = (1000, "samples used [thousands]") if samples[-1] >= 5000 else (1, "samples used")
     for k, panel in enumerate(panels[:p]):
-        _draw_convergence(panel, samples[steps], estimates[steps, k], intervals[steps, k])
+        _draw_convergence(panel, samples[steps] / unit, estimates[steps, k], intervals[steps, k])
         title = shortened(f"{names[k]} [{units[k]}]", names[k], letters)
         panel.set_title(title, fontsize=size, parse_math=False)
         panel.tick_params(labelsize=size, labelbottom=k + columns >= p)
     for spare in panels[p:]:
         spare.remove()
-    figure.supxlabel("samples used", fontsize=8.0)
+    figure.supxlabel(label, fontsize=8.0)
     return figure
 
 
@@ -114,7 +116,7 @@ def shortened(text: str, name: str, letters: int) -> str:
 
 def _draw_convergence(
     panel: Axes,
-    samples: Int[ndarray, "steps"],
+    samples: Float[ndarray, "steps"],
     estimate: Float[ndarray, "steps"],
     interval: Float[ndarray, "steps 2"],
 ) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from typing import TextIO, TypeVar
+from io import TextIOBase
+from typing import TypeVar, cast
 
 from tqdm import tqdm
 
@@ -18,7 +19,7 @@ def progress(
     *,
     total: int | None = None,
     every: float = 10.0,
-    stream: TextIO | None = None,
+    stream: TextIOBase | None = None,
 ) -> Iterator[Item]:
     """The items one by one, with a display of how far they are.
 
@@ -30,7 +31,7 @@ def progress(
             that is done sooner prints only its last line.
         stream: Where to display; standard error if None.
     """
-    stream = sys.stderr if stream is None else stream
+    stream = cast(TextIOBase, sys.stderr) if stream is None else stream
     if total is None:
         total = len(items) if hasattr(items, "__len__") else None  # pyright: ignore[reportArgumentType]
     if stream.isatty():
@@ -40,7 +41,7 @@ def progress(
 
 
 def _with_lines(
-    items: Iterable[Item], label: str, total: int | None, every: float, stream: TextIO
+    items: Iterable[Item], label: str, total: int | None, every: float, stream: TextIOBase
 ) -> Iterator[Item]:
     of_total = "" if total is None else f"/{total}"
     start = last = time.monotonic()

@@ -1,0 +1,319 @@
+"""What an identification hands on: estimate.json, tables, figures and a page."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.figure import Figure
+from numpy import ndarray
+
+from oed.estimation.calibration import Calibration
+from oed.estimation.recursive import RecursiveEstimate
+from oed.experiment.processing import ProcessedRecording
+from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
+from oed.report.json_file import write_json
+from oed.report.page import Page
+from oed.report.parameter_plots import plot_parameter_convergence, plot_parameter_intervals
+from oed.report.provenance import Provenance
+from oed.report.style import save_figure
+from oed.report.table import Row, text_table, write_csv
+
+FORMAT = 1
+Spectrum = tuple[Float[ndarray, "frequencies"], Float[ndarray, "frequencies joints"]]
+
+
+def write_calibration(
+    calibration: Calibration,
+    history: RecursiveEstimate,
+    spectrum: Spectrum,
+    out: Path,
+    provenance: Provenance,
+) -> None:
+    """Leave estimate.json, tables, figures and report.html in a folder.
+
+    Args:
+        calibration: To write down.
+        history: Of its recursive estimate.
+        spectrum: Frequency and density of its residual.
+        out: Folder, made if absent.
+        provenance: Of the run.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    figures = draw_figures(calibration, history, spectrum)
+    for name, figure in figures.items():
+        save_figure(figure, out / name)
+    write_csv(out / "parameters.csv", parameter_rows(calibration))
+    write_csv(out / "validation.csv", validation_rows(calibration))
+    _page(calibration, figures, provenance).write(out / "report.html")
+    # Last: whoever finds this file finds the rest complete.
+    write_json(out / "estimate.json", estimate_record(calibration, provenance))
+
+
+def estimate_record(calibration: Calibration, provenance: Provenance) -> dict[str, object]:
+    """The content of estimate.json; its fields are documented in README.md."""
+    estimate, validation = calibration.estimate, calibration.validation
+    recordings = calibration.recordings
+    return {
+        "format": FORMAT,
+        "data": calibration.dataset.name,
+        "joints": list(calibration.dataset.robot.joint_names),
+        "samples": {
+            role: sum(len(r) for r in recordings.get(role, ())) for role in _roles(recordings)
+        },
+        "parameters": [
+            {
+                "name": row["name"],
+                "expression": row["expression"],
+                "unit": row["unit"],
+                "value": row["value"],
+                "std": row["std"],
+                "interval95": [row["lower95"], row["upper95"]],
+            }
+            for row in parameter_rows(calibration)
+        ],
+        "unidentifiable": list(estimate.unidentifiable),
+        "unidentifiable_because": dict(zip(estimate.unidentifiable, estimate.reasons, strict=True)),
+        "condition": condition(calibration),
+        "rms": {role: result.rms for role, result in validation.items()},
+        "relative_rms": {role: result.relative_rms for role, result in validation.items()},
+        "overall_relative_rms": {
+            role: result.overall_relative_rms for role, result in validation.items()
+        },
+        # All columns that predict torque, the badly excited too: their sum is determined
+        # where they were excited together, their single values are not.
+        "prediction": {
+            "names": list(estimate.names),
+            "values": estimate.parameters,
+            "covariance": estimate.covariance,
+        },
+        "method": estimate.method,
+        "settings": {
+            "model": [effect.name for effect in calibration.model.effects],
+            "processing": dataclasses.asdict(calibration.settings),
+            "configuration": provenance.configuration,
+        },
+        "base_parameters": {
+            "count": len(calibration.base),
+            "note": calibration.base.note,
+        },
+        "versions": provenance.versions,
+        "commit": provenance.commit,
+        "date": provenance.date,
+        "seed": provenance.seed,
+    }
+
+
+def condition(calibration: Calibration) -> dict[str, float | int]:
+    """J_k = cond Lambda and J_d = log10 det Lambda of the weighted estimation data."""
+    factor = calibration.estimate.information_factor
+    return {
+        "J_k": float(np.linalg.cond(factor) ** 2),
+        "J_d_log10": float(2 * np.log10(np.abs(np.diag(factor))).sum()),
+        "rows": int(calibration.estimate.residual.size),
+    }
+
+
+def parameter_rows(calibration: Calibration) -> list[Row]:
+    """One row for each parameter that the data determine."""
+    estimate = calibration.estimate
+    interval = estimate.interval(0.95)
+    return [
+        {
+            "name": name,
+            "expression": calibration.base.expressions[estimate.columns[k]],
+            "unit": estimate.units[k],
+            "value": float(estimate.parameters[k]),
+            "std": float(estimate.std[k]),
+            "lower95": float(interval[k, 0]),
+            "upper95": float(interval[k, 1]),
+        }
+        for k, name in enumerate(estimate.names)
+        if estimate.determined[k]
+    ]
+
+
+def validation_rows(calibration: Calibration) -> list[Row]:
+    """One row a role and joint, and one for all joints together."""
+    rows: list[Row] = []
+    for role, result in calibration.validation.items():
+        for j, joint in enumerate(calibration.dataset.robot.joint_names):
+            rows.append(
+                {
+                    "recordings": role,
+                    "joint": joint,
+                    "rms": float(result.rms[j]),
+                    "relative_rms": float(result.relative_rms[j]),
+                }
+            )
+        rows.append(
+            {
+                "recordings": role,
+                "joint": "all",
+                "rms": result.overall_rms,
+                "relative_rms": result.overall_relative_rms,
+            }
+        )
+    return rows
+
+
+def draw_figures(
+    calibration: Calibration, history: RecursiveEstimate, spectrum: Spectrum
+) -> dict[str, Figure]:
+    """Figures by file stem: torque and residual for each role, parameters, convergence."""
+    names = calibration.dataset.robot.joint_names
+    figures: dict[str, Figure] = {}
+    for role, recordings in calibration.recordings.items():
+        t = _joined_time(recordings)
+        measured = np.concatenate([recording.tau for recording in recordings])
+        result = calibration.validation[role]
+        figures[f"torque_{role}"] = plot_torques(t, measured, measured - result.residual, names)
+        figures[f"residual_{role}"] = plot_residuals(t, result.residual, names, result.rms)
+    figures["spectrum_estimation"] = plot_residual_spectrum(
+        *spectrum, names, cutoff=calibration.settings.cutoff
+    )
+    estimate = calibration.estimate
+    interval = estimate.interval(0.95)
+    shown = estimate.determined
+    figures["parameters"] = plot_parameter_intervals(
+        [n for n, keep in zip(estimate.names, shown, strict=True) if keep],
+        estimate.parameters[shown],
+        interval[shown, 0],
+        interval[shown, 1],
+        [u for u, keep in zip(estimate.units, shown, strict=True) if keep],
+    )
+    figures["convergence"] = _draw_convergence(calibration, history)
+    return figures
+
+
+def print_summary(calibration: Calibration) -> None:
+    """The estimate and its validation as tables on standard output."""
+    say = sys.stdout.write
+    say("\n" + text_table(parameter_rows(calibration)) + "\n")
+    for name, reason in zip(
+        calibration.estimate.unidentifiable, calibration.estimate.reasons, strict=True
+    ):
+        say(f"not identified: {name}: {reason}\n")
+    say("\n" + text_table(validation_rows(calibration)) + "\n")
+    figures = condition(calibration)
+    say(
+        f"J_k = cond Lambda = {figures['J_k']:.4g}, J_d = log10 det Lambda = "
+        f"{figures['J_d_log10']:.4g}, {figures['rows']} rows\n"
+    )
+    if calibration.base.note:
+        say(f"note: {calibration.base.note}\n")
+
+
+def _roles(recordings: Mapping) -> tuple[str, ...]:
+    return ("estimation", *(r for r in ("validation", "test") if r in recordings))
+
+
+def _joined_time(recordings: tuple[ProcessedRecording, ...]) -> Float[ndarray, "samples"]:
+    """Times of recordings set one after another [s]."""
+    pieces: list[ndarray] = []
+    start = 0.0
+    for recording in recordings:
+        pieces.append(recording.motion.t - recording.motion.t[0] + start)
+        start = pieces[-1][-1] + 1 / recording.rate
+    return np.concatenate(pieces)
+
+
+def _draw_convergence(calibration: Calibration, history: RecursiveEstimate) -> Figure:
+    # Undetermined at first: the figure begins where every parameter has a value.
+    known = np.isfinite(history.parameters).all(axis=1)
+    estimates, std = history.parameters[known], history.std[known]
+    return plot_parameter_convergence(
+        history.rows[known] // calibration.dataset.robot.n,
+        estimates,
+        np.stack([estimates - 1.96 * std, estimates + 1.96 * std], axis=2),
+        calibration.estimate.names,
+        calibration.estimate.units,
+    )
+
+
+def _page(calibration: Calibration, figures: dict[str, Figure], provenance: Provenance) -> Page:
+    dataset, estimate = calibration.dataset, calibration.estimate
+    held_out = [role for role in ("validation", "test") if role in calibration.validation]
+    captions = {
+        "torque": "Measured and reconstructed torque, recordings with role",
+        "residual": "Measured minus reconstructed torque, recordings with role",
+    }
+    by_role = [
+        Picture(figures[f"{kind}_{role}"], f"{caption} {role}.", file_format="png")
+        for role in calibration.recordings
+        for kind, caption in captions.items()
+    ]
+    return Page(
+        title=f"Dynamic parameters of {dataset.name}",
+        verdict=_verdict(calibration, held_out),
+        sections=(
+            Section("How well it predicts", (Table(validation_rows(calibration)), *by_role)),
+            Section(
+                "Parameters",
+                (
+                    Text(f"{estimate.method}. Intervals are at 95 %."),
+                    Table(parameter_rows(calibration)),
+                    *_unidentified(calibration),
+                    Picture(figures["parameters"], "Estimates with 95 % intervals."),
+                    Picture(
+                        figures["convergence"],
+                        "Recursive estimates against samples used, with 95 % intervals of (8), "
+                        "which take residuals as white.",
+                    ),
+                ),
+            ),
+            Section(
+                "What is left",
+                (
+                    Text(
+                        "A flat spectrum below the cut-off is noise; a slope is a missing effect."
+                    ),
+                    Picture(figures["spectrum_estimation"], "Spectral density of the residual."),
+                ),
+            ),
+            Section(
+                "How it was made",
+                (
+                    *(Text(reason) for reason in calibration.settings.reasons),
+                    Text(f"Data: {dataset.source}. Licence: {dataset.licence}."),
+                    Table([{"package": k, "version": v} for k, v in provenance.versions.items()]),
+                    Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),
+                ),
+            ),
+        ),
+    )
+
+
+def _verdict(calibration: Calibration, held_out: list[str]) -> Verdict:
+    figures = condition(calibration)
+    count = int(calibration.estimate.determined.sum())
+    lost = len(calibration.estimate.unidentifiable)
+    if not held_out:
+        return Verdict(
+            "warning",
+            f"{count} parameters identified, but no recording was kept for validation.",
+            "Add a recording with role validation before trusting these figures.",
+        )
+    shares = ", ".join(
+        f"{100 * calibration.validation[role].overall_relative_rms:.2g} % on {role}"
+        for role in held_out
+    )
+    return Verdict(
+        "warning" if lost else "good",
+        f"{count} parameters identified; relative rms residual {shares}.",
+        f"{lost} parameters could not be identified. cond Lambda (J_k) = {figures['J_k']:.3g}, "
+        f"log10 det Lambda (J_d) = {figures['J_d_log10']:.4g} on {figures['rows']} rows.",
+    )
+
+
+def _unidentified(calibration: Calibration) -> list[Table]:
+    estimate = calibration.estimate
+    rows = [
+        {"not identified": name, "because": reason}
+        for name, reason in zip(estimate.unidentifiable, estimate.reasons, strict=True)
+    ]
+    return [Table(rows)] if rows else []

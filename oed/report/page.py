@@ -1,0 +1,166 @@
+"""A report as one HTML file that needs no other: verdict, text, tables and figures."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar, Literal
+
+import matplotlib as mpl
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from matplotlib.figure import Figure
+
+from oed.report.json_file import write_atomically
+from oed.report.style import STYLE, deterministic_metadata
+from oed.report.table import Row, column_names, format_cell, is_numeric
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the report comes to, in one box at the top.
+
+    Attributes:
+        level: Colour of the box.
+        headline: The verdict in one sentence.
+        text: Its grounds.
+    """
+
+    level: Literal["good", "warning", "bad"]
+    headline: str
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph of plain text."""
+
+    text: str
+    kind: ClassVar[str] = "text"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under a header; a key that a row lacks is an empty cell.
+
+    Attributes:
+        rows: One mapping a row.
+        caption: What the table shows.
+        columns: Keys to show, in this order; all if None.
+        digits: Significant digits of numbers with a fraction.
+    """
+
+    rows: Sequence[Row]
+    caption: str = ""
+    columns: Sequence[str] | None = None
+    digits: int = 4
+    kind: ClassVar[str] = "table"
+
+    @property
+    def _shown(self) -> list[tuple[str, bool]]:
+        names = column_names(self.rows) if self.columns is None else self.columns
+        return [(name, is_numeric(self.rows, name)) for name in names]
+
+    @property
+    def header(self) -> list[tuple[str, bool]]:
+        """Name of each column and whether it holds numbers."""
+        return self._shown
+
+    @property
+    def cells(self) -> list[list[tuple[str, bool]]]:
+        """Text of each cell, row by row, and whether its column holds numbers."""
+        shown = self._shown
+        return [
+            [(format_cell(row.get(name), digits=self.digits), numeric) for name, numeric in shown]
+            for row in self.rows
+        ]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure with its caption.
+
+    Attributes:
+        figure: The figure, or a PNG or SVG file.
+        caption: What it shows; also read out in its place.
+        file_format: How a figure is embedded: "svg" is sharp at any size, "png" is
+            smaller where there are many points.
+    """
+
+    figure: Figure | Path
+    caption: str
+    file_format: Literal["svg", "png"] = "svg"
+    kind: ClassVar[str] = "picture"
+
+    @property
+    def data_uri(self) -> str:
+        """The picture as a data URI."""
+        if isinstance(self.figure, Path):
+            return _file_data_uri(self.figure)
+        return figure_data_uri(self.figure, self.file_format)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A titled part of the page."""
+
+    title: str
+    blocks: Sequence[Text | Table | Picture]
+
+
+@dataclass(frozen=True)
+class Page:
+    """A whole report.
+
+    Attributes:
+        title: What the report is about.
+        verdict: What it comes to.
+        sections: Its parts, in order.
+        subtitle: For example the data set and the date.
+        footer: For example the versions and the commit.
+    """
+
+    title: str
+    verdict: Verdict
+    sections: Sequence[Section]
+    subtitle: str = ""
+    footer: str = ""
+
+
+def render_page(page: Page) -> str:
+    """The page as HTML; all text is escaped."""
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("page.html").render(page=page)
+
+
+def write_page(path: str | Path, page: Page) -> None:
+    """Write the page, whole or not at all."""
+    write_atomically(path, render_page(page))
+
+
+def figure_data_uri(figure: Figure, file_format: Literal["svg", "png"] = "svg") -> str:
+    """A figure as a data URI; the same drawing gives the same text."""
+    stream = io.BytesIO()
+    with mpl.rc_context(STYLE):
+        figure.savefig(stream, format=file_format, metadata=deterministic_metadata(file_format))
+    return _data_uri(stream.getvalue(), file_format)
+
+
+def _file_data_uri(file: Path) -> str:
+    file_format = file.suffix.lower().removeprefix(".")
+    if file_format not in ("png", "svg"):
+        raise ValueError(f"{file}: only PNG and SVG files are embedded")
+    return _data_uri(file.read_bytes(), file_format)
+
+
+def _data_uri(content: bytes, file_format: str) -> str:
+    kind = {"svg": "image/svg+xml", "png": "image/png"}[file_format]
+    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"

@@ -1,0 +1,89 @@
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oed.report.page import (
+    Page,
+    Picture,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    figure_data_uri,
+    render_page,
+    write_page,
+)
+from oed.report.style import new_figure, save_figure
+
+
+class Reader(HTMLParser):
+    """Collects what refers to another file, and the tags that are open."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.references: list[str] = []
+        self.tags: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.references += [value or "" for name, value in attrs if name in ("src", "href")]
+
+
+def figure():
+    drawn = new_figure(3.4, 2.0)
+    drawn.subplots().plot([0, 1], [0, 1])
+    return drawn
+
+
+def page(*blocks) -> Page:
+    verdict = Verdict("good", "The model explains the torque.", "Relative rms 1.1 %.")
+    return Page("Identification of <ur5>", verdict, [Section("Results", blocks)], footer="abc")
+
+
+def test_needs_no_other_file(tmp_path: Path) -> None:
+    png, _ = save_figure(figure(), tmp_path / "a")
+    reader = Reader()
+    reader.feed(
+        render_page(
+            page(Picture(figure(), "svg"), Picture(figure(), "png", "png"), Picture(png, "file"))
+        )
+    )
+    assert len(reader.references) == 3
+    assert all(reference.startswith("data:image/") for reference in reader.references)
+    assert "script" not in reader.tags
+    assert "link" not in reader.tags
+
+
+def test_text_is_text_and_never_markup() -> None:
+    attack = "<script>alert(1)</script>"
+    html = render_page(
+        page(Text(attack), Table([{attack: attack}], attack), Picture(figure(), f'"{attack}'))
+    )
+    assert "<script>" not in html
+    assert "Identification of &lt;ur5&gt;" in html
+
+
+def test_numbers_are_set_right_and_missing_ones_are_dashes() -> None:
+    html = render_page(page(Table([{"joint": "a", "rms": np.float64(0.25)}, {"joint": "b"}])))
+    assert '<td class="number">0.2500</td>' in html
+    assert '<td class="number">–</td>' in html
+    assert "<td>a</td>" in html
+
+
+def test_the_same_figure_gives_the_same_text() -> None:
+    assert figure_data_uri(figure()) == figure_data_uri(figure())
+
+
+def test_refuses_a_file_that_no_browser_shows(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="only PNG and SVG"):
+        render_page(page(Picture(tmp_path / "a.pdf", "figure")))
+
+
+def test_is_written_whole(tmp_path: Path) -> None:
+    write_page(tmp_path / "report" / "report.html", page(Text("x")))
+    text = (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>")
+    assert text.rstrip().endswith("</html>")
+    assert 'class="verdict good"' in text
