@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -52,6 +53,24 @@ class State:
         """Direction of motion, smoothed over the wider of `width` and `sign_width`."""
         widest = max(width, self.sign_width)
         return tanh(velocity / widest) if widest > 0 else sign(velocity)
+
+    def motion(self, effect: str) -> Motion:
+        """The sampled motion, for an effect that depends on more than one instant.
+
+        Args:
+            effect: Its name, for the message.
+
+        Raises:
+            ValueError: If the state is symbolic or one instant, so that it has no history.
+        """
+        components = (*self.q, *self.dq, *self.ddq)
+        if not all(isinstance(x, np.ndarray) and x.ndim == 1 for x in components):
+            raise ValueError(
+                f"{effect} depends on the history of the motion: it can be evaluated on sampled "
+                f"arrays, not on a symbolic state or a single instant"
+            )
+        q, dq, ddq = (np.stack(x, axis=1) for x in (self.q, self.dq, self.ddq))
+        return Motion(np.asarray(self.t, dtype=float), q, dq, ddq)
 
 
 class Effect(ABC):

@@ -1,0 +1,1 @@
+"""The catalogue's entries, grouped by what they describe."""

@@ -1,0 +1,67 @@
+"""Reasons why an estimate cannot be what its name says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.entry import Context, Target
+
+
+def joint_of(target: Target) -> int:
+    """The joint that a target names.
+
+    Raises:
+        ValueError: If the target is the whole arm or a pair.
+    """
+    if isinstance(target, int):
+        return target
+    raise ValueError(f"{target=} must be the index of a joint")
+
+
+def pair_of(target: Target) -> tuple[int, int]:
+    """The joint and the other one that a target names.
+
+    Raises:
+        ValueError: If the target is not a pair.
+    """
+    if isinstance(target, tuple):
+        return target
+    raise ValueError(f"{target=} must be a pair of joint indices")
+
+
+def positive(value: float, name: str, unit: str) -> str | None:
+    """A quantity that dissipates or stores energy is not negative."""
+    if value > 0:
+        return None
+    return f"{name} is {value:.3g} {unit}: it must be positive"
+
+
+def at_most(value: float, bound: float, name: str, unit: str, bound_name: str) -> str | None:
+    """A quantity beyond every size that was ever reported."""
+    if abs(value) <= bound:
+        return None
+    return f"{name} is {value:.3g} {unit}: more than {bound_name} = {bound:.3g} {unit}"
+
+
+def share_of_coulomb(
+    context: Context, joint: int, value: float, share: float, name: str
+) -> str | None:
+    """A friction torque far larger than the joint's Coulomb friction, where that is known."""
+    coulomb = context.coulomb(joint)
+    if coulomb <= 0:
+        return None
+    return at_most(value, share * coulomb, name, "N m", f"{share:g} times Coulomb friction")
+
+
+def first_reason(reasons: Iterable[str | None]) -> str | None:
+    """The first reason there is."""
+    return next((reason for reason in reasons if reason is not None), None)
+
+
+def finite(estimates: Float[ndarray, "columns"]) -> str | None:
+    """An estimate that is no number."""
+    return None if np.isfinite(estimates).all() else "an estimate is not finite"

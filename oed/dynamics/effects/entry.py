@@ -1,0 +1,258 @@
+"""What a catalogue of torque effects knows of each: how to build it, and its page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.effect import Effect, State
+from oed.dynamics.effects.friction import Coulomb, Viscous
+from oed.dynamics.effects.offset import TorqueOffset
+from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.motion import Motion
+from oed.dynamics.newton_euler import joint_components
+from oed.dynamics.torque_model import TorqueModel
+
+# What an effect is attached to: a joint, a joint and another one, or the whole arm (None).
+Target = int | tuple[int, int] | None
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A nonlinear parameter of an effect.
+
+    Attributes:
+        name: Symbol in words.
+        unit: SI unit.
+        lower: Least plausible value.
+        upper: Largest plausible value.
+        scale: How to space trial values, "log" or "linear".
+        points: Number of trial values in a first scan.
+        default: The value if nothing is known.
+    """
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    scale: Literal["log", "linear"]
+    points: int
+    default: float
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.default <= self.upper:
+            raise ValueError(f"{self.name}: {self.default=} outside {self.lower} to {self.upper}")
+        if self.scale == "log" and self.lower <= 0:
+            raise ValueError(f"{self.name}: {self.lower=} on a logarithmic scale")
+
+    @property
+    def grid(self) -> tuple[float, ...]:
+        """The values of a first scan."""
+        space = np.geomspace if self.scale == "log" else np.linspace
+        return tuple(float(x) for x in space(self.lower, self.upper, self.points))
+
+
+@dataclass(frozen=True)
+class EffectPage:
+    """The page that a reader of a diagnosis wants beside a name.
+
+    Attributes:
+        equation: Torque of the effect; s is the sign of the joint's velocity.
+        source: Publication that the equation is taken from.
+        parameters: What the parameters are, and what sizes are usual.
+        signature: What it leaves in a residual.
+        confused_with: Names of effects that look alike on poor motions.
+        exposed_by: The motion that tells it from them.
+    """
+
+    equation: str
+    source: str
+    parameters: str
+    signature: str
+    confused_with: tuple[str, ...]
+    exposed_by: str
+
+
+@dataclass(frozen=True)
+class Context:
+    """What is known when an effect is tried: the model so far and what the data cover.
+
+    Attributes:
+        model: The torque model before the effect.
+        parameters: (p,) its current estimate; base parameters with the rest zero will do.
+        duration: Of the longest recording [s].
+        position_range: (n, 2) least and largest position [rad].
+        top_speed: (n,) largest speed [rad/s].
+        peak_torque: (n,) largest predicted torque [N m].
+        gear_ratio: Motor turns a joint turn, None where unknown.
+    """
+
+    model: TorqueModel
+    parameters: Float[ndarray, "parameters"]
+    duration: float
+    position_range: Float[ndarray, "joints 2"]
+    top_speed: Float[ndarray, "joints"]
+    peak_torque: Float[ndarray, "joints"]
+    gear_ratio: tuple[float, ...] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        model: TorqueModel,
+        parameters: Float[ndarray, "parameters"],
+        motions: Sequence[Motion],
+        gear_ratio: tuple[float, ...] | None = None,
+    ) -> Context:
+        """The context of recordings, one motion each."""
+        if not motions:
+            raise ValueError("a context needs at least one motion to say what is covered")
+        reference = ReferenceTorque.of(model.robot, model.effects, parameters)
+        q = np.concatenate([motion.q for motion in motions])
+        torque = np.concatenate([reference.parts(motion).sum(axis=2) for motion in motions])
+        return cls(
+            model=model,
+            parameters=parameters,
+            duration=float(max(motion.t[-1] - motion.t[0] for motion in motions)),
+            position_range=np.stack([q.min(axis=0), q.max(axis=0)], axis=1),
+            top_speed=np.max([np.abs(motion.dq).max(axis=0) for motion in motions], axis=0),
+            peak_torque=np.abs(torque).max(axis=0),
+            gear_ratio=gear_ratio,
+        )
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.model.robot.n
+
+    @cached_property
+    def reference(self) -> ReferenceTorque:
+        """The model with the current estimate put in."""
+        return ReferenceTorque.of(self.model.robot, self.model.effects, self.parameters)
+
+    def sign_width(self, joint: int) -> float:
+        """Width over which the model's own Coulomb friction turns its sign [rad/s]."""
+        widths = [
+            effect.width
+            for effect in self.model.effects
+            if isinstance(effect, Coulomb) and effect.joint == joint
+        ]
+        return max(widths, default=0.0)
+
+    def coulomb(self, joint: int) -> float:
+        """Current estimate of Coulomb friction [N m]; 0 if the model has none."""
+        return self._estimate(Coulomb, joint)
+
+    def viscous(self, joint: int) -> float:
+        """Current estimate of viscous friction [N m s/rad]; 0 if the model has none."""
+        return self._estimate(Viscous, joint)
+
+    def has_offset(self, joint: int) -> bool:
+        """Whether the model already has a constant torque on the joint."""
+        return any(
+            isinstance(effect, TorqueOffset) and effect.joint == joint
+            for effect in self.model.effects
+        )
+
+    def _estimate(self, kind: type[Coulomb] | type[Viscous], joint: int) -> float:
+        start, found = 0, 0.0
+        for effect in self.model.effects:
+            if isinstance(effect, kind) and effect.joint == joint:
+                found += float(self.parameters[start])
+            start += len(effect.parameters)
+        return found
+
+
+Build = Callable[[Context, Target, tuple[float, ...]], Effect]
+Narrow = Callable[[Context, Target, tuple[Shape, ...]], tuple[Shape, ...]]
+Check = Callable[[Context, Target, tuple[float, ...], Float[ndarray, "columns"]], str | None]
+Install = Callable[[Context, Target, tuple[float, ...], Float[ndarray, "columns"]], TorqueModel]
+
+
+def _as_they_are(
+    context: Context,  # noqa: ARG001  # the signature is shared
+    target: Target,  # noqa: ARG001
+    shapes: tuple[Shape, ...],
+) -> tuple[Shape, ...]:
+    return shapes
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """An effect of the catalogue.
+
+    Attributes:
+        name: The interface name.
+        scope: Whether it belongs to a joint, to the whole arm or to a pair of joints.
+        shapes: Nonlinear parameters with plausible ranges, wide enough for any arm.
+        build: The effect as regressor columns, for a target and values of the shapes.
+        plausible: None, or why estimates of the columns' coefficients cannot be right.
+        page: What to tell about it.
+        between_repetitions: Whether it makes repetitions differ.
+        unit_coefficient: Whether its one coefficient is 1 by construction: the size is in
+            the shapes, and a free coefficient would confound it with others.
+        equivalent: Names that no motion tells from this one, and why.
+        narrow: Ranges of the shapes for an arm and its data.
+        install: The model with the effect in its exact form; None if the columns are exact.
+    """
+
+    name: str
+    scope: Literal["joint", "arm", "pair"]
+    shapes: tuple[Shape, ...]
+    build: Build
+    plausible: Check
+    page: EffectPage
+    between_repetitions: bool = False
+    unit_coefficient: bool = False
+    equivalent: tuple[str, ...] = ()
+    narrow: Narrow = _as_they_are
+    install: Install | None = None
+
+    def targets(self, context: Context) -> tuple[Target, ...]:
+        """All targets on an arm: joints, ordered pairs of joints, or the arm."""
+        joints = range(context.n)
+        if self.scope == "arm":
+            return (None,)
+        if self.scope == "joint":
+            return tuple(joints)
+        return tuple((i, j) for i in joints for j in joints if i != j)
+
+    def shapes_for(self, context: Context, target: Target) -> tuple[Shape, ...]:
+        """The nonlinear parameters with ranges that the data at hand can tell apart."""
+        return self.narrow(context, target, self.shapes)
+
+    def apply(
+        self,
+        context: Context,
+        target: Target,
+        values: tuple[float, ...],
+        estimates: Float[ndarray, "columns"],
+    ) -> TorqueModel:
+        """The context's model with the effect in it, exactly where columns are a first order.
+
+        Args:
+            context: Its model is extended.
+            target: What the effect is attached to.
+            values: Of the shapes.
+            estimates: Of the coefficients of the columns of `build`.
+        """
+        if self.install is not None:
+            return self.install(context, target, values, estimates)
+        return context.model.with_effects(self.build(context, target, values))
+
+
+def evaluate(
+    effect: Effect, motion: Motion, joints: int
+) -> Float[ndarray, "samples joints columns"]:
+    """The columns of one effect over a motion of that many joints."""
+    entries = effect.entries(State(motion.t, *joint_components(motion)))
+    columns = np.zeros((len(motion), joints, len(entries)))
+    for column, by_joint in enumerate(entries):
+        for joint, entry in by_joint.items():
+            columns[:, joint, column] = entry
+    return columns

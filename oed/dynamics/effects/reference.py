@@ -1,0 +1,110 @@
+"""The torque that a model predicts with the parameters known so far.
+
+Some effects grow with the torque itself: friction under load, a wrong gain, a delay. They
+are linear in their own parameter once the torque is taken from the current estimate, and
+are evaluated again after each refit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.effect import Effect, State
+from oed.dynamics.effects.rigid_body import RigidBody
+from oed.dynamics.motion import Motion
+from oed.dynamics.newton_euler import inverse_dynamics, joint_components
+from oed.dynamics.scalars import Scalar, add, mul
+from oed.robot import Robot
+
+
+@dataclass(frozen=True)
+class ReferenceTorque:
+    """A torque model with numbers for its parameters.
+
+    Attributes:
+        robot: Carries the estimated standard parameters; they need not be physical.
+        others: Effects beside the rigid body.
+        coefficients: One for each parameter of `others`, in order.
+    """
+
+    robot: Robot
+    others: tuple[Effect, ...] = ()
+    coefficients: tuple[float, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        robot: Robot,
+        effects: Sequence[Effect],
+        parameters: Float[ndarray, "parameters"],
+    ) -> ReferenceTorque:
+        """Split a model's parameter vector into the rigid body's and the rest.
+
+        Args:
+            robot: The model's robot.
+            effects: The model's effects, in the order of the parameters.
+            parameters: All of them.
+
+        Raises:
+            ValueError: If the lengths disagree.
+        """
+        expected = sum(len(effect.parameters) for effect in effects)
+        if len(parameters) != expected:
+            raise ValueError(f"{len(parameters)} values for a model of {expected} parameters")
+        standard = np.zeros(10 * robot.n)
+        others: list[Effect] = []
+        coefficients: list[float] = []
+        start = 0
+        for effect in effects:
+            values = parameters[start : start + len(effect.parameters)]
+            start += len(effect.parameters)
+            if isinstance(effect, RigidBody):
+                robot, standard = effect.robot, standard + values
+            else:
+                others.append(effect)
+                coefficients += [float(value) for value in values]
+        return cls(robot.with_parameters(standard), tuple(others), tuple(coefficients))
+
+    def rigid(self, state: State) -> list[Scalar]:
+        """Rigid-body torque of every joint [N m]."""
+        return inverse_dynamics(self.robot, state.q, state.dq, state.ddq)
+
+    def gravity(self, state: State, gravity: Float[ndarray, "3"]) -> list[Scalar]:
+        """Torque of the arm at rest under another gravity [m/s^2]."""
+        rest = [0.0] * self.robot.n
+        return inverse_dynamics(self.robot.with_gravity(gravity), state.q, rest, rest)
+
+    def inertia(self, state: State, joint: int) -> Scalar:
+        """Diagonal entry M_jj of the inertia matrix [kg m^2]."""
+        rest = [0.0] * self.robot.n
+        ddq = [1.0 if j == joint else 0.0 for j in range(self.robot.n)]
+        weightless = self.robot.with_gravity(np.zeros(3))
+        return inverse_dynamics(weightless, state.q, rest, ddq)[joint]
+
+    def beside_rigid(self, state: State) -> list[Scalar]:
+        """Torque of all other effects of every joint [N m]."""
+        torque: list[Scalar] = [0.0] * self.robot.n
+        columns = (entry for effect in self.others for entry in effect.entries(state))
+        for coefficient, by_joint in zip(self.coefficients, columns, strict=True):
+            for joint, entry in by_joint.items():
+                torque[joint] = add(torque[joint], mul(coefficient, entry))
+        return torque
+
+    def total(self, state: State) -> list[Scalar]:
+        """Torque of every joint [N m]."""
+        pairs = zip(self.rigid(state), self.beside_rigid(state), strict=True)
+        return [add(rigid, other) for rigid, other in pairs]
+
+    def parts(self, motion: Motion) -> Float[ndarray, "samples joints 2"]:
+        """Rigid-body torque and the rest over a motion [N m]."""
+        state = State(motion.t, *joint_components(motion))
+        result = np.zeros((len(motion), self.robot.n, 2))
+        for part, torques in enumerate((self.rigid(state), self.beside_rigid(state))):
+            for joint, torque in enumerate(torques):
+                result[:, joint, part] = torque
+        return result
