@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.signal import convolve
 
 from oed.experiment.dataset import DataSet
 from oed.experiment.processing import (
@@ -117,8 +118,8 @@ def search_cutoff(recordings: tuple[Recording, ...], rate: float, shortest: floa
     width = np.log(edges[1] / edges[0])
     sensitivity = power[1:] / (2 * width * below[1:])
     # One octave smooths the lines of a multisine, between which nothing was excited.
-    window = np.ones(CUTOFFS_PER_OCTAVE) / CUTOFFS_PER_OCTAVE
-    smooth = np.apply_along_axis(np.convolve, 0, sensitivity, window, mode="valid")
+    window = np.ones((CUTOFFS_PER_OCTAVE, 1)) / CUTOFFS_PER_OCTAVE
+    smooth = convolve(sensitivity, window, mode="valid", method="direct")
     centre = np.sqrt(edges[:-1] * edges[1:])
     frequency = np.sqrt(centre[: len(smooth)] * centre[CUTOFFS_PER_OCTAVE - 1 :])
     best = frequency[int(smooth.mean(axis=1).argmin())]

@@ -85,6 +85,11 @@ class ProcessingSettings:
             reasons=(f"cut-off {cutoff:g} Hz: given",),
         )
 
+    def thinned(self) -> ProcessingSettings:
+        """These settings with as few samples as still carry the band: for a quick look."""
+        fewest = max(self.decimation, int(self.rate / (LEAST_SAMPLES_PER_CUTOFF * self.cutoff)))
+        return dataclasses.replace(self, decimation=fewest)
+
     def __str__(self) -> str:
         return "\n".join(self.reasons)
 
@@ -122,6 +127,7 @@ class ProcessedRecording:
 
 # Ten samples a cut-off period keep the band with a wide margin for the filter's slope.
 SAMPLES_PER_CUTOFF = 10.0
+LEAST_SAMPLES_PER_CUTOFF = 2.5
 # The filter's response to a wrong guess beyond an end decays within this many periods of the
 # cut-off; a tenth of a second is cut in any case, where loggers and drives settle.
 TRIM_PERIODS = 1.5
@@ -148,7 +154,8 @@ def process(recording: Recording, settings: ProcessingSettings) -> ProcessedReco
         ValueError: If the recording is too short for the settings, or has no logged
             velocity where they ask for it.
     """
-    if settings.velocity == "logged" and recording.dq is None:
+    logged = recording.dq if settings.velocity == "logged" else None
+    if settings.velocity == "logged" and logged is None:
         raise ValueError(f"{recording.name}: no dq was logged; choose velocity='differentiated'")
     fresh = (
         fresh_samples(recording) if settings.drop_repeats else np.ones(len(recording), dtype=bool)
@@ -166,8 +173,7 @@ def process(recording: Recording, settings: ProcessingSettings) -> ProcessedReco
         return lowpass(uniform, settings.rate, settings.cutoff, settings.order)
 
     q = filtered(recording.q)
-    is_logged = settings.velocity == "logged" and recording.dq is not None
-    dq = filtered(recording.dq) if is_logged else central_difference(q, settings.rate)
+    dq = central_difference(q, settings.rate) if logged is None else filtered(logged)
     whole = Motion(grid, q, dq, central_difference(dq, settings.rate))
     kept = np.arange(cut, len(grid) - cut)[:: settings.decimation]
     return ProcessedRecording(
