@@ -44,10 +44,12 @@ def fit_autoregressive_noise(
     observed = lagged_sums(residual, residual, lags, segments) / samples
     shares = np.sum(influence**2, axis=(0, 2))
     orders = [choose_order(observed[:, j], samples - shares[j]) for j in range(joints)]
-    target = observed.copy()
+    used = max(orders) + 1
+    observed = observed[:used]
+    target = observed
     noise = _fit(target, residual, orders, segments)
     for _ in range(CORRECTIONS):
-        loss = _expected_loss(influence, noise, lags, segments) / samples
+        loss = _expected_loss(influence, noise, used, segments) / samples
         previous, target = target, observed + loss
         noise = _fit(target, residual, orders, segments)
         if np.all(np.abs(target - previous)[0] <= 1e-3 * np.abs(target[0])):

@@ -75,8 +75,8 @@ def find_identifiable(
     combination[:, kept] = np.eye(len(kept))
     combination *= norms / norms[kept][:, None]
     dropped = [c for c in range(columns) if c not in kept]
-    merged = {c for row in combination for c in np.flatnonzero(row) if np.sum(row != 0) > 1}
-    undetermined = sorted(merged | set(dropped))
+    merged = np.flatnonzero((combination[np.sum(combination != 0, axis=1) > 1] != 0).any(axis=0))
+    undetermined = sorted({*merged.tolist(), *dropped})
     singular = np.linalg.svd(factor, compute_uv=False)
     labels = tuple(_expression(row, names) for row in combination)
     return Identifiability(

@@ -47,14 +47,14 @@ def batch_least_squares(
 
 
 def check_stack(
-    regressor: Float[ndarray, "rows p"], torque: Float[ndarray, "*rows"], joints: int
+    regressor: Float[ndarray, "equations p"], torque: Float[ndarray, "torques"], joints: int
 ) -> None:
     """Refuse a regressor and torques that do not belong together.
 
     Raises:
         ValueError: With both sizes that disagree.
     """
-    if len(regressor) != len(torque) or torque.ndim != 1:
-        raise ValueError(f"{len(regressor)} regressor rows, but torques of shape {torque.shape}")
+    if len(regressor) != len(torque):
+        raise ValueError(f"{len(regressor)} regressor rows, but {len(torque)} torques")
     if joints < 1 or len(torque) % joints:
         raise ValueError(f"{len(torque)} rows are not a multiple of {joints} joints")
