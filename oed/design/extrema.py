@@ -15,6 +15,7 @@ from oed.design.trajectories import TrajectoryClass
 
 TOLERANCE = 1e-7  # of a joint's own scale, between proven bound and attained value
 FIRST_INTERVALS = 128
+QUICK_INTERVALS = 512  # of the one sweep of `quick_range`
 SPLIT = 4
 # Rounding of a sum of sines, relative to the sum of their magnitudes: a thousand times the unit.
 ROUNDING = 1e-13
@@ -62,6 +63,23 @@ def proven_range(
         _widen(proven, (value - reach)[split], (value + reach)[split])
     slack = ROUNDING * (scale + np.abs(attained).max(axis=0))
     return np.stack([proven[0] - slack, proven[1] + slack], axis=1)
+
+
+def quick_range(
+    trajectory: TrajectoryClass, z: Float[ndarray, "size"], order: int
+) -> Float[ndarray, "joints 2"]:
+    """Proven bounds from one sweep of samples: wider than `proven_range`, many times faster.
+
+    At an extremum inside the horizon the next derivative is zero, so a sample within h of it
+    lies within M h^2 / 2 of the extreme value; the ends are samples themselves.
+    """
+    ends = trajectory.breakpoints
+    nodes = [np.linspace(a, b, QUICK_INTERVALS + 1) for a, b in zip(ends, ends[1:], strict=False)]
+    half = np.diff(ends).max() / QUICK_INTERVALS / 2
+    values = trajectory.derivative(z, np.concatenate(nodes), order)
+    slack = trajectory.derivative_bound(z, order + 2) * half**2 / 2
+    slack = slack + ROUNDING * (trajectory.derivative_bound(z, order) + np.abs(values).max(axis=0))
+    return np.stack([values.min(axis=0) - slack, values.max(axis=0) + slack], axis=1)
 
 
 def _first_intervals(trajectory: TrajectoryClass) -> tuple[ndarray, ndarray]:

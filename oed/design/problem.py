@@ -162,6 +162,10 @@ class DesignProblem:
         """The motion brought within the limits by scaling and shifting each joint."""
         return repair(self.trajectory, z, self.limits)
 
+    def quick_repair(self, z: Float[ndarray, "size"]) -> Float[ndarray, "size"]:
+        """As `repair`, faster, and a fraction of a percent inside the limits."""
+        return repair(self.trajectory, z, self.limits, is_quick=True)
+
     def random_start(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
         """A random motion that fills the limits of every joint.
 
@@ -170,7 +174,7 @@ class DesignProblem:
         """
         lower, upper = self.trajectory.bounds.T
         z = rng.uniform(lower, upper)
-        return self.repair(z)
+        return self.quick_repair(z)
 
     def _complete(
         self, information: Float[ndarray, "base base"], scaled: bool
