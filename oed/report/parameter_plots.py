@@ -91,9 +91,8 @@ def plot_parameter_intervals(
     columns = _balanced(groups, 1 if len(values) <= 24 else 2)
     tallest = max(sum(len(groups[unit]) + 4 for unit in column) for column in columns)
     figure = new_figure(COLUMN if len(columns) == 1 else PAGE, 0.2 + _ROW * tallest)
-    for part, column in zip(
-        np.atleast_1d(figure.subfigures(1, len(columns))), columns, strict=True
-    ):
+    parts = figure.subfigures(1, len(columns), squeeze=False)[0]
+    for part, column in zip(parts, columns, strict=True):
         heights = [len(groups[unit]) + 1.0 for unit in column]
         panels = part.subplots(
             len(column), 1, squeeze=False, gridspec_kw={"height_ratios": heights}

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from cycler import cycler
 from matplotlib.figure import Figure
+from matplotlib.typing import RcKeyType
 
 COLUMN = 3.4  # [in] width of one column
 PAGE = 7.0  # [in] width of both
@@ -23,7 +25,7 @@ VERMILION = "#D55E00"
 PURPLE = "#CC79A7"
 GREY = "#9A9A9A"
 
-STYLE: dict[str, object] = {
+STYLE: dict[RcKeyType, Any] = {
     # Yellow comes last: a thin line of it is hard to see on white.
     "axes.prop_cycle": cycler(
         color=[BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK, YELLOW],
