@@ -54,6 +54,12 @@ class TruePlant:
     def torque(self, state: State, memory: Sequence[Scalar]) -> list[Scalar]:
         """Torque of every joint at one instant."""
         rigid = inverse_dynamics(self.robot, state.q, state.dq, state.ddq)
+        return self.add_hidden_torque(state, memory, rigid)
+
+    def add_hidden_torque(
+        self, state: State, memory: Sequence[Scalar], rigid: Sequence[Scalar]
+    ) -> list[Scalar]:
+        """What all but the rigid body needs, added to the rigid body's torque."""
         total = list(rigid)
         value = iter(self.parameters)
         for effect in self.effects:
@@ -105,11 +111,11 @@ class TruePlant:
         return np.array(columns, dtype=float).T
 
     def _by_memory(self, memory: Sequence[Scalar]) -> list[tuple[MemoryTorque, Sequence[Scalar]]]:
-        ends = np.cumsum([piece.states for piece in self.memory]).astype(int)
-        return [
-            (piece, memory[end - piece.states : end])
-            for piece, end in zip(self.memory, ends, strict=True)
-        ]
+        pairs, start = [], 0
+        for piece in self.memory:
+            pairs.append((piece, memory[start : start + piece.states]))
+            start += piece.states
+        return pairs
 
 
 def _solve(matrix: casadi.SX, right: casadi.SX) -> casadi.SX:

@@ -156,31 +156,15 @@ def run(
     start: float = 0.0,
 ) -> Log:
     """R independent runs of a reference, each from rest, with all raw signals."""
-    period, n = setup.controller.period, setup.plant.robot.n
-    _check_sampling(reference, period)
-    approach = lead_in(reference, setup.lead_in, period)
-    lead = len(approach)
-    q_d = np.concatenate([approach.q, reference.q])
-    dq_d = np.concatenate([approach.dq, reference.dq])
-    total = len(q_d)
-    if feedforward is None:
-        feedforward = np.zeros_like(reference.q)
-    forward = np.concatenate([np.repeat(feedforward[:1], lead, axis=0), feedforward])
-    t = start + period * (np.arange(total)[:, None] + total * np.arange(runs))
-    disturbance = setup.disturbance or Disturbance.none(n)
-    push = disturbance.sample(total, runs, period, rng)
-    inputs = np.empty((total, 4 * n + 1, runs))
-    inputs[:, 0] = t
-    for block, values in enumerate((q_d, dq_d, forward)):
-        inputs[:, 1 + block * n : 1 + (block + 1) * n] = values[:, :, None]
-    inputs[:, 1 + 3 * n :] = push
+    inputs, lead = loop_inputs(setup, reference, rng, runs, feedforward, start)
+    n = setup.plant.robot.n
     size = 4 * n + setup.plant.memory_states
     initial = np.zeros((size, runs))
-    initial[:n] = q_d[0][:, None]
-    initial[size - 2 * n :] = _observer_at_rest(setup.controller, q_d[0])[:, None]
+    initial[:n] = inputs[0, 1 : 1 + n]
+    initial[size - 2 * n :] = observer_at_rest(setup.controller, inputs[0, 1 : 1 + n, 0])[:, None]
     states, outputs = _loop(setup, initial, inputs)
     return Log(
-        t=t,
+        t=inputs[:, 0],
         q=states[:, :n],
         dq=states[:, n : 2 * n],
         measured=outputs[:, :n],
@@ -188,6 +172,34 @@ def run(
         command=outputs[:, 2 * n :],
         lead=lead,
     )
+
+
+def loop_inputs(
+    setup: Setup,
+    reference: Motion,
+    rng: np.random.Generator,
+    runs: int,
+    feedforward: Float[ndarray, "samples joints"] | None,
+    start: float,
+) -> tuple[Float[ndarray, "all_samples inputs runs"], int]:
+    """[t, q_d, dq_d, feedforward, disturbance] of every period, and the lead-in's length."""
+    period, n = setup.controller.period, setup.plant.robot.n
+    _check_sampling(reference, period)
+    approach = lead_in(reference, setup.lead_in, period)
+    lead = len(approach)
+    q_d = np.concatenate([approach.q, reference.q])
+    dq_d = np.concatenate([approach.dq, reference.dq])
+    if feedforward is None:
+        feedforward = np.zeros_like(reference.q)
+    forward = np.concatenate([np.repeat(feedforward[:1], lead, axis=0), feedforward])
+    total = len(q_d)
+    inputs = np.empty((total, 4 * n + 1, runs))
+    inputs[:, 0] = start + period * (np.arange(total)[:, None] + total * np.arange(runs))
+    for block, values in enumerate((q_d, dq_d, forward)):
+        inputs[:, 1 + block * n : 1 + (block + 1) * n] = values[:, :, None]
+    disturbance = setup.disturbance or Disturbance.none(n)
+    inputs[:, 1 + 3 * n :] = disturbance.sample(total, runs, period, rng)
+    return inputs, lead
 
 
 def read_log(
@@ -249,7 +261,7 @@ def control_period(setup: Setup, substeps: int) -> casadi.Function:
     return casadi.Function("period", [x, w], [next_x, output], {"cse": True})
 
 
-def _observer_at_rest(
+def observer_at_rest(
     controller: Controller, q: Float[ndarray, "joints"]
 ) -> Float[ndarray, "observer"]:
     """Observer states that read q and no velocity."""
