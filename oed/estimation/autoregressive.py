@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -26,7 +27,7 @@ class AutoregressiveNoise:
     coefficients: tuple[ndarray, ...]
     innovation: Float[ndarray, "joints joints"]
 
-    @property
+    @cached_property
     def tail(self) -> int:
         """Samples after which every impulse response has died away."""
         radius = max(
@@ -62,7 +63,7 @@ class AutoregressiveNoise:
         self, signals: Float[ndarray, "samples joints columns"]
     ) -> Float[ndarray, "samples joints columns"]:
         """Omega x: the covariance of the noise applied to signals."""
-        innovations = np.einsum("ij,kjc->kic", self.innovation, self.adjoint_filter(signals))
+        innovations = mix_joints(self.innovation, self.adjoint_filter(signals))
         return self._filter(innovations)[self.tail :]
 
     def _filter(self, signals: Float[ndarray, "samples joints columns"]) -> ndarray:
@@ -70,6 +71,14 @@ class AutoregressiveNoise:
             [lfilter([1.0], a, signals[:, j], axis=0) for j, a in enumerate(self.coefficients)],
             axis=1,
         )
+
+
+def mix_joints(
+    mixture: Float[ndarray, "joints joints"],
+    signals: Float[ndarray, "samples joints columns"],
+) -> Float[ndarray, "samples joints columns"]:
+    """Each sample's joints times a matrix."""
+    return np.moveaxis(np.tensordot(mixture, signals, axes=(1, 1)), 0, 1)
 
 
 def lagged_sums(

@@ -90,7 +90,8 @@ def _expected_loss(
 ) -> Float[ndarray, "lags joints"]:
     """Lagged sums of the noise less those expected of its residuals M v."""
     covered = np.concatenate([noise.cover(influence[a:b]) for a, b in segment_bounds(segments)])
-    inner = np.einsum("kjp,kjq->pq", influence, covered)
+    columns = influence.shape[2]
+    inner = influence.reshape(-1, columns).T @ covered.reshape(-1, columns)
     half = covered - 0.5 * influence @ inner
     return lagged_sums(half, influence, lags, segments) + lagged_sums(
         influence, half, lags, segments

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.estimation.autoregressive import segment_bounds
+from oed.estimation.autoregressive import mix_joints, segment_bounds
 from oed.estimation.autoregressive_fit import fit_autoregressive_noise
 from oed.estimation.effective_samples import effective_degrees_of_freedom
 from oed.estimation.triangular import invert
@@ -83,8 +83,9 @@ def estimate_covariance(
     if sum(segments) != samples or min(segments) < 1:
         raise ValueError(f"segments {segments} do not add up to {samples} samples")
     root = invert(posterior_factor)
-    influence = (white_regressor @ root).reshape(samples, joints, -1)
-    gram = np.einsum("kjp,kjq->pq", influence, influence)
+    flat = white_regressor @ root
+    gram = flat.T @ flat
+    influence = flat.reshape(samples, joints, -1)
     left = samples * joints - np.trace(gram)
     if not left >= 1:
         raise ValueError(f"{samples * joints} rows leave {left:.1f} degrees of freedom")
@@ -110,7 +111,7 @@ def estimate_covariance(
 def _gram(
     signals: Float[ndarray, "samples joints p"], innovation: Float[ndarray, "joints joints"]
 ) -> Float[ndarray, "p p"]:
-    mixed = np.einsum("ij,kjp->kip", np.linalg.cholesky(innovation).T, signals)
+    mixed = mix_joints(np.linalg.cholesky(innovation).T, signals)
     flat = mixed.reshape(-1, mixed.shape[2])
     return flat.T @ flat
 

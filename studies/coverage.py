@@ -1,0 +1,220 @@
+"""Do 95 % intervals hold the truth in 95 % of estimates, with white and with coloured noise?
+
+Simulated torques of the paper's two-link arm, (16), on random harmonic motion (10); each run
+draws a motion and a noise, estimates, and asks of each interval whether it holds the truth.
+
+    python -m studies.coverage [--smoke] [--out results/coverage]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy import stats
+from scipy.signal import butter, lfilter, sosfilt
+
+from oed.dynamics.motion import Motion
+from oed.dynamics.planar import planar_regressor
+from oed.estimation.covariance import CovarianceMethod, estimate_covariance
+from oed.estimation.least_squares import batch_least_squares
+from oed.estimation.noise import whiten
+from oed.estimation.weights import variances_from_residuals
+from oed.report.progress import progress
+from oed.report.provenance import Provenance
+from oed.report.table import markdown_table, write_csv
+from oed.robot.builtin import (
+    IMI_BASE_PARAMETERS,
+    IMI_COULOMB,
+    IMI_LINK_LENGTHS,
+    IMI_VISCOUS,
+)
+
+TRUTH = np.array(
+    [*IMI_BASE_PARAMETERS, IMI_COULOMB[0], IMI_VISCOUS[0], IMI_COULOMB[1], IMI_VISCOUS[1]]
+)
+LARGEST_FREQUENCY = 1.825  # [rad/s], Calafiore 2001, section 4
+BURN_IN = 2000  # [samples] before the noise is taken for stationary
+
+
+@dataclass(frozen=True)
+class Noise:
+    """A torque noise of unit variance.
+
+    Attributes:
+        kind: "white", "ar1" or "lowpass".
+        colour: Coefficient of the AR(1), or cut-off per Nyquist frequency of the fourth-order
+            Butterworth low-pass.
+    """
+
+    kind: str
+    colour: float = 0.0
+
+    def draw(self, rng: np.random.Generator, samples: int) -> Float[ndarray, "samples 2"]:
+        """One stationary record of both joints."""
+        innovation = rng.standard_normal((samples + BURN_IN, 2))
+        if self.kind == "ar1":
+            scale = np.sqrt(1 - self.colour**2)
+            innovation = lfilter([scale], [1.0, -self.colour], innovation, axis=0)
+        elif self.kind == "lowpass":
+            sections = butter(4, self.colour, output="sos")
+            innovation = sosfilt(sections, innovation, axis=0) / np.sqrt(self.colour)
+        return innovation[BURN_IN:]
+
+
+@dataclass(frozen=True)
+class Config:
+    """What is simulated.
+
+    Attributes:
+        runs: Estimates of each case.
+        stacks: Total samples N, and how many recordings of equal length they come from.
+        sample_time: [s].
+        deviations: Standard deviation of the noise of each joint [N m].
+        noises: Colours of the noise.
+        methods: Of the covariance.
+        level: Of the intervals.
+        seed: Of everything random.
+    """
+
+    runs: int = 1000
+    stacks: tuple[tuple[int, int], ...] = ((480, 1), (480, 6), (2000, 1))
+    sample_time: float = 0.02
+    deviations: tuple[float, float] = (1.2, 0.3)
+    noises: tuple[Noise, ...] = (
+        Noise("white"),
+        Noise("ar1", 0.5),
+        Noise("ar1", 0.8),
+        Noise("ar1", 0.95),
+        Noise("lowpass", 0.5),
+        Noise("lowpass", 0.2),
+    )
+    methods: tuple[CovarianceMethod, ...] = ("white", "newey_west", "prewhitened", "hac")
+    level: float = 0.95
+    seed: int = 20010218
+
+
+SMOKE = Config(runs=3, stacks=((240, 1),), noises=(Noise("white"), Noise("ar1", 0.8)))
+
+
+def run(config: Config) -> list[dict[str, str | int | float]]:
+    """One row for each length, number of recordings, noise and method."""
+    cases = [
+        (samples, recordings, noise)
+        for samples, recordings in config.stacks
+        for noise in config.noises
+    ]
+    seeds = np.random.SeedSequence(config.seed).spawn(len(cases))
+    rows = []
+    for (samples, recordings, noise), seed in progress(
+        list(zip(cases, seeds, strict=True)), "coverage"
+    ):
+        rng = np.random.default_rng(seed)
+        rows += _case(config, samples, recordings, noise, rng)
+    return rows
+
+
+def _case(
+    config: Config, samples: int, recordings: int, noise: Noise, rng: np.random.Generator
+) -> Iterator[dict[str, str | int | float]]:
+    hits = {method: [] for method in config.methods}
+    widths = {method: [] for method in config.methods}
+    seconds = dict.fromkeys(config.methods, 0.0)
+    for _ in range(config.runs):
+        segments = (samples // recordings,) * recordings
+        W = np.concatenate([random_regressor(rng, n, config.sample_time) for n in segments])
+        v = np.concatenate([noise.draw(rng, n) for n in segments])
+        y = W @ TRUTH + (v * config.deviations).reshape(-1)
+        variances = variances_from_residuals(W, y, 2)
+        found = batch_least_squares(W, y, 2, noise=variances)
+        residual = whiten(y - W @ found.parameters, variances, 2).reshape(-1, 2)
+        for method in config.methods:
+            start = time.perf_counter()
+            spread = estimate_covariance(
+                whiten(W, variances, 2),
+                residual,
+                found.posterior_factor,
+                method=method,
+                segments=segments,
+            )
+            seconds[method] += time.perf_counter() - start
+            quantile = stats.t.ppf(0.5 + config.level / 2, spread.degrees_of_freedom)
+            reach = quantile * np.sqrt(np.diag(spread.covariance))
+            hits[method].append(np.abs(found.parameters - TRUTH) <= reach)
+            widths[method].append(reach)
+    for method in config.methods:
+        by_parameter = np.mean(hits[method], axis=0)
+        yield {
+            "samples": samples,
+            "recordings": recordings,
+            "noise": noise.kind,
+            "colour": noise.colour,
+            "method": method,
+            "runs": config.runs,
+            "coverage": float(by_parameter.mean()),
+            "coverage_error": float(np.mean(hits[method], axis=1).std() / np.sqrt(config.runs)),
+            "least": float(by_parameter.min()),
+            "greatest": float(by_parameter.max()),
+            "median_half_width_Izz_1": float(np.median(np.array(widths[method])[:, 0])),
+            "milliseconds": 1e3 * seconds[method] / config.runs,
+        }
+
+
+def random_regressor(
+    rng: np.random.Generator, samples: int, sample_time: float
+) -> Float[ndarray, "rows 8"]:
+    """The regressor (16) on a motion of the harmonic class (10) with three terms a joint."""
+    amplitude = rng.uniform(-0.5, 0.5, (3, 2))  # [rad], (12c) for q_max = 1.5 rad
+    omega = rng.uniform(0.2, 1.0, (3, 2)) * LARGEST_FREQUENCY
+    t = np.arange(samples) * sample_time
+    phase = t[:, None, None] * omega
+    motion = Motion(
+        t=t,
+        q=np.sum(amplitude * np.sin(phase), axis=1),
+        dq=np.sum(amplitude * omega * np.cos(phase), axis=1),
+        ddq=np.sum(-amplitude * omega**2 * np.sin(phase), axis=1),
+    )
+    return planar_regressor(motion, IMI_LINK_LENGTHS[0]).reshape(2 * samples, 8)
+
+
+def summarise(rows: list[dict[str, str | int | float]], config: Config) -> str:
+    """The rows as a page."""
+    columns = ["samples", "recordings", "noise", "colour", "method", "coverage", "least"]
+    return (
+        f"# Coverage of {100 * config.level:g} % intervals\n\n"
+        f"{config.runs} simulated estimates a row; two-link arm (16), random harmonic motion, "
+        f"one sample every {config.sample_time:g} s. `coverage` is the share of intervals that "
+        "hold the truth, over all eight parameters; `least` that of the parameter covered worst. "
+        "`colour` is the coefficient of the AR(1), or the cut-off per Nyquist frequency of the "
+        "low-pass.\n\n" + markdown_table(rows, columns=columns, digits=3)
+    )
+
+
+def write(rows: list[dict[str, str | int | float]], config: Config, out: Path) -> None:
+    """Save runs.csv, summary.md and provenance.json."""
+    out.mkdir(parents=True, exist_ok=True)
+    write_csv(out / "runs.csv", rows)
+    (out / "summary.md").write_text(summarise(rows, config), encoding="utf-8")
+    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run from the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--smoke", action="store_true", help="a few runs, to see that it works")
+    parser.add_argument("--out", type=Path, default=Path("results/coverage"))
+    options = parser.parse_args(arguments)
+    config = SMOKE if options.smoke else Config()
+    rows = run(config)
+    write(rows, config, options.out)
+    print(summarise(rows, config))
+
+
+if __name__ == "__main__":
+    main()
