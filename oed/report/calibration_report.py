@@ -17,7 +17,7 @@ from oed.estimation.recursive import RecursiveEstimate
 from oed.experiment.processing import ProcessedRecording
 from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
 from oed.report.json_file import write_json
-from oed.report.page import Page
+from oed.report.page import Page, Picture, Section, Table, Text, Verdict, write_page
 from oed.report.parameter_plots import plot_parameter_convergence, plot_parameter_intervals
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
@@ -49,7 +49,7 @@ def write_calibration(
         save_figure(figure, out / name)
     write_csv(out / "parameters.csv", parameter_rows(calibration))
     write_csv(out / "validation.csv", validation_rows(calibration))
-    _page(calibration, figures, provenance).write(out / "report.html")
+    write_page(out / "report.html", _page(calibration, figures, provenance))
     # Last: whoever finds this file finds the rest complete.
     write_json(out / "estimate.json", estimate_record(calibration, provenance))
 
