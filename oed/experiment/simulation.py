@@ -1,10 +1,10 @@
 """A virtual experiment: a true plant under sampled feedback, read through real sensors.
 
-One control period of plant, controller and observer is compiled to a single CasADi
-function and run in a loop for all repetitions at once. That is some 50 to 500 times faster
-than real time for small arms, where a Drake Diagram with systems in Python is about as fast
-as real time; `oed.experiment.drake_experiment` is the same experiment on Drake and the
-two are held against each other in the tests.
+One control period of plant, controller and observer becomes a single CasADi function, and
+all repetitions run through it side by side, in machine code where there is a compiler. For
+small arms that is hundreds to thousands of times faster than real time, where a Drake
+Diagram with systems in Python is about as fast as real time; `oed.experiment.drake_experiment`
+is the same experiment on Drake, and the tests hold the two against each other.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
+from oed.dynamics.native import Batch, native_function
 from oed.errors import OedError
 from oed.experiment.control import Controller
 from oed.experiment.disturbance import Disturbance
@@ -28,6 +29,8 @@ from oed.experiment.sensors import Sensors
 
 # Classical Runge-Kutta is stable to 2.78 decay times a step; a margin keeps it accurate.
 STABLE_STEP = 2.0
+# Compiling takes a second or two, and is kept for the next time.
+WORTH_COMPILING = 8  # [runs]
 OVERSPEED = 1.2  # the arm may run this much faster than its reference
 
 
@@ -162,16 +165,9 @@ def run(
     initial = np.zeros((size, runs))
     initial[:n] = inputs[0, 1 : 1 + n]
     initial[size - 2 * n :] = observer_at_rest(setup.controller, inputs[0, 1 : 1 + n, 0])[:, None]
-    states, outputs = _loop(setup, initial, inputs)
-    return Log(
-        t=inputs[:, 0],
-        q=states[:, :n],
-        dq=states[:, n : 2 * n],
-        measured=outputs[:, :n],
-        velocity=outputs[:, n : 2 * n],
-        command=outputs[:, 2 * n :],
-        lead=lead,
-    )
+    outputs = _loop(setup, initial, inputs)
+    signals = (outputs[:, i * n : (i + 1) * n] for i in range(5))
+    return Log(inputs[:, 0], *signals, lead=lead)
 
 
 def loop_inputs(
@@ -232,7 +228,7 @@ def read_log(
 
 
 def control_period(setup: Setup, substeps: int) -> casadi.Function:
-    """One period: (state, inputs) -> (next state, [measured q, observed dq, command]).
+    """One period: [state, inputs] -> [next state, q, dq, measured q, observed dq, command].
 
     The state is [q, dq, memory, observer]; the inputs are [t, q_d, dq_d,
     feedforward, disturbance].
@@ -257,8 +253,8 @@ def control_period(setup: Setup, substeps: int) -> casadi.Function:
         A[:, 0] * s_1 + A[:, 1] * s_2 + B[:, 0] * measured,
         A[:, 2] * s_1 + A[:, 3] * s_2 + B[:, 1] * measured,
     )
-    output = casadi.vertcat(measured, dq_hat, command)
-    return casadi.Function("period", [x, w], [next_x, output], {"cse": True})
+    output = casadi.vertcat(next_x, q, dq, measured, dq_hat, command)
+    return casadi.Function("period", [casadi.vertcat(x, w)], [output], {"cse": True})
 
 
 def observer_at_rest(
@@ -301,28 +297,45 @@ def _loop(
     setup: Setup,
     initial: Float[ndarray, "states runs"],
     inputs: Float[ndarray, "samples inputs runs"],
-) -> tuple[Float[ndarray, "samples states runs"], Float[ndarray, "samples outputs runs"]]:
-    """Run the control period over all samples; the runs side by side in one call."""
+) -> Float[ndarray, "samples outputs runs"]:
+    """Run the control period over all samples, the runs side by side."""
     total, _, runs = inputs.shape
+    size = len(initial)
     step = control_period(setup, _substeps(setup, inputs))
-    step = step.map(runs) if runs > 1 else step
-    # CasADi stores (rows, runs) by columns: one run after another in memory.
-    w = np.ascontiguousarray(inputs.transpose(0, 2, 1))
-    states = np.empty((total + 1, runs, len(initial)))
-    outputs = np.empty((total, runs, step.size1_out(1)))
-    states[0] = initial.T
-    buffer, trigger = step.buffer()
+    evaluate = _batch(step, runs)
+    outputs = np.empty((total, step.size1_out(0) - size, runs))
+    state = initial
     for k in range(total):
-        buffer.set_arg(0, memoryview(states[k]))
-        buffer.set_arg(1, memoryview(w[k]))
-        buffer.set_res(0, memoryview(states[k + 1]))
-        buffer.set_res(1, memoryview(outputs[k]))
-        trigger()
-    finite = np.isfinite(states).all(axis=(1, 2))
-    if not finite.all():
-        instant = float(np.argmin(finite) * setup.controller.period)
+        result = evaluate(np.concatenate([state, inputs[k]]))
+        state = result[:size]
+        outputs[k] = result[size:]
+    finite = np.isfinite(outputs).all(axis=(1, 2))
+    if not (finite.all() and np.isfinite(state).all()):
+        instant = float(np.argmin(finite) if not finite.all() else total) * setup.controller.period
         raise SimulationDiverged(f"the simulated arm runs away after {instant:.3f} s", instant)
-    return states[:-1].transpose(0, 2, 1), outputs.transpose(0, 2, 1)
+    return outputs
+
+
+def _batch(step: casadi.Function, runs: int) -> Batch:
+    """The control period for many runs at once: machine code if that pays and can be had."""
+    compiled = native_function([step]) if runs >= WORTH_COMPILING else None
+    if compiled is not None:
+        return compiled[0]
+    many = step.map(runs) if runs > 1 else step
+    buffer, trigger = many.buffer()
+    # CasADi stores (rows, runs) by columns: one run after another in memory.
+    x, y = np.empty((runs, step.size1_in(0))), np.empty((runs, step.size1_out(0)))
+
+    def evaluate(values: Float[ndarray, "inputs runs"]) -> Float[ndarray, "outputs runs"]:
+        x[:] = values.T
+        # The trigger is a bare pointer: naming the buffer and its function keeps them alive.
+        _ = many
+        buffer.set_arg(0, memoryview(x))
+        buffer.set_res(0, memoryview(y))
+        trigger()
+        return y.T.copy()
+
+    return evaluate
 
 
 def _substeps(setup: Setup, inputs: Float[ndarray, "samples inputs runs"]) -> int:
