@@ -9,12 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from oed.dynamics.effects.entries.friction import (
-    ASYMMETRIC_VISCOUS,
-    NONLINEAR_VISCOUS,
-    STRIBECK,
-    TORQUE_OFFSET,
-)
+from oed.dynamics.effects.entries import friction, history, load, measurement, motor, position
 from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
 
 __all__ = ["CATALOGUE", "CatalogueEntry", "Context", "EffectPage", "Shape", "Target"]
@@ -22,6 +17,28 @@ __all__ = ["CATALOGUE", "CatalogueEntry", "Context", "EffectPage", "Shape", "Tar
 CATALOGUE: Mapping[str, CatalogueEntry] = MappingProxyType(
     {
         entry.name: entry
-        for entry in (STRIBECK, NONLINEAR_VISCOUS, ASYMMETRIC_VISCOUS, TORQUE_OFFSET)
+        for entry in (
+            friction.STRIBECK,
+            friction.NONLINEAR_VISCOUS,
+            friction.ASYMMETRIC_VISCOUS,
+            friction.TORQUE_OFFSET,
+            history.PRESLIDING_HYSTERESIS,
+            history.BACKLASH,
+            load.LOAD_DEPENDENT_FRICTION,
+            position.POSITION_DEPENDENT_FRICTION,
+            position.TORQUE_RIPPLE,
+            position.JOINT_SPRING,
+            measurement.GRAVITY_DIRECTION,
+            motor.ROTOR_INERTIA,
+            motor.MOTOR_COUPLING,
+            load.TORQUE_GAIN,
+            load.TORQUE_SATURATION,
+            measurement.TIME_DELAY,
+            measurement.FILTER_LAG,
+            measurement.JOINT_ELASTICITY,
+            history.THERMAL_DRIFT,
+            history.PAYLOAD_CHANGE,
+            measurement.ENCODER_ECCENTRICITY,
+        )
     }
 )

@@ -19,6 +19,7 @@ from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.torque_model import TorqueModel
 
+WITHIN_WRIST = 2  # joints apart: drives that share a gear lie in one wrist
 # What an effect is attached to: a joint, a joint and another one, or the whole arm (None).
 Target = int | tuple[int, int] | None
 
@@ -175,9 +176,7 @@ Install = Callable[[Context, Target, tuple[float, ...], Float[ndarray, "columns"
 
 
 def _as_they_are(
-    context: Context,  # noqa: ARG001  # the signature is shared
-    target: Target,  # noqa: ARG001
-    shapes: tuple[Shape, ...],
+    _context: Context, _target: Target, shapes: tuple[Shape, ...]
 ) -> tuple[Shape, ...]:
     return shapes
 
@@ -214,13 +213,13 @@ class CatalogueEntry:
     install: Install | None = None
 
     def targets(self, context: Context) -> tuple[Target, ...]:
-        """All targets on an arm: joints, ordered pairs of joints, or the arm."""
+        """All targets on an arm: joints, ordered pairs of joints within a wrist, or the arm."""
         joints = range(context.n)
         if self.scope == "arm":
             return (None,)
         if self.scope == "joint":
             return tuple(joints)
-        return tuple((i, j) for i in joints for j in joints if i != j)
+        return tuple((i, j) for i in joints for j in joints if 0 < abs(i - j) <= WITHIN_WRIST)
 
     def shapes_for(self, context: Context, target: Target) -> tuple[Shape, ...]:
         """The nonlinear parameters with ranges that the data at hand can tell apart."""

@@ -86,3 +86,43 @@ class MotorCoupling(Effect):
                 for joint, ratio in zip(self.joints, self.ratios, strict=True)
             ]
         )
+
+
+@dataclass(frozen=True)
+class CrossCoupling(Effect):
+    """I_x ddq_i + F_xv dq_i + F_xc sgn(dq_i) on joint j: terms of one joint in another's row.
+
+    The one-way form of `MotorCoupling`, for a drive whose torque is recorded on joint j but
+    that also turns when joint i does (Janot, Vandanjon and Gautier 2014, the TX40's wrist).
+
+    Attributes:
+        joint: j, whose torque it is.
+        other: i, whose motion it follows.
+        width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
+    """
+
+    joint: int
+    other: int
+    width: float = 0.0
+    name = "motor_coupling"
+
+    def __post_init__(self) -> None:
+        if self.joint == self.other:
+            raise ValueError(f"{self.joint=} cannot be coupled to itself")
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """I_x, F_xv and F_xc."""
+        tag = f"x{self.joint + 1}{self.other + 1}"
+        named = (("Ia", "kg m^2"), ("Fv", "N m s/rad"), ("Fc", "N m"))
+        return tuple(Parameter(f"{symbol}_{tag}", unit, self.joint) for symbol, unit in named)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Velocity and acceleration of the other joint."""
+        return tuple(f"{x}_{self.other + 1}" for x in ("dq", "ddq"))
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """ddq_i, dq_i and sgn(dq_i) on joint j."""
+        dq, ddq = state.dq[self.other], state.ddq[self.other]
+        return [{self.joint: x} for x in (ddq, dq, state.sign(dq, self.width))]

@@ -138,14 +138,14 @@ NONLINEAR_VISCOUS = CatalogueEntry(
 )
 
 
-def _asymmetric(context: Context, target: Target, values: tuple[float, ...]) -> AsymmetricViscous:  # noqa: ARG001
+def _asymmetric(_context: Context, target: Target, _values: tuple[float, ...]) -> AsymmetricViscous:
     return AsymmetricViscous(joint_of(target))
 
 
 def _asymmetric_plausible(
     context: Context,
     target: Target,
-    values: tuple[float, ...],  # noqa: ARG001
+    _values: tuple[float, ...],
     estimates: Float[ndarray, "columns"],
 ) -> str | None:
     joint = joint_of(target)
@@ -179,14 +179,14 @@ ASYMMETRIC_VISCOUS = CatalogueEntry(
 )
 
 
-def _offset(context: Context, target: Target, values: tuple[float, ...]) -> TorqueOffset:  # noqa: ARG001
+def _offset(_context: Context, target: Target, _values: tuple[float, ...]) -> TorqueOffset:
     return TorqueOffset(joint_of(target))
 
 
 def _offset_plausible(
     context: Context,
     target: Target,
-    values: tuple[float, ...],  # noqa: ARG001
+    _values: tuple[float, ...],
     estimates: Float[ndarray, "columns"],
 ) -> str | None:
     joint = joint_of(target)

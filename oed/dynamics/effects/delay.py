@@ -1,0 +1,88 @@
+"""Torque that is recorded late: a pure delay, or the lag of a filter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.interpolate import CubicHermiteSpline, make_interp_spline
+
+from oed.dynamics.effects.effect import MeasurementEffect
+from oed.dynamics.effects.linear_filter import respond
+from oed.dynamics.motion import Motion
+
+
+@dataclass(frozen=True)
+class TimeDelay(MeasurementEffect):
+    """Recorded torque at t is the model's torque at t - delay.
+
+    The motion is moved, not the torque, so that a change of sign stays sharp. Before the first
+    sample the arm is taken to stand in the first sample's state.
+
+    Attributes:
+        delay: [s]; negative if the position is the late one.
+    """
+
+    delay: float
+    name = "time_delay"
+
+    def through(
+        self,
+        columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
+        motion: Motion,
+    ) -> Float[ndarray, "samples joints columns"]:
+        """The columns along the moved motion."""
+        return columns(delayed(motion, self.delay))
+
+
+@dataclass(frozen=True)
+class FilterLag(MeasurementEffect):
+    """Recorded torque is the model's torque through 1 / (1 + T s + kappa T^2 s^2).
+
+    kappa = 0 is the first-order lag, 1/4 two equal ones, 1/2 a Butterworth filter; all have
+    the same delay T at low frequency.
+
+    Attributes:
+        time_constant: T [s].
+        curvature: kappa.
+    """
+
+    time_constant: float
+    curvature: float = 0.0
+    name = "filter_lag"
+
+    def __post_init__(self) -> None:
+        if self.time_constant <= 0 or self.curvature < 0:
+            raise ValueError(
+                f"{self.time_constant=} must be positive and {self.curvature=} at least 0"
+            )
+
+    def through(
+        self,
+        columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
+        motion: Motion,
+    ) -> Float[ndarray, "samples joints columns"]:
+        """The columns through the filter."""
+        T = self.time_constant
+        second_order = [self.curvature * T**2] if self.curvature > 0 else []
+        return respond(motion.t, columns(motion), [1.0], [*second_order, T, 1.0])
+
+
+def delayed(motion: Motion, delay: float) -> Motion:
+    """The motion as it was `delay` seconds earlier, at the same instants.
+
+    Args:
+        motion: Smooth between samples: cubic in position and velocity.
+        delay: [s].
+    """
+    t = motion.t
+    earlier = np.clip(t - delay, t[0], t[-1])
+    return Motion(
+        t=t,
+        q=CubicHermiteSpline(t, motion.q, motion.dq)(earlier),
+        dq=CubicHermiteSpline(t, motion.dq, motion.ddq)(earlier),
+        ddq=make_interp_spline(t, motion.ddq, k=3)(earlier),
+    )

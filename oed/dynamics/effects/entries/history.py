@@ -1,0 +1,240 @@
+"""Effects that remember: what came before the present state decides the torque."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.base_parameters import find_base_parameters
+from oed.dynamics.effects.backlash import Backlash
+from oed.dynamics.effects.entries.plausibility import (
+    at_most,
+    finite,
+    first_reason,
+    joint_of,
+    positive,
+    share_of_coulomb,
+)
+from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.hysteresis import PreslidingHysteresis
+from oed.dynamics.effects.payload import PayloadChange
+from oed.dynamics.effects.rigid_body import RigidBody
+from oed.dynamics.effects.thermal import ThermalDrift
+from oed.dynamics.identifiability import with_right_angles
+from oed.dynamics.motion import random_motion
+from oed.dynamics.torque_model import TorqueModel
+from oed.robot import JointLimits, Robot
+
+# A load's first moments matter most, then its mass, then its inertia.
+LOAD_PREFERENCE = (1, 2, 3, 0, 4, 5, 6, 7, 8, 9)
+STATES = 60  # random states that show which of ten columns differ
+
+
+def _hysteresis(
+    context: Context, target: Target, values: tuple[float, ...]
+) -> PreslidingHysteresis:
+    joint = joint_of(target)
+    distance, roundness = values
+    return PreslidingHysteresis(joint, distance, roundness, context.sign_width(joint))
+
+
+def _hysteresis_plausible(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    built_up = float(estimates[0])
+    return first_reason(
+        [
+            positive(built_up, "the friction that builds up", "N m"),
+            share_of_coulomb(context, joint_of(target), built_up, 2.0, "the friction built up"),
+        ]
+    )
+
+
+PRESLIDING_HYSTERESIS = CatalogueEntry(
+    name="presliding_hysteresis",
+    scope="joint",
+    shapes=(
+        Shape("distance", "rad", 3e-4, 0.08, "log", 12, 5e-3),
+        Shape("roundness", "1", 0.0, 1.0, "linear", 3, 0.7),
+    ),
+    build=_hysteresis,
+    plausible=_hysteresis_plausible,
+    page=EffectPage(
+        equation="F_h (z(q) - s), z the mean of Maxwell elements with break-away distances of mean "
+        "δ and spread ρ δ",
+        source="Dahl 1968, Aerospace Corp. TOR-0158(3107-18)-1; Canudas de Wit, Olsson, Åström, "
+        "Lischinsky 1995, IEEE Trans. Automatic Control 40(3); Al-Bender, Lampaert, Swevers 2005, "
+        "IEEE Trans. Automatic Control 50(11), 1883-1887",
+        parameters="F_h in N m, near Coulomb friction if all of it builds up; δ 0.5 to 40 mrad; "
+        "ρ 0 (one element), 0.71 (Dahl, LuGre) to 1",
+        signature="after each reversal the torque lags behind the sign, over a fixed distance",
+        confused_with=("time_delay", "filter_lag", "stribeck", "backlash"),
+        exposed_by="reversals of unequal size and speed, some smaller than δ",
+    ),
+)
+
+
+def _backlash(context: Context, target: Target, values: tuple[float, ...]) -> Backlash:
+    return Backlash(joint_of(target), values[0], context.reference)
+
+
+def _backlash_plausible(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    joint = joint_of(target)
+    peak = max(float(context.peak_torque[joint]), 1e-9)
+    return first_reason(
+        [
+            at_most(float(estimates[0]), peak, "the flank torque", "N m", "the peak torque"),
+            at_most(float(estimates[1]), 2.0, "the share of load lost in the gap", "1", "twice"),
+        ]
+    )
+
+
+BACKLASH = CatalogueEntry(
+    name="backlash",
+    scope="joint",
+    shapes=(Shape("gap", "rad", 5e-5, 0.02, "log", 10, 1e-3),),
+    build=_backlash,
+    plausible=_backlash_plausible,
+    page=EffectPage(
+        equation="F_b x/b + c (τ_transmitted - τ_rigid); in the gap x'' = τ_rigid / M_jj and nothing "
+        "is transmitted",
+        source="Nordin and Gutman 2002, Automatica 38(10), 1633-1649",
+        parameters="gap 2b 0.1 to 8 mrad; F_b in N m; c near 1",
+        signature="a step and a blow where the load changes its sign",
+        confused_with=("presliding_hysteresis", "torque_saturation"),
+        exposed_by="load that reverses while the motion does not",
+    ),
+)
+
+
+def _by_duration(context: Context, shape: Shape, least: float, largest: float) -> tuple[Shape, ...]:
+    lower = max(least * context.duration, shape.lower)
+    upper = max(largest * context.duration, 2 * lower)
+    middle = float(np.sqrt(lower * upper)) if shape.scale == "log" else (lower + upper) / 2
+    return (dataclasses.replace(shape, lower=lower, upper=upper, default=middle),)
+
+
+def _time_constants(
+    context: Context, _target: Target, shapes: tuple[Shape, ...]
+) -> tuple[Shape, ...]:
+    # Beyond a few durations the decay is a straight line, whatever its time constant.
+    return _by_duration(context, shapes[0], 0.05, 3.0)
+
+
+def _thermal(context: Context, target: Target, values: tuple[float, ...]) -> ThermalDrift:
+    joint = joint_of(target)
+    return ThermalDrift(joint, values[0], width=context.sign_width(joint))
+
+
+def _thermal_plausible(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    joint = joint_of(target)
+    viscous, coulomb = (float(x) for x in estimates)
+    top = float(context.top_speed[joint])
+    excess = viscous * top + coulomb
+    warm = context.viscous(joint) * top + context.coulomb(joint)
+    reasons = [positive(excess, "the excess friction of the cold joint", "N m")]
+    if warm > 0:
+        reasons.append(at_most(excess, 3 * warm, "the excess", "N m", "3 times warm friction"))
+    return first_reason(reasons)
+
+
+THERMAL_DRIFT = CatalogueEntry(
+    name="thermal_drift",
+    scope="joint",
+    shapes=(Shape("time_constant", "s", 0.1, 2e4, "log", 8, 600.0),),
+    build=_thermal,
+    plausible=_thermal_plausible,
+    narrow=_time_constants,
+    between_repetitions=True,
+    page=EffectPage(
+        equation="exp(-t/T) (a dq + b s), t since the start of the recording",
+        source="Bittencourt and Gunnarsson 2012, J. Dynamic Systems, Measurement, and Control "
+        "134(5); Simoni, Beschi, Legnani, Visioli 2015, IEEE/RSJ IROS",
+        parameters="a in N m s/rad and b in N m, 5 to 40 % of the warm values; T in s",
+        signature="repetitions of one motion differ, less and less",
+        confused_with=("payload_change", "nonlinear_viscous"),
+        exposed_by="the same motion cold and warm",
+    ),
+)
+
+
+def _moments(context: Context, _target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
+    return _by_duration(context, shapes[0], 0.03, 0.97)
+
+
+def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> PayloadChange:
+    robot = context.model.robot
+    last = robot.outward[-1]
+    return PayloadChange(robot, last, values[0], visible_load_parameters(robot, last))
+
+
+def visible_load_parameters(robot: Robot, link: int) -> tuple[int, ...]:
+    """Which of a load's ten parameters make a torque of their own, most telling first kept.
+
+    Unlike a link's, a load's parameters cannot be regrouped into the links before it: it
+    comes and goes.
+    """
+    free = with_right_angles(robot).with_limits(JointLimits.unlimited(robot.n))
+    motion = random_motion(free, STATES, np.random.default_rng(0))
+    whole = TorqueModel(free, (RigidBody(free),))
+    columns = slice(10 * link, 10 * link + 10)
+    base = find_base_parameters(
+        whole.regressor(motion)[:, columns],
+        whole.parameters[columns],
+        preference=LOAD_PREFERENCE,
+    )
+    return tuple(sorted(int(column) for column in base.columns))
+
+
+def _payload_plausible(
+    context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    robot = context.model.robot
+    kept = visible_load_parameters(robot, robot.outward[-1])
+    reasons = [finite(estimates)]
+    if 0 in kept:
+        mass = float(estimates[kept.index(0)])
+        moved = float(np.abs(context.reference.robot.parameters[::10]).sum())
+        if moved > 0:
+            reasons.append(at_most(mass, 5 * moved, "the load's mass", "kg", "5 times the arm's"))
+    return first_reason(reasons)
+
+
+PAYLOAD_CHANGE = CatalogueEntry(
+    name="payload_change",
+    scope="arm",
+    shapes=(Shape("moment", "s", 0.0, 1e5, "linear", 19, 10.0),),
+    build=_payload,
+    plausible=_payload_plausible,
+    narrow=_moments,
+    between_repetitions=True,
+    equivalent=("a payload that never changes: part of the last link",),
+    page=EffectPage(
+        equation="H_last(q, dq, ddq) π_load from t_0 on",
+        source="Khalil, Gautier, Lemoine 2007, IEEE Int. Conf. Robotics and Automation, 3492-3497; "
+        "Swevers, Verdonck, Naumer, Pieters, Biber 2002, Int. J. Robotics Research 21(8)",
+        parameters="up to ten standard parameters of the load in the last body's frame; t_0 in s",
+        signature="repetitions before a moment differ from those after it, in inertia and gravity",
+        confused_with=("thermal_drift", "gravity_direction"),
+        exposed_by="the same motion with a known mass",
+    ),
+)

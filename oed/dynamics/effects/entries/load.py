@@ -1,0 +1,142 @@
+"""Effects that grow with the joint's torque."""
+
+from __future__ import annotations
+
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.actuator import GainError, TorqueGain
+from oed.dynamics.effects.entries.plausibility import (
+    at_most,
+    first_reason,
+    joint_of,
+    positive,
+)
+from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.load import LoadFriction, TorqueSaturation
+from oed.dynamics.torque_model import TorqueModel
+
+LEAST_PEAK = 1e-9  # [N m] of a joint that was predicted no torque
+
+
+def _load_friction(context: Context, target: Target, values: tuple[float, ...]) -> LoadFriction:
+    joint = joint_of(target)
+    return LoadFriction(joint, context.reference, values[0], context.sign_width(joint))
+
+
+def _load_friction_plausible(
+    _context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    share = float(estimates[0])
+    return first_reason(
+        [
+            positive(share, "mu", "1"),
+            at_most(share, 0.6, "mu", "1", "the loss of a gear that hardly turns back"),
+        ]
+    )
+
+
+LOAD_DEPENDENT_FRICTION = CatalogueEntry(
+    name="load_dependent_friction",
+    scope="joint",
+    shapes=(Shape("share", "1", 0.0, 1.0, "linear", 2, 0.0),),
+    build=_load_friction,
+    plausible=_load_friction_plausible,
+    page=EffectPage(
+        equation="μ |τ_rigid + ρ τ_rest| s",
+        source="Gogoussis and Donath 1988, IEEE Int. Conf. Robotics and Automation; Hamon, Gautier, "
+        "Garrec 2010, IEEE/RSJ IROS, 6187-6193; Bittencourt and Gunnarsson 2012, J. Dynamic "
+        "Systems, Measurement, and Control 134(5)",
+        parameters="μ 0.02 to 0.12; ρ 0 (load at the gear's output) to 1 (at its input)",
+        signature="friction grows with the load; turns its sign with the velocity",
+        confused_with=("torque_saturation", "torque_gain", "position_dependent_friction"),
+        exposed_by="a payload; both directions at high and at low load",
+    ),
+)
+
+
+def _saturation(context: Context, target: Target, values: tuple[float, ...]) -> TorqueSaturation:
+    joint = joint_of(target)
+    peak = max(float(context.peak_torque[joint]), LEAST_PEAK)
+    return TorqueSaturation(joint, context.reference, peak, values[0])
+
+
+def _saturation_plausible(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    lost, peak = float(estimates[0]), float(context.peak_torque[joint_of(target)])
+    return first_reason(
+        [
+            positive(lost, "the torque lost at the peak", "N m"),
+            at_most(lost, 0.6 * peak, "the torque lost at the peak", "N m", "0.6 of the peak"),
+        ]
+    )
+
+
+TORQUE_SATURATION = CatalogueEntry(
+    name="torque_saturation",
+    scope="joint",
+    shapes=(Shape("exponent", "1", 2.0, 7.0, "log", 3, 3.0),),
+    build=_saturation,
+    plausible=_saturation_plausible,
+    page=EffectPage(
+        equation="-τ_s |τ/τ_peak|^m sgn τ",
+        source="Hendershot and Miller 2010, Design of Brushless Permanent-Magnet Machines, "
+        "section 5",
+        parameters="τ_s > 0, the torque lost at the peak in N m, 3 to 15 % of it; m 2 to 7, "
+        "3 for iron that begins to saturate",
+        signature="recorded torque bends below the model's at high torque of both signs",
+        confused_with=("load_dependent_friction", "torque_gain", "nonlinear_viscous"),
+        exposed_by="peaks of both signs, at speed and near rest",
+    ),
+)
+
+
+def _gain(context: Context, target: Target, _values: tuple[float, ...]) -> GainError:
+    return GainError(joint_of(target), context.reference)
+
+
+def _gain_plausible(
+    _context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    return at_most(float(estimates[0]), 0.6, "the gain error", "1", "a mistake in the file")
+
+
+def _with_gain(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> TorqueModel:
+    return context.model.with_measurement(TorqueGain(joint_of(target), 1 + float(estimates[0])))
+
+
+TORQUE_GAIN = CatalogueEntry(
+    name="torque_gain",
+    scope="joint",
+    shapes=(),
+    build=_gain,
+    plausible=_gain_plausible,
+    install=_with_gain,
+    equivalent=(
+        "an arm of two joints: gain 1 + ε of one is gain 1/(1 + ε) of the other",
+        "the same gain on all joints: a scale of all parameters",
+    ),
+    page=EffectPage(
+        equation="ε (H θ)_j",
+        source="Gautier and Briot 2014, J. Dynamic Systems, Measurement, and Control 136(5)",
+        parameters="ε 3 to 15 %, either sign",
+        signature="parameters that two rows share do not agree",
+        confused_with=("rotor_inertia", "torque_saturation", "load_dependent_friction"),
+        exposed_by="a known payload; motions of one joint at a time",
+    ),
+)

@@ -1,0 +1,250 @@
+"""What measurement does to the whole torque, or to one joint's rigid-body torque or angle."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.delay import FilterLag, TimeDelay
+from oed.dynamics.effects.effect import MeasurementEffect
+from oed.dynamics.effects.elasticity import JointElasticity
+from oed.dynamics.effects.encoder import EccentricityColumns, EncoderEccentricity
+from oed.dynamics.effects.entries.plausibility import at_most, first_reason, joint_of, positive
+from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.gravity import GravityDirection, tilt_directions, tilted
+from oed.dynamics.effects.rigid_body import RigidBody
+from oed.dynamics.effects.torque_change import TorqueChange
+from oed.dynamics.torque_model import TorqueModel
+
+
+def _by_construction(
+    _context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    share = float(estimates[0])
+    return first_reason(
+        [
+            positive(share, "the share of the change", "1"),
+            at_most(share, 3.0, "the share of the change", "1", "3, where 1 is expected"),
+        ]
+    )
+
+
+def _change(
+    context: Context, measurement: MeasurementEffect, joint: int | None = None
+) -> TorqueChange:
+    return TorqueChange(measurement, context.reference, joint)
+
+
+def _delay(context: Context, _target: Target, values: tuple[float, ...]) -> TorqueChange:
+    return _change(context, TimeDelay(values[0]))
+
+
+def _with_delay(
+    context: Context,
+    _target: Target,
+    values: tuple[float, ...],
+    _estimates: Float[ndarray, "columns"],
+) -> TorqueModel:
+    return context.model.with_measurement(TimeDelay(values[0]))
+
+
+TIME_DELAY = CatalogueEntry(
+    name="time_delay",
+    scope="arm",
+    shapes=(Shape("delay", "s", 2e-4, 0.12, "log", 14, 3e-3),),
+    build=_delay,
+    plausible=_by_construction,
+    install=_with_delay,
+    unit_coefficient=True,
+    equivalent=("filter_lag of the same time constant, to first order in frequency",),
+    page=EffectPage(
+        equation="τ_recorded(t) = τ(t - d) ≈ τ - d dτ/dt",
+        source="Ljung 1999, System Identification, section 10.3; Hollerbach, Khalil, Gautier 2008, "
+        "Springer Handbook of Robotics, chapter 14",
+        parameters="d 0.3 to 100 ms, one for all joints",
+        signature="residual like the torque's derivative, spikes at every reversal",
+        confused_with=("filter_lag", "presliding_hysteresis", "joint_elasticity"),
+        exposed_by="motions of 8 to 15 harmonics",
+    ),
+)
+
+
+def _lag(context: Context, _target: Target, values: tuple[float, ...]) -> TorqueChange:
+    return _change(context, FilterLag(values[0], values[1]))
+
+
+def _with_lag(
+    context: Context,
+    _target: Target,
+    values: tuple[float, ...],
+    _estimates: Float[ndarray, "columns"],
+) -> TorqueModel:
+    return context.model.with_measurement(FilterLag(values[0], values[1]))
+
+
+FILTER_LAG = CatalogueEntry(
+    name="filter_lag",
+    scope="arm",
+    shapes=(
+        Shape("time_constant", "s", 2e-4, 0.05, "log", 12, 3e-3),
+        Shape("curvature", "1", 0.0, 0.5, "linear", 2, 0.0),
+    ),
+    build=_lag,
+    plausible=_by_construction,
+    install=_with_lag,
+    unit_coefficient=True,
+    equivalent=("time_delay of the same size, to first order in frequency",),
+    page=EffectPage(
+        equation="τ_recorded = τ / (1 + T s + κ T² s²)",
+        source="Ljung 1999, System Identification, section 4.2",
+        parameters="T 0.3 to 15 ms, one for all joints; κ 0 (first order), 1/4 (two equal lags), "
+        "1/2 (Butterworth)",
+        signature="residual like the torque's derivative, edges rounded",
+        confused_with=("time_delay", "presliding_hysteresis", "stribeck"),
+        exposed_by="motions of 8 to 15 harmonics, reversals of unequal size",
+    ),
+)
+
+
+def _elasticity(context: Context, target: Target, values: tuple[float, ...]) -> TorqueChange:
+    joint = joint_of(target)
+    return _change(context, JointElasticity(joint, *values, rigid_columns=1), joint)
+
+
+def _with_elasticity(
+    context: Context,
+    target: Target,
+    values: tuple[float, ...],
+    _estimates: Float[ndarray, "columns"],
+) -> TorqueModel:
+    model = context.model
+    first = model.effects[0]
+    if isinstance(first, RigidBody):
+        spring = JointElasticity(joint_of(target), *values, rigid_columns=len(first.parameters))
+        return dataclasses.replace(model, measurement=(spring, *model.measurement))
+    raise ValueError(f"joint_elasticity needs the rigid body first, not {first.name}")
+
+
+JOINT_ELASTICITY = CatalogueEntry(
+    name="joint_elasticity",
+    scope="joint",
+    shapes=(
+        Shape("frequency", "Hz", 1.5, 40.0, "log", 14, 8.0),
+        Shape("damping", "1", 0.005, 0.5, "log", 2, 0.05),
+    ),
+    build=_elasticity,
+    plausible=_by_construction,
+    install=_with_elasticity,
+    unit_coefficient=True,
+    page=EffectPage(
+        equation="τ_J = (1 + 2ζ s/ω) / (1 + 2ζ s/ω + s²/ω²) τ_rigid, ≈ τ_rigid - τ_rigid''/ω²",
+        source="Spong 1987, J. Dynamic Systems, Measurement, and Control 109(4), 310-318; Pham, "
+        "Gautier, Poignet 2001, IEEE Int. Conf. Robotics and Automation",
+        parameters="ω/2π 2.5 to 20 Hz, of the arm on the spring with its motor held; ζ",
+        signature="residual grows with the square of frequency, then rings",
+        confused_with=("filter_lag", "time_delay", "rotor_inertia"),
+        exposed_by="a broad band of frequencies; an encoder on the link",
+    ),
+)
+
+
+def _eccentricity(
+    context: Context, target: Target, _values: tuple[float, ...]
+) -> EccentricityColumns:
+    return EccentricityColumns(joint_of(target), context.reference)
+
+
+def _eccentricity_plausible(
+    _context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    amplitude = float(np.linalg.norm(estimates))
+    return at_most(amplitude, 0.05, "the angle's error", "rad", "what any joint would show")
+
+
+def _with_eccentricity(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> TorqueModel:
+    sine, cosine = (float(x) for x in estimates)
+    error = EncoderEccentricity(joint_of(target), sine, cosine)
+    return dataclasses.replace(context.model, measurement=(error, *context.model.measurement))
+
+
+ENCODER_ECCENTRICITY = CatalogueEntry(
+    name="encoder_eccentricity",
+    scope="joint",
+    shapes=(),
+    build=_eccentricity,
+    plausible=_eccentricity_plausible,
+    install=_with_eccentricity,
+    page=EffectPage(
+        equation="H at q + e sin(q + φ) = q + a sin q + b cos q",
+        source="Hanselman 1990, IEEE Trans. Industrial Electronics 37(6), 556-561",
+        parameters="a, b in rad, e from 1e-4 to 1e-3",
+        signature="a wave in position whose size grows with the square of velocity",
+        confused_with=("torque_ripple", "position_dependent_friction", "gravity_direction"),
+        exposed_by="the same positions at two speeds",
+    ),
+)
+
+
+def _gravity(context: Context, _target: Target, _values: tuple[float, ...]) -> GravityDirection:
+    directions, magnitude = tilt_directions(context.reference.robot.gravity)
+    return GravityDirection(context.reference, directions, magnitude)
+
+
+def _gravity_plausible(
+    _context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    tilt = float(np.linalg.norm(estimates))
+    return at_most(tilt, 2.0, "the tilt", "rad", "what one linear step can mean")
+
+
+def _with_gravity(
+    context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> TorqueModel:
+    robot = context.model.robot
+    turned = robot.with_gravity(tilted(robot.gravity, estimates))
+    effects = tuple(
+        RigidBody(turned) if isinstance(effect, RigidBody) else effect
+        for effect in context.model.effects
+    )
+    return dataclasses.replace(context.model, robot=turned, effects=effects)
+
+
+GRAVITY_DIRECTION = CatalogueEntry(
+    name="gravity_direction",
+    scope="arm",
+    shapes=(),
+    build=_gravity,
+    plausible=_gravity_plausible,
+    install=_with_gravity,
+    equivalent=("a tilt within the plane of a vertical two-joint arm: a shift of its first angle",),
+    page=EffectPage(
+        equation="Σ_k tilt_k ∂τ/∂g · e_k |g|, e_k at right angles to the declared gravity",
+        source="Luh, Walker, Paul 1980, J. Dynamic Systems, Measurement, and Control 102(2), 69-76; "
+        "Atkeson, An, Hollerbach 1986, Int. J. Robotics Research 5(3)",
+        parameters="tilts in rad, 0.3° to 90°; larger ones by repeating the step from the new "
+        "direction",
+        signature="sines of summed angles, in the rows of all joints at once",
+        confused_with=("joint_spring", "torque_offset", "payload_change"),
+        exposed_by="wide ranges of the joints whose axes are not vertical",
+    ),
+)

@@ -1,0 +1,98 @@
+"""What a drive adds to its own joint and to others."""
+
+from __future__ import annotations
+
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.entries.plausibility import (
+    finite,
+    first_reason,
+    joint_of,
+    pair_of,
+    positive,
+)
+from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInertia
+
+ONE_WAY = 0.05  # a ratio below this: the motor is the joint's own, recorded in another row
+
+
+def _rotor(_context: Context, target: Target, _values: tuple[float, ...]) -> RotorInertia:
+    return RotorInertia(joint_of(target))
+
+
+def _rotor_plausible(
+    _context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    return positive(float(estimates[0]), "rotor inertia", "kg m^2")
+
+
+ROTOR_INERTIA = CatalogueEntry(
+    name="rotor_inertia",
+    scope="joint",
+    shapes=(),
+    build=_rotor,
+    plausible=_rotor_plausible,
+    equivalent=("on the first joint: part of the first link's inertia about its axis",),
+    page=EffectPage(
+        equation="I_a ddq",
+        source="Khalil and Dombre 2002, Modeling, Identification and Control of Robots, section "
+        "9.4; Madsen et al. 2020, Control Engineering Practice 101",
+        parameters="I_a > 0 in kg m², gear ratio squared times the motor's, 3 to 15 % of M_jj",
+        signature="inertia that the joint's own row shows and no other row",
+        confused_with=("torque_gain", "joint_elasticity"),
+        exposed_by="accelerations of one joint while the others stand or move independently",
+    ),
+)
+
+
+def _coupling(
+    context: Context, target: Target, values: tuple[float, ...]
+) -> CrossCoupling | MotorCoupling:
+    joint, other = pair_of(target)
+    width = max(context.sign_width(joint), context.sign_width(other))
+    if abs(values[0]) < ONE_WAY:
+        return CrossCoupling(joint, other, width)
+    return MotorCoupling((other, joint), (values[0], 1.0), width)
+
+
+def _coupling_plausible(
+    _context: Context,
+    _target: Target,
+    values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    if abs(values[0]) < ONE_WAY:
+        return finite(estimates)
+    inertia, viscous, coulomb = (float(x) for x in estimates)
+    return first_reason(
+        [
+            finite(estimates),
+            positive(max(inertia, viscous, coulomb), "inertia and friction of the motor", "SI"),
+        ]
+    )
+
+
+MOTOR_COUPLING = CatalogueEntry(
+    name="motor_coupling",
+    scope="pair",
+    shapes=(Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0),),
+    build=_coupling,
+    plausible=_coupling_plausible,
+    equivalent=("the pair in the other order, for ratios of 1 and -1",),
+    page=EffectPage(
+        equation="r_j (I_a u' + F_v u + F_c sgn u), u = dq_j + r dq_i, on both joints; at r = 0: "
+        "I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j alone",
+        source="Janot, Vandanjon, Gautier 2014, IEEE Trans. Control Systems Technology 22(1), "
+        "132-145 (wrist of the Stäubli TX40)",
+        parameters="inertia in kg m², viscous in N m s/rad and Coulomb friction in N m of the "
+        "coupled motor; ratio r",
+        signature="the residual of one joint follows another joint's velocity and acceleration",
+        confused_with=("torque_gain", "rotor_inertia"),
+        exposed_by="moving one joint at a time",
+    ),
+)

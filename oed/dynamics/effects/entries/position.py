@@ -1,0 +1,154 @@
+"""Torque that depends on the joint's position."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.entries.plausibility import (
+    at_most,
+    first_reason,
+    joint_of,
+    positive,
+    share_of_coulomb,
+)
+from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.position import JointSpring, PositionFriction, TorqueRipple
+
+# Harmonics closer than this over the range of motion share most of their wave: two trial
+# values a radian of phase.
+PHASE_STEP = 2.0  # [rad]
+MOST_TRIALS = 600
+# Multiples of the gear ratio worth looking at: once, twice and four times a motor turn.
+MOTOR_HARMONICS = 4.2
+LEAST_RANGE = 0.05  # [rad]
+
+
+def _spaced_by_range(context: Context, joint: int, shape: Shape) -> Shape:
+    least, largest = context.position_range[joint]
+    step = PHASE_STEP / max(float(largest - least), LEAST_RANGE)
+    points = min(max(1 + math.ceil((shape.upper - shape.lower) / step), 3), MOST_TRIALS)
+    return dataclasses.replace(shape, points=points)
+
+
+def _ripple_harmonics(
+    context: Context, target: Target, shapes: tuple[Shape, ...]
+) -> tuple[Shape, ...]:
+    joint, shape = joint_of(target), shapes[0]
+    if context.gear_ratio is not None:
+        upper = max(MOTOR_HARMONICS * abs(context.gear_ratio[joint]), shape.upper)
+        shape = dataclasses.replace(shape, upper=upper)
+    return (_spaced_by_range(context, joint, shape),)
+
+
+def _ripple(_context: Context, target: Target, values: tuple[float, ...]) -> TorqueRipple:
+    return TorqueRipple(joint_of(target), (values[0],))
+
+
+def _wave_plausible(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    amplitude = float(np.linalg.norm(estimates))
+    return share_of_coulomb(context, joint_of(target), amplitude, 1.0, "the amplitude")
+
+
+TORQUE_RIPPLE = CatalogueEntry(
+    name="torque_ripple",
+    scope="joint",
+    shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0),),
+    build=_ripple,
+    plausible=_wave_plausible,
+    narrow=_ripple_harmonics,
+    page=EffectPage(
+        equation="a cos(n q) + b sin(n q)",
+        source="Holtz and Springob 1996, IEEE Trans. Industrial Electronics 43(2), 309-319; "
+        "Taghirad and Bélanger 1998, J. Dynamic Systems, Measurement, and Control 120(4)",
+        parameters="a, b in N m, amplitude 3 to 25 % of Coulomb friction; n periods a joint turn: "
+        "gear ratio times motor poles, twice the ratio of a harmonic drive, gear teeth",
+        signature="a line in the spectrum over position, whatever the direction",
+        confused_with=("position_dependent_friction", "joint_elasticity", "encoder_eccentricity"),
+        exposed_by="slow constant speed over a wide range, both ways",
+    ),
+)
+
+
+def _friction_harmonics(
+    context: Context, target: Target, shapes: tuple[Shape, ...]
+) -> tuple[Shape, ...]:
+    return (_spaced_by_range(context, joint_of(target), shapes[0]),)
+
+
+def _position_friction(
+    context: Context, target: Target, values: tuple[float, ...]
+) -> PositionFriction:
+    joint = joint_of(target)
+    return PositionFriction(joint, (values[0],), context.sign_width(joint))
+
+
+POSITION_DEPENDENT_FRICTION = CatalogueEntry(
+    name="position_dependent_friction",
+    scope="joint",
+    shapes=(Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0),),
+    build=_position_friction,
+    plausible=_wave_plausible,
+    narrow=_friction_harmonics,
+    page=EffectPage(
+        equation="(a cos(k q) + b sin(k q)) s",
+        source="Armstrong 1988, IEEE Int. Conf. Robotics and Automation, 1440-1447; Popović and "
+        "Goldenberg 1998, IEEE Trans. Robotics and Automation 14(1), 114-122",
+        parameters="a, b in N m, amplitude 5 to 40 % of Coulomb friction; k periods a joint turn",
+        signature="Coulomb friction that varies with position; turns its sign with the velocity",
+        confused_with=("load_dependent_friction", "torque_ripple"),
+        exposed_by="both directions through every position",
+    ),
+)
+
+
+def _spring(context: Context, target: Target, _values: tuple[float, ...]) -> JointSpring:
+    joint = joint_of(target)
+    centre = round(float(context.position_range[joint].mean()), 6)
+    return JointSpring(joint, centre, constant=not context.has_offset(joint))
+
+
+def _spring_plausible(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, "columns"],
+) -> str | None:
+    joint, stiffness = joint_of(target), float(estimates[0])
+    least, largest = context.position_range[joint]
+    swing = stiffness * float(largest - least) / 2
+    bound = max(float(context.peak_torque[joint]), 1e-9)
+    return first_reason(
+        [
+            positive(stiffness, "stiffness", "N m/rad"),
+            at_most(swing, bound, "the spring's torque", "N m", "the peak torque"),
+        ]
+    )
+
+
+JOINT_SPRING = CatalogueEntry(
+    name="joint_spring",
+    scope="joint",
+    shapes=(),
+    build=_spring,
+    plausible=_spring_plausible,
+    equivalent=("its constant part: torque_offset",),
+    page=EffectPage(
+        equation="k (q - q_0) = k (q - q_c) + τ_c, q_c the middle of the range",
+        source="Wang, Gondokaryono, Munawar, Fischer 2019, IEEE Robotics and Automation Letters "
+        "4(4), 3657-3664",
+        parameters="k > 0 in N m/rad, 0.1 to 1.2 of Coulomb friction a rad; τ_c in N m",
+        signature="a torque even in velocity that rises along the range",
+        confused_with=("gravity_direction", "torque_offset", "torque_ripple"),
+        exposed_by="the whole range of the joint: a line where gravity is a sine",
+    ),
+)

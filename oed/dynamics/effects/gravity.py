@@ -1,0 +1,87 @@
+"""A base that is mounted otherwise than declared: gravity points elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.scalars import Scalar
+
+STANDARD_GRAVITY = 9.80665  # [m/s^2], ISO 80000-3
+LEVEL = 1e-9  # [m/s^2] declared gravity below which the arm is declared weightless
+
+
+@dataclass(frozen=True)
+class GravityDirection(Effect):
+    """Torque of a small change of the gravity vector, for the parameters known so far.
+
+    Gravity torque is linear in the gravity vector (it is an acceleration of the base: Luh,
+    Walker and Paul 1980), so a unit column along each direction holds any change exactly as
+    long as the parameters hold; a large tilt is reached by re-linearising.
+
+    Attributes:
+        reference: Gives the parameters.
+        directions: Unit vectors in the base frame along which gravity may change.
+        magnitude: Of gravity [m/s^2]: parameters are in units of it, that is in rad.
+    """
+
+    reference: ReferenceTorque
+    directions: tuple[tuple[float, float, float], ...]
+    magnitude: float = STANDARD_GRAVITY
+    name = "gravity_direction"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The change along each direction, over the magnitude."""
+        return tuple(Parameter(f"tilt_{k + 1}", "rad", None) for k in range(len(self.directions)))
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """All positions."""
+        return tuple(f"q_{i + 1}" for i in range(self.reference.robot.n))
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """Torque of every joint at rest under each unit change."""
+        return [
+            dict(enumerate(self.reference.gravity(state, self.magnitude * np.array(direction))))
+            for direction in self.directions
+        ]
+
+
+def tilt_directions(
+    gravity: Float[ndarray, "3"],
+) -> tuple[tuple[tuple[float, float, float], ...], float]:
+    """Directions in which a declared gravity can turn, and its magnitude [m/s^2].
+
+    Two, at right angles to it and as near to base axes as they can be; all three axes for an
+    arm declared weightless.
+    """
+    magnitude = float(np.linalg.norm(gravity))
+    if magnitude < LEVEL:
+        axes = np.eye(3)
+        magnitude = STANDARD_GRAVITY
+    else:
+        down = gravity / magnitude
+        nearest = np.eye(3)[np.argsort(np.abs(down), kind="stable")[0]]
+        first = nearest - (nearest @ down) * down
+        first /= np.linalg.norm(first)
+        axes = np.stack([first, np.cross(down, first)])
+    return tuple((float(x), float(y), float(z)) for x, y, z in axes), magnitude
+
+
+def tilted(gravity: Float[ndarray, "3"], tilt: Float[ndarray, "directions"]) -> Float[ndarray, "3"]:
+    """Gravity after a tilt along `tilt_directions` [rad], of the same magnitude."""
+    directions, magnitude = tilt_directions(gravity)
+    change = np.array(directions).T @ tilt
+    if len(directions) == 3:
+        return magnitude * change
+    angle = float(np.linalg.norm(change))
+    if angle == 0.0:
+        return gravity.copy()
+    return np.cos(angle) * gravity + np.sin(angle) * magnitude * change / angle

@@ -1,0 +1,99 @@
+"""Effects that grow with the torque: friction under load, and a motor near its limit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.scalars import Scalar, add, is_zero, magnitude, mul, power, sign
+
+
+@dataclass(frozen=True)
+class LoadFriction(Effect):
+    """mu |tau_load| sgn(dq_j), friction of gears and bearings under load.
+
+    Gogoussis and Donath 1988; Hamon, Gautier and Garrec 2010; Bittencourt and Gunnarsson
+    2012. The load is tau_rigid + share * (the rest of the modelled torque): the torque at the
+    gear's output for share 0, at its input for 1.
+
+    Attributes:
+        joint: Index of the joint.
+        reference: Gives the load.
+        share: Of friction in the load, 0 to 1.
+        width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
+    """
+
+    joint: int
+    reference: ReferenceTorque
+    share: float = 0.0
+    width: float = 0.0
+    name = "load_dependent_friction"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The coefficient mu."""
+        return (Parameter(f"mu_{self.joint + 1}", "1", self.joint),)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The joint's torque and the sign of its velocity."""
+        return (f"tau_{self.joint + 1}", f"dq_{self.joint + 1}")
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """|tau_load| sgn(dq_j)."""
+        load = self.reference.rigid(state)[self.joint]
+        if self.share > 0:
+            rest = self.reference.beside_rigid(state)[self.joint]
+            load = add(load, mul(self.share, rest))
+        direction = state.sign(state.dq[self.joint], self.width)
+        return [{self.joint: mul(_magnitude(load), direction)}]
+
+
+@dataclass(frozen=True)
+class TorqueSaturation(Effect):
+    """-tau_s |tau/tau_peak|^m sgn(tau): torque constant that falls at high current.
+
+    Iron saturates: the torque constant falls with the square of current, which is m = 3
+    (Hendershot and Miller 2010, section 5); a drive that limits falls more abruptly. The
+    torque computed from current is then below the model's where that is large.
+
+    Attributes:
+        joint: Index of the joint.
+        reference: Gives the torque.
+        peak: tau_peak [N m], at which tau_s is lost.
+        exponent: m.
+    """
+
+    joint: int
+    reference: ReferenceTorque
+    peak: float
+    exponent: float = 3.0
+    name = "torque_saturation"
+
+    def __post_init__(self) -> None:
+        if self.peak <= 0 or self.exponent <= 1:
+            raise ValueError(f"{self.peak=} must be positive and {self.exponent=} above 1")
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """tau_s, the torque lost at the peak."""
+        return (Parameter(f"saturation_{self.joint + 1}", "N m", self.joint),)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The joint's torque."""
+        return (f"tau_{self.joint + 1}",)
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """-|tau/tau_peak|^m sgn(tau)."""
+        torque = self.reference.total(state)[self.joint]
+        if is_zero(torque):
+            return [{}]
+        relative = power(_magnitude(torque) / self.peak, self.exponent)
+        return [{self.joint: -relative * sign(torque)}]
+
+
+def _magnitude(torque: Scalar) -> Scalar:
+    return 0.0 if is_zero(torque) else magnitude(torque)

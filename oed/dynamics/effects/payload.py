@@ -1,0 +1,61 @@
+"""A payload that is taken up or put down during a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.thermal import since
+from oed.dynamics.newton_euler import regressor_entries
+from oed.dynamics.scalars import Scalar, mul
+from oed.robot import Robot
+
+
+@dataclass(frozen=True)
+class PayloadChange(Effect):
+    """Inertial columns of a link from a moment on.
+
+    A load adds its ten parameters to those of the link that holds it (Khalil, Gautier and
+    Lemoine 2007; Swevers et al. 2002).
+
+    Attributes:
+        robot: The arm.
+        link: Index of the joint whose body holds the load.
+        moment: When it is taken up, since `start` [s].
+        kept: Which of the ten standard parameters are columns; the rest make no torque of
+            their own.
+        start: Origin of `moment` [s]; None for the first sample of each recording.
+    """
+
+    robot: Robot
+    link: int
+    moment: float
+    kept: tuple[int, ...] = tuple(range(10))
+    start: float | None = None
+    name = "payload_change"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Change of the link's standard parameters."""
+        names, units = self.robot.parameter_names, self.robot.parameter_units
+        chosen = [10 * self.link + k for k in self.kept]
+        return tuple(Parameter(f"load_{names[c]}", units[c], self.link) for c in chosen)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Time and all joint coordinates."""
+        n = self.robot.n
+        return ("time", *(f"{x}_{i + 1}" for x in ("q", "dq", "ddq") for i in range(n)))
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """The link's columns where the load is held, zero before."""
+        held = np.asarray(since(state.t, self.start) >= self.moment, dtype=float)
+        gate = float(held) if held.ndim == 0 else held
+        columns = regressor_entries(self.robot, state.q, state.dq, state.ddq)
+        return [
+            {joint: mul(gate, entry) for joint, entry in columns[10 * self.link + k].items()}
+            for k in self.kept
+        ]

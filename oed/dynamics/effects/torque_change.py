@@ -1,0 +1,55 @@
+"""A measurement effect seen as one column: what it changes in the predicted torque."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
+from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.scalars import Scalar
+
+
+@dataclass(frozen=True)
+class TorqueChange(Effect):
+    """Torque as measured less torque as modelled, for parameters known so far.
+
+    With a coefficient of one the model plus this column is the model as measured: so a delay
+    competes with friction terms column against column before anything is refitted.
+
+    Attributes:
+        measurement: Of the columns given to it, the first is the rigid body's torque and the
+            second the rest.
+        reference: The torque as modelled.
+        joint: The joint that it concerns, None for all.
+    """
+
+    measurement: MeasurementEffect
+    reference: ReferenceTorque
+    joint: int | None = None
+    name = "torque_change"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Share of the change, 1 by construction."""
+        tag = "" if self.joint is None else f"_{self.joint + 1}"
+        return (Parameter(f"{self.measurement.name}{tag}", "1", self.joint),)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """All joint coordinates."""
+        n = self.reference.robot.n
+        return tuple(f"{x}_{i + 1}" for x in ("q", "dq", "ddq") for i in range(n))
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """The change of every joint's torque [N m].
+
+        Raises:
+            ValueError: If the state is symbolic.
+        """
+        motion = state.motion(self.measurement.name)
+        modelled = self.reference.parts(motion)
+        measured = self.measurement.through(self.reference.parts, motion)
+        change = (measured - modelled).sum(axis=2)
+        joints = range(self.reference.robot.n) if self.joint is None else [self.joint]
+        return [{j: change[:, j] for j in joints}]
