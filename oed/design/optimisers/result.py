@@ -18,10 +18,13 @@ class Budget:
     Attributes:
         evaluations: Evaluations of the criterion, one with its gradient counting as one.
         cpu_seconds: CPU time of this process [s].
+        needs_both: Whether to stop only when both are used up, so that one run can be read at
+            an equal number of evaluations and at equal time.
     """
 
     evaluations: int | None = None
     cpu_seconds: float | None = None
+    needs_both: bool = False
 
     def __post_init__(self) -> None:
         if self.evaluations is None and self.cpu_seconds is None:
@@ -85,10 +88,16 @@ class EvaluationLog:
     @property
     def is_spent(self) -> bool:
         """Whether the budget is used up."""
-        evaluations, seconds = self.budget.evaluations, self.budget.cpu_seconds
-        return (evaluations is not None and self.evaluations >= evaluations) or (
-            seconds is not None and self.cpu_s >= seconds
-        )
+        budget = self.budget
+        bounds = ((budget.evaluations, self.evaluations), (budget.cpu_seconds, self.cpu_s))
+        is_reached = [spent >= bound for bound, spent in bounds if bound is not None]
+        return all(is_reached) if budget.needs_both else any(is_reached)
+
+    @property
+    def seconds_left(self) -> float | None:
+        """CPU time after which the budget is certainly spent [s]; None if time alone does not say."""
+        seconds = self.budget.cpu_seconds
+        return None if seconds is None or self.budget.needs_both else seconds - self.cpu_s
 
     def count(self, evaluations: int = 1) -> None:
         """Record evaluations that are offered to no one."""
