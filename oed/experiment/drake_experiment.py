@@ -143,6 +143,7 @@ def run_on_drake(setup: Setup, reference: Motion, rng: np.random.Generator, *, r
         velocity=held[:, 4 * n : 5 * n],
         command=held[:, 2 * n : 3 * n],
         lead=lead,
+        samples=len(reference),
     )
 
 

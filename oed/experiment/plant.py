@@ -100,8 +100,8 @@ class TruePlant:
         """Greatest decay rate of a memory state per unit of speed [1/rad]."""
         return max((piece.fastest for piece in self.memory), default=0.0)
 
-    def typical_inertia(self, q: Float[ndarray, "joints"]) -> Float[ndarray, "joints joints"]:
-        """Mass matrix of the rigid body at a position [kg m^2]."""
+    def mass_matrix(self, q: Float[ndarray, "joints"]) -> Float[ndarray, "joints joints"]:
+        """Of the rigid body at a position [kg m^2]."""
         n = self.robot.n
         rest = self.robot.with_gravity(np.zeros(3))
         columns = [

@@ -1,4 +1,4 @@
-"""How an arm gets from rest to the first instant of a trajectory that starts moving."""
+"""How an arm gets from rest into a trajectory that starts moving, and out of it again."""
 
 import numpy as np
 from jaxtyping import Float
@@ -31,6 +31,15 @@ def lead_in(reference: Motion, duration: float, period: float) -> Motion:
         for d in range(3)
     ]
     return Motion(reference.t[0] - T + s, values[0] + rest, values[1], values[2])
+
+
+def lead_out(reference: Motion, duration: float, period: float) -> Motion:
+    """How the arm comes to rest after a trajectory: a lead-in of the reversed motion, reversed."""
+    reversed_end = Motion(
+        -reference.t[::-1], reference.q[::-1], -reference.dq[::-1], reference.ddq[::-1]
+    )
+    way = lead_in(reversed_end, duration, period)
+    return Motion(-way.t[::-1], way.q[::-1], -way.dq[::-1], way.ddq[::-1])
 
 
 def _quintic(

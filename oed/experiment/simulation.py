@@ -23,7 +23,7 @@ from oed.experiment.control import Controller
 from oed.experiment.disturbance import Disturbance
 from oed.experiment.plant import TruePlant
 from oed.experiment.recording import Recording, Role
-from oed.experiment.reference import lead_in
+from oed.experiment.reference import lead_in, lead_out
 from oed.experiment.sensors import Sensors
 
 
@@ -56,6 +56,7 @@ class Setup:
         sensors: Encoder, torque signal and what is logged.
         disturbance: Random torque at the joints; None is none.
         lead_in: Time from rest to the start of the trajectory [s].
+        lead_out: Time from the end of the trajectory to rest [s]; 0 to stop the log there.
         substeps: Least number of Runge-Kutta steps of the plant in one control period; more
             are taken where bristle friction is too stiff for the speed of the reference.
     """
@@ -65,6 +66,7 @@ class Setup:
     sensors: Sensors = Sensors()
     disturbance: Disturbance | None = None
     lead_in: float = 1.5
+    lead_out: float = 0.0
     substeps: int = 1
 
     def __post_init__(self) -> None:
@@ -88,6 +90,7 @@ class Log:
         velocity: (N, n, R) the observer's estimate.
         command: (N, n, R) torque that the controller asked for.
         lead: Samples before the trajectory proper starts.
+        samples: Of the trajectory proper.
     """
 
     t: Float[ndarray, "samples runs"]
@@ -97,6 +100,7 @@ class Log:
     velocity: Float[ndarray, "samples joints runs"]
     command: Float[ndarray, "samples joints runs"]
     lead: int
+    samples: int
 
 
 def simulate(
@@ -121,8 +125,8 @@ def simulate(
             is in `t`, their rows are marked in `repetition`.
         periodic: Run the M repetitions as one motion without a stop, after one lead-in and
             one period to settle; the reference is then exactly one period.
-        feedforward: (N, n) torque added to the feedback [N m]; its first row holds through
-            the lead-in.
+        feedforward: (N, n) torque added to the feedback [N m]; its first and last
+            row hold through lead-in and lead-out.
         name: Of the recording.
         role: Of the recording.
         start: Time at which the lead-in begins [s], for effects that depend on it.
@@ -167,7 +171,7 @@ def run(
     initial[size - 2 * n :] = observer_at_rest(setup.controller, inputs[0, 1 : 1 + n, 0])[:, None]
     outputs = _loop(setup, initial, inputs)
     signals = (outputs[:, i * n : (i + 1) * n] for i in range(5))
-    return Log(inputs[:, 0], *signals, lead=lead)
+    return Log(inputs[:, 0], *signals, lead=lead, samples=len(reference))
 
 
 def loop_inputs(
@@ -183,15 +187,18 @@ def loop_inputs(
     _check_sampling(reference, period)
     approach = lead_in(reference, setup.lead_in, period)
     lead = len(approach)
-    q_d = np.concatenate([approach.q, reference.q])
-    dq_d = np.concatenate([approach.dq, reference.dq])
+    parts = [approach, reference]
+    if setup.lead_out > 0:
+        parts.append(lead_out(reference, setup.lead_out, period))
+    path = Motion.concatenate(parts)
     if feedforward is None:
         feedforward = np.zeros_like(reference.q)
-    forward = np.concatenate([np.repeat(feedforward[:1], lead, axis=0), feedforward])
-    total = len(q_d)
+    after = len(path) - lead - len(reference)
+    forward = np.pad(feedforward, ((lead, after), (0, 0)), mode="edge")
+    total = len(path)
     inputs = np.empty((total, 4 * n + 1, runs))
     inputs[:, 0] = start + period * (np.arange(total)[:, None] + total * np.arange(runs))
-    for block, values in enumerate((q_d, dq_d, forward)):
+    for block, values in enumerate((path.q, path.dq, forward)):
         inputs[:, 1 + block * n : 1 + (block + 1) * n] = values[:, :, None]
     disturbance = setup.disturbance or Disturbance.none(n)
     inputs[:, 1 + 3 * n :] = disturbance.sample(total, runs, period, rng)
@@ -208,7 +215,8 @@ def read_log(
     role: Role,
 ) -> Recording:
     """What the sensors make of a log, from sample `first` of every run."""
-    torque = setup.sensors.torque(log.command, setup.controller.period, rng)[first:]
+    last = log.lead + log.samples
+    torque = setup.sensors.torque(log.command, setup.controller.period, rng)[first:last]
 
     def stacked(x: Float[ndarray, "samples joints runs"]) -> Float[ndarray, "rows joints"]:
         return np.ascontiguousarray(x.transpose(2, 0, 1).reshape(-1, x.shape[1]))
@@ -218,10 +226,10 @@ def read_log(
     return Recording(
         name=name,
         role=role,
-        t=np.ascontiguousarray(log.t[first:].T).ravel(),
-        q=stacked(log.measured[first:]),
+        t=np.ascontiguousarray(log.t[first:last].T).ravel(),
+        q=stacked(log.measured[first:last]),
         tau=stacked(torque),
-        dq=stacked(log.velocity[first:]) if setup.sensors.logs_velocity else None,
+        dq=stacked(log.velocity[first:last]) if setup.sensors.logs_velocity else None,
         repetition=np.repeat(np.arange(runs), kept) if runs > 1 else None,
         source="simulation",
     )
