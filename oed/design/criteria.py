@@ -157,7 +157,7 @@ def cost_and_slope(
 def _soft_maximum(
     values: Float[ndarray, "columns"], exponent: float
 ) -> tuple[float, Float[ndarray, "columns"]]:
-    """log of the p-norm of exp(values), and its gradient; the maximum itself for p = inf."""
+    """Logarithm of the p-norm of exp(values), and its gradient; the maximum itself for p = inf."""
     shifted = values - values.max()
     if np.isinf(exponent):
         weights = (shifted == 0.0).astype(float)

@@ -7,6 +7,8 @@ until bound and largest value found agree; what is returned is the bound, never 
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -62,7 +64,9 @@ def proven_range(
     else:
         _widen(proven, (value - reach)[split], (value + reach)[split])
     slack = ROUNDING * (scale + np.abs(attained).max(axis=0))
-    return np.stack([proven[0] - slack, proven[1] + slack], axis=1)
+    centre = trajectory.centre(z) if order == 0 else 0.0
+    lower, upper = np.maximum(proven[0], centre - scale), np.minimum(proven[1], centre + scale)
+    return np.stack([lower - slack, upper + slack], axis=1)
 
 
 def quick_range(
@@ -74,7 +78,7 @@ def quick_range(
     lies within M h^2 / 2 of the extreme value; the ends are samples themselves.
     """
     ends = trajectory.breakpoints
-    nodes = [np.linspace(a, b, QUICK_INTERVALS + 1) for a, b in zip(ends, ends[1:], strict=False)]
+    nodes = [np.linspace(a, b, QUICK_INTERVALS + 1) for a, b in itertools.pairwise(ends)]
     half = np.diff(ends).max() / QUICK_INTERVALS / 2
     values = trajectory.derivative(z, np.concatenate(nodes), order)
     slack = trajectory.derivative_bound(z, order + 2) * half**2 / 2
@@ -85,7 +89,7 @@ def quick_range(
 def _first_intervals(trajectory: TrajectoryClass) -> tuple[ndarray, ndarray]:
     """Middles and half widths of intervals that no breakpoint lies within."""
     ends = trajectory.breakpoints
-    edges = [np.linspace(a, b, FIRST_INTERVALS + 1) for a, b in zip(ends, ends[1:], strict=False)]
+    edges = [np.linspace(a, b, FIRST_INTERVALS + 1) for a, b in itertools.pairwise(ends)]
     middle = np.concatenate([(edge[1:] + edge[:-1]) / 2 for edge in edges])
     half = np.concatenate([np.diff(edge) / 2 for edge in edges])
     return middle, half

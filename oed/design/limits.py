@@ -151,7 +151,7 @@ def repair(
     ranges = {k: bound(trajectory, z, KINEMATIC.index(k)) for k in limited}
     if all((violation_of(b, getattr(limits, k)) <= 0).all() for k, b in ranges.items()):
         return z
-    factors = _kinematic_factors(trajectory, z, limits, ranges)
+    factors = np.minimum(_kinematic_factors(trajectory, z, limits, ranges), 1.0)
     z = trajectory.shrink(z, factors)
     if trajectory.has_offset:
         centre = trajectory.centre(trajectory.clip(z))
@@ -163,13 +163,27 @@ def repair(
     return z
 
 
+def fill(
+    trajectory: TrajectoryClass, z: Float[ndarray, "size"], limits: JointLimits
+) -> Float[ndarray, "size"]:
+    """Scale each joint up or down until it touches one of its limits, then repair.
+
+    Joints that do not move, or whose limits leave them free, stay as they are.
+    """
+    limited = [k for k in KINEMATIC if k == "position" or np.isfinite(getattr(limits, k)).any()]
+    ranges = {k: quick_range(trajectory, z, KINEMATIC.index(k)) for k in limited}
+    factors = _kinematic_factors(trajectory, z, limits, ranges)
+    grown = trajectory.shrink(z, np.where(np.isfinite(factors), factors, 1.0))
+    return repair(trajectory, grown, limits, is_quick=True)
+
+
 def _kinematic_factors(
     trajectory: TrajectoryClass,
     z: Float[ndarray, "size"],
     limits: JointLimits,
     ranges: dict[str, Float[ndarray, "joints 2"]],
 ) -> Float[ndarray, "joints"]:
-    """The largest factor of each joint, at most 1, that brings all its ranges within limits."""
+    """The largest factor of each joint that keeps all its ranges within limits."""
     centre = trajectory.centre(z)
     if trajectory.has_offset:
         room = np.diff(limits.position, axis=1)[:, 0]
@@ -182,7 +196,7 @@ def _kinematic_factors(
         )
     for kind in ranges.keys() - {"position"}:
         factors = np.minimum(factors, _two_sided(getattr(limits, kind), ranges[kind]))
-    return np.where(factors < 1.0, factors * (1 - MARGIN), 1.0)
+    return factors * (1 - MARGIN)
 
 
 def _two_sided(limit: ndarray, extent: ndarray) -> Float[ndarray, "joints"]:
@@ -190,6 +204,6 @@ def _two_sided(limit: ndarray, extent: ndarray) -> Float[ndarray, "joints"]:
 
 
 def _ratio(room: ndarray, needed: ndarray) -> Float[ndarray, "joints"]:
-    """room / needed where more is needed than there is, else 1."""
-    is_short = needed > room
-    return np.where(is_short, np.where(is_short, room, 1.0) / np.where(is_short, needed, 1.0), 1.0)
+    """How many times the need fits the room; infinite where nothing is needed."""
+    is_needed = needed > 0.0
+    return np.where(is_needed, room / np.where(is_needed, needed, 1.0), np.inf)

@@ -16,6 +16,7 @@ from oed.design.limits import (
     Certificate,
     certify,
     check_limits,
+    fill,
     repair,
     sampled_ranges,
     violation_of,
@@ -97,19 +98,25 @@ class DesignProblem:
         return FastInformation(self.regressor, self.covariance)
 
     def information(
-        self, z: Float[ndarray, "size"], *, scaled: bool = True
+        self, z: Float[ndarray, "size"], *, scaled: bool = True, prior: bool = True
     ) -> Float[ndarray, "base base"]:
         """Lambda at the instants, with the exact velocity sign.
 
         Args:
             z: The motion.
             scaled: Whether to apply the column scaling.
+            prior: Whether to add the prior information.
         """
         bare = self.fast.information(self.trajectory.motion(z, self.instants))
-        return self._complete(bare, scaled)
+        return self._complete(bare, scaled, prior)
 
     def continuous_information(
-        self, z: Float[ndarray, "size"], *, scaled: bool = True, points: int = CONTINUOUS
+        self,
+        z: Float[ndarray, "size"],
+        *,
+        scaled: bool = True,
+        prior: bool = True,
+        points: int = CONTINUOUS,
     ) -> Float[ndarray, "base base"]:
         """Lambda of N instants spread evenly over continuous time: N times its mean.
 
@@ -117,7 +124,7 @@ class DesignProblem:
         """
         t = (np.arange(points) + 0.5) * (self.trajectory.horizon / points)
         bare = self.fast.information(self.trajectory.motion(z, t)) * (len(self.instants) / points)
-        return self._complete(bare, scaled)
+        return self._complete(bare, scaled, prior)
 
     def cost(self, z: Float[ndarray, "size"]) -> float:
         """The criterion to be minimised, with the exact sign; infinite where singular."""
@@ -140,7 +147,7 @@ class DesignProblem:
         width = self.sign_width if sign_width is None else sign_width
         motion = self.trajectory.motion(z, self.instants)
         bare, entries = self.fast.information_and_entries(motion, width)
-        value, slope = cost_and_slope(self._complete(bare, True), self.criterion, exponent)
+        value, slope = cost_and_slope(self._complete(bare), self.criterion, exponent)
         if not np.isfinite(value):
             return value, np.zeros(self.size)
         if self.scaling is not None:
@@ -167,19 +174,13 @@ class DesignProblem:
         return repair(self.trajectory, z, self.limits, is_quick=True)
 
     def random_start(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
-        """A random motion that fills the limits of every joint.
-
-        Amplitudes are drawn from the box with a weight that falls with frequency, then every
-        joint is scaled up or down until it touches one of its limits.
-        """
-        lower, upper = self.trajectory.bounds.T
-        z = rng.uniform(lower, upper)
-        return self.quick_repair(z)
+        """A random motion of the class, every joint scaled until it touches one of its limits."""
+        return fill(self.trajectory, self.trajectory.draw(rng), self.limits)
 
     def _complete(
-        self, information: Float[ndarray, "base base"], scaled: bool
+        self, information: Float[ndarray, "base base"], scaled: bool = True, prior: bool = True
     ) -> Float[ndarray, "base base"]:
-        if self.prior is not None:
+        if prior and self.prior is not None:
             information = information + self.prior
         if scaled and self.scaling is not None:
             information = information * np.outer(self.scaling, self.scaling)

@@ -58,7 +58,5 @@ class DampedBfgs:
             change = theta * change + (1 - theta) * image
             curvature = step @ change
         self.matrix = (
-            self.matrix
-            - np.outer(image, image) / present
-            + np.outer(change, change) / curvature
+            self.matrix - np.outer(image, image) / present + np.outer(change, change) / curvature
         )

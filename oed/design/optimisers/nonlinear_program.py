@@ -151,9 +151,7 @@ class _Scaled:
 class _Callback(casadi.Callback):
     """A function of Python to CasADi, given the sparsities of its inputs and its output."""
 
-    def __init__(
-        self, name: str, inputs: list[casadi.Sparsity], output: casadi.Sparsity
-    ) -> None:
+    def __init__(self, name: str, inputs: list[casadi.Sparsity], output: casadi.Sparsity) -> None:
         casadi.Callback.__init__(self)
         self._inputs, self._output = inputs, output
         self.construct(name, {})
@@ -246,7 +244,9 @@ class _Hessian(_Callback):
             is_linear = scaled.constraints.trajectory.is_linear
 
             def curved(at: ndarray) -> ndarray:
-                return np.zeros(scaled.size) if is_linear else scaled.limit_gradient(at, multipliers)
+                return (
+                    np.zeros(scaled.size) if is_linear else scaled.limit_gradient(at, multipliers)
+                )
 
             self._matrix.update(u, scaled.objective(u)[1], curved)
         upper = np.triu_indices(scaled.size)

@@ -1,5 +1,7 @@
-"""Finite Fourier series of one fundamental (Swevers et al. 1997, "Optimal robot excitation
-and identification"): periodic, and linear in its coefficients."""
+"""Finite Fourier series of one fundamental: periodic, and linear in its coefficients.
+
+Swevers et al. 1997, "Optimal robot excitation and identification".
+"""
 
 from __future__ import annotations
 
@@ -88,7 +90,10 @@ class FourierClass(TrajectoryClass):
         return self.basis(t, order) @ np.asarray(z, dtype=float).reshape(self.joints, -1).T
 
     def sensitivity(
-        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+        self,
+        z: Float[ndarray, "size"],  # noqa: ARG002  # the same for every z
+        t: Float[ndarray, "samples"],
+        order: int,
     ) -> Float[ndarray, "samples joints own"]:
         """The basis, the same for every joint and z."""
         basis = self.basis(t, order)
@@ -103,7 +108,7 @@ class FourierClass(TrajectoryClass):
 
     def pull_back(
         self,
-        z: Float[ndarray, "size"],
+        z: Float[ndarray, "size"],  # noqa: ARG002  # the same for every z
         t: Float[ndarray, "samples"],
         adjoints: tuple[Float[ndarray, "samples joints"], ...],
     ) -> Float[ndarray, "size"]:

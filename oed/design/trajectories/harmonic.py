@@ -95,6 +95,19 @@ class HarmonicClass(TrajectoryClass):
         amplitude = np.arange(self.joints * self.terms).reshape(self.joints, self.terms)
         return np.concatenate([amplitude, amplitude + amplitude.size], axis=1)
 
+    def draw(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
+        """A random point; in a wide box slow terms are likelier and stronger than fast ones.
+
+        Drawn evenly, a fast term would use up the acceleration and leave next to no motion.
+        """
+        if self.box_keeps_limits:
+            return super().draw(rng)
+        share = rng.uniform(size=(self.joints, self.terms)) ** 2
+        falling = 1 / (1 + (share * FREQUENCY_MULTIPLE) ** 2)
+        a = rng.uniform(-1, 1, share.shape) * self.amplitude_bound[:, None] * falling
+        omega = share * self.frequency_bound[:, None]
+        return np.concatenate([a.reshape(-1), omega.reshape(-1)])
+
     def derivative(
         self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
     ) -> Float[ndarray, "samples joints"]:
@@ -128,7 +141,10 @@ class HarmonicClass(TrajectoryClass):
             return bare[order]
         return sum(comb(order, k) * self._ramp.bound(order - k) * bare[k] for k in range(order + 1))
 
-    def centre(self, z: Float[ndarray, "size"]) -> Float[ndarray, "joints"]:
+    def centre(
+        self,
+        z: Float[ndarray, "size"],  # noqa: ARG002  # the same for every z
+    ) -> Float[ndarray, "joints"]:
         """The fixed middle."""
         return self.middle
 
@@ -146,7 +162,9 @@ class HarmonicClass(TrajectoryClass):
         return np.concatenate([(a * factors[:, None]).reshape(-1), omega.reshape(-1)])
 
     def shift(
-        self, z: Float[ndarray, "size"], distance: Float[ndarray, "joints"]
+        self,
+        z: Float[ndarray, "size"],
+        distance: Float[ndarray, "joints"],  # noqa: ARG002  # the class has no offset
     ) -> Float[ndarray, "size"]:
         """Unchanged: the class has no offset."""
         return z

@@ -66,8 +66,7 @@ class TrajectoryClass(ABC):
 
     @abstractmethod
     def derivative_bound(self, z: Float[ndarray, "size"], order: int) -> Float[ndarray, "joints"]:
-        """An upper bound, valid for all t, on |`derivative`| of order 1 or more; for order 0
-        on the distance from the centre."""
+        """An upper bound on |`derivative`| at all t; for order 0 on |position - centre|."""
 
     @abstractmethod
     def centre(self, z: Float[ndarray, "size"]) -> Float[ndarray, "joints"]:
@@ -84,6 +83,10 @@ class TrajectoryClass(ABC):
         self, z: Float[ndarray, "size"], distance: Float[ndarray, "joints"]
     ) -> Float[ndarray, "size"]:
         """The motion with each joint's centre moved; unchanged where there is no offset."""
+
+    def draw(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
+        """A random point of the box, from which a motion is to be scaled into its limits."""
+        return rng.uniform(*self.bounds.T)
 
     @abstractmethod
     def describe(self, z: Float[ndarray, "size"]) -> dict[str, ndarray]:
