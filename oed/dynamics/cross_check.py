@@ -1,7 +1,7 @@
-"""Four answers to one question: the torque of a robot, by Drake and by this package.
+"""One question to three codes: the torque of a robot by Drake, by Pinocchio and by this package.
 
-Newton-Euler, regressor times parameters and the compiled expression share their source;
-Drake's MultibodyPlant shares nothing with them but the file.
+Newton-Euler, regressor times parameters and the CasADi function share their source; Drake and
+Pinocchio share nothing with them but the file.
 """
 
 from __future__ import annotations
@@ -10,12 +10,14 @@ from dataclasses import dataclass
 
 import casadi
 import numpy as np
+import pinocchio
 from jaxtyping import Float
 from numpy import ndarray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces, RevoluteJoint
 from pydrake.systems.framework import Context
 
+from oed.dynamics.drake_plant import drake_torque
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.newton_euler import rigid_body_regressor, rigid_body_torque
@@ -37,6 +39,7 @@ class CrossCheck:
         newton_euler: Worst relative disagreement of the recursion (2) with Drake.
         regressor: The same of regressor times parameters (4).
         casadi: The same of the CasADi function.
+        pinocchio: The same of Pinocchio; None where the file is no URDF.
     """
 
     robot: str
@@ -45,11 +48,12 @@ class CrossCheck:
     newton_euler: float
     regressor: float
     casadi: float
+    pinocchio: float | None
 
     @property
     def worst(self) -> float:
-        """The largest of the three."""
-        return max(self.newton_euler, self.regressor, self.casadi)
+        """The largest of all."""
+        return max(self.newton_euler, self.regressor, self.casadi, self.pinocchio or 0.0)
 
     @property
     def agrees(self) -> bool:
@@ -61,12 +65,15 @@ def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck
     """Compare a robot's inverse dynamics with Drake's at random states.
 
     Args:
-        robot: Loaded from a file that Drake can parse, with the file's inertial parameters.
+        robot: Loaded from a file that Drake can parse, with the file's inertial parameters, or
+            a built-in one, of which Drake is given the bodies and joints.
         states: Number of states.
         seed: Of the random states.
     """
     motion = random_motion(robot, states, np.random.default_rng(seed))
-    reference = drake_torque(robot, motion)
+    is_builtin = robot.source.startswith("builtin:")
+    reference = drake_torque(robot, motion) if is_builtin else file_torque(robot, motion)
+    is_urdf = robot.source.lower().endswith(".urdf")
     largest = np.abs(reference).max()
 
     def disagreement(torque: Float[ndarray, "samples joints"]) -> float:
@@ -79,10 +86,11 @@ def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck
         newton_euler=disagreement(rigid_body_torque(robot, motion)),
         regressor=disagreement(rigid_body_regressor(robot, motion) @ robot.parameters),
         casadi=disagreement(_symbolic_torque(robot, motion)),
+        pinocchio=disagreement(pinocchio_torque(robot, motion)) if is_urdf else None,
     )
 
 
-def drake_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
+def file_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
     """Torque by Drake's MultibodyPlant of the robot's own file, other joints locked at 0."""
     plant = load_plant(robot.source)
     plant.mutable_gravity_field().set_gravity_vector(robot.gravity)
@@ -95,6 +103,24 @@ def drake_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints
     positions = np.array([joint.position_start() for joint in joints])
     velocities = np.array([joint.velocity_start() for joint in joints])
     return _inverse_dynamics(plant, context, motion, positions, velocities)
+
+
+def pinocchio_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
+    """Torque by Pinocchio of the robot's own URDF, other joints locked at 0."""
+    whole = pinocchio.buildModelFromUrdf(robot.source)
+    held = [i for i, name in enumerate(whole.names) if i and name not in robot.joint_names]
+    model = pinocchio.buildReducedModel(whole, held, pinocchio.neutral(whole))
+    model.gravity.linear = robot.gravity
+    data = model.createData()
+    order = [model.joints[model.getJointId(name)].idx_v for name in robot.joint_names]
+    torques = np.empty(motion.q.shape)
+    for k in range(len(motion)):
+        q, dq, ddq = np.empty((3, robot.n))
+        q[order], dq[order], ddq[order] = motion.q[k], motion.dq[k], motion.ddq[k]
+        # A continuous joint is kept as cosine and sine: move there from zero.
+        pose = pinocchio.integrate(model, pinocchio.neutral(model), q)
+        torques[k] = pinocchio.rnea(model, data, pose, dq, ddq)[order]
+    return torques
 
 
 def _inverse_dynamics(
