@@ -45,11 +45,12 @@ def write_calibration(
     """
     out.mkdir(parents=True, exist_ok=True)
     figures = draw_figures(calibration, history, spectrum)
-    for name, figure in figures.items():
-        save_figure(figure, out / name)
+    pictures = {
+        name: save_figure(figure, out / name, ("png",))[0] for name, figure in figures.items()
+    }
     write_csv(out / "parameters.csv", parameter_rows(calibration))
     write_csv(out / "validation.csv", validation_rows(calibration))
-    write_page(out / "report.html", _page(calibration, figures, provenance))
+    write_page(out / "report.html", _page(calibration, pictures, provenance))
     # Last: whoever finds this file finds the rest complete.
     write_json(out / "estimate.json", estimate_record(calibration, provenance))
 
@@ -235,7 +236,7 @@ def _draw_convergence(calibration: Calibration, history: RecursiveEstimate) -> F
     )
 
 
-def _page(calibration: Calibration, figures: dict[str, Figure], provenance: Provenance) -> Page:
+def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Provenance) -> Page:
     dataset, estimate = calibration.dataset, calibration.estimate
     held_out = [role for role in ("validation", "test") if role in calibration.validation]
     captions = {
@@ -243,7 +244,7 @@ def _page(calibration: Calibration, figures: dict[str, Figure], provenance: Prov
         "residual": "Measured minus reconstructed torque, recordings with role",
     }
     by_role = [
-        Picture(figures[f"{kind}_{role}"], f"{caption} {role}.", file_format="png")
+        Picture(pictures[f"{kind}_{role}"], f"{caption} {role}.")
         for role in calibration.recordings
         for kind, caption in captions.items()
     ]
@@ -258,9 +259,9 @@ def _page(calibration: Calibration, figures: dict[str, Figure], provenance: Prov
                     Text(f"{estimate.method}. Intervals are at 95 %."),
                     Table(parameter_rows(calibration)),
                     *_unidentified(calibration),
-                    Picture(figures["parameters"], "Estimates with 95 % intervals."),
+                    Picture(pictures["parameters"], "Estimates with 95 % intervals."),
                     Picture(
-                        figures["convergence"],
+                        pictures["convergence"],
                         "Recursive estimates against samples used, with 95 % intervals of (8), "
                         "which take residuals as white.",
                     ),
@@ -272,7 +273,7 @@ def _page(calibration: Calibration, figures: dict[str, Figure], provenance: Prov
                     Text(
                         "A flat spectrum below the cut-off is noise; a slope is a missing effect."
                     ),
-                    Picture(figures["spectrum_estimation"], "Spectral density of the residual."),
+                    Picture(pictures["spectrum_estimation"], "Spectral density of the residual."),
                 ),
             ),
             Section(

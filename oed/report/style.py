@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -93,18 +94,24 @@ def new_figure(width: float, height: float) -> Figure:
         return Figure(figsize=(width, height), layout="constrained")
 
 
-def save_figure(figure: Figure, stem: str | Path) -> tuple[Path, Path]:
+def save_figure(
+    figure: Figure, stem: str | Path, formats: Sequence[str] = ("png", "pdf")
+) -> tuple[Path, ...]:
     """Write `stem`.png at 200 dpi and `stem`.pdf; the same drawing gives the same bytes.
 
+    Args:
+        figure: To write.
+        stem: Path without the ending.
+        formats: Endings; PNG alone is several times faster and serves a page.
+
     Returns:
-        The two files.
+        The files.
     """
     stem = Path(stem)
     stem.parent.mkdir(parents=True, exist_ok=True)
     # Not with_suffix: a stem such as "panda_0.5s" would lose its end.
-    files = (stem.with_name(stem.name + ".png"), stem.with_name(stem.name + ".pdf"))
+    files = tuple(stem.with_name(f"{stem.name}.{file_format}") for file_format in formats)
     with mpl.rc_context(STYLE):
-        for file in files:
-            file_format = file.suffix.removeprefix(".")
+        for file, file_format in zip(files, formats, strict=True):
             figure.savefig(file, format=file_format, metadata=deterministic_metadata(file_format))
     return files
