@@ -107,15 +107,13 @@ def file_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"
 
 def pinocchio_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
     """Torque by Pinocchio of the robot's own URDF, other joints locked at 0."""
-    whole = pinocchio.buildModelFromUrdf(robot.source)
-    held = [i for i, name in enumerate(whole.names) if i and name not in robot.joint_names]
-    model = pinocchio.buildReducedModel(whole, held, pinocchio.neutral(whole))
+    model = pinocchio.buildModelFromUrdf(robot.source)
     model.gravity.linear = robot.gravity
     data = model.createData()
     order = [model.joints[model.getJointId(name)].idx_v for name in robot.joint_names]
     torques = np.empty(motion.q.shape)
     for k in range(len(motion)):
-        q, dq, ddq = np.empty((3, robot.n))
+        q, dq, ddq = np.zeros((3, model.nv))
         q[order], dq[order], ddq[order] = motion.q[k], motion.dq[k], motion.ddq[k]
         # A continuous joint is kept as cosine and sine: move there from zero.
         pose = pinocchio.integrate(model, pinocchio.neutral(model), q)
