@@ -43,7 +43,7 @@ class AutoregressiveNoise:
         impulse[0] = 1.0
         columns = []
         for joint, a in enumerate(self.coefficients):
-            response = lfilter([1.0], a, impulse)
+            response = np.asarray(lfilter([1.0], a, impulse))
             gamma = [response[: len(response) - lag] @ response[lag:] for lag in range(lags)]
             columns.append(self.innovation[joint, joint] * np.array(gamma))
         return np.column_stack(columns)

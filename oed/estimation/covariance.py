@@ -147,9 +147,8 @@ def _bartlett(parts: list[ndarray]) -> Float[ndarray, "p p"]:
         scale if scale > 0 else 1.0
     )
     bandwidth = 1.1447 * (curvature * samples) ** (1 / 3)
-    meat = sum(part.T @ part for part in parts)
+    meat = np.sum([part.T @ part for part in parts], axis=0)
     for lag in range(1, min(int(np.ceil(bandwidth)), max(len(part) for part in parts))):
-        lagged = sum(part[lag:].T @ part[:-lag] for part in parts if len(part) > lag)
-        if isinstance(lagged, ndarray):
-            meat = meat + (1 - lag / bandwidth) * (lagged + lagged.T)
+        lagged = np.sum([part[lag:].T @ part[:-lag] for part in parts if len(part) > lag], axis=0)
+        meat += (1 - lag / bandwidth) * (lagged + lagged.T)
     return meat

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.linalg import qr
 
 from oed.estimation.triangular import triangularise, unit_columns
 
@@ -68,8 +67,10 @@ def find_identifiable(
     if not np.isfinite(regressor).all():
         raise ValueError("the regressor has entries that are not finite")
     factor, norms = unit_columns(triangularise(regressor))
-    silent = ~regressor.any(axis=0)
-    kept = _independent_columns(factor, silent, tolerance)
+    silent = np.linalg.norm(regressor, axis=0) == 0
+    singular = np.linalg.svd(factor, compute_uv=False)
+    rank = int(np.sum(singular > tolerance * singular[0]))
+    kept = _independent_columns(factor, rank, tolerance)
     combination = np.linalg.lstsq(factor[:, kept], factor, rcond=None)[0]
     combination[np.abs(combination) < SMALLEST_SHARE] = 0.0
     combination[:, kept] = np.eye(len(kept))
@@ -77,7 +78,6 @@ def find_identifiable(
     dropped = [c for c in range(columns) if c not in kept]
     merged = np.flatnonzero((combination[np.sum(combination != 0, axis=1) > 1] != 0).any(axis=0))
     undetermined = sorted({*merged.tolist(), *dropped})
-    singular = np.linalg.svd(factor, compute_uv=False)
     labels = tuple(_expression(row, names) for row in combination)
     return Identifiability(
         kept=tuple(kept),
@@ -132,18 +132,13 @@ def badly_excited(
     return sentences
 
 
-def _independent_columns(
-    factor: Float[ndarray, "p p"], silent: ndarray, tolerance: float
-) -> list[int]:
-    # The rank from pivoting, which is safe; then the earliest columns that reach it, because
-    # the order of names is the caller's preference.
+def _independent_columns(factor: Float[ndarray, "p p"], rank: int, tolerance: float) -> list[int]:
+    # The earliest columns that reach the rank: the order of names is the caller's preference.
     basis = np.zeros((len(factor), 0))
     kept = []
-    _, pivoted, _ = qr(factor, pivoting=True)
-    rank = int(np.sum(np.abs(np.diag(pivoted)) > tolerance))
     for column in range(factor.shape[1]):
-        if silent[column] or len(kept) == rank:
-            continue
+        if len(kept) == rank:
+            break
         rest = factor[:, column]
         for _ in range(2):  # twice is enough against cancellation (Kahan; Giraud et al. 2005)
             rest = rest - basis @ (basis.T @ rest)

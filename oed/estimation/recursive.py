@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
-from scipy.linalg import lapack
+from scipy.linalg import get_lapack_funcs
 
 from oed.estimation.least_squares import check_stack
 from oed.estimation.noise import TorqueNoise, whiten
@@ -101,8 +101,9 @@ def recursive_least_squares(
 def _rotate_in(
     triangle: Float[ndarray, "width width"], rows: Float[ndarray, "rows width"]
 ) -> Float[ndarray, "width width"]:
-    # dtpqrt knows that the upper block is triangular: width^2 operations a row.
-    updated, _, _, _ = lapack.dtpqrt(0, min(32, len(triangle)), triangle, rows)
+    # LAPACK's tpqrt knows that the upper block is triangular: width^2 operations a row.
+    (tpqrt,) = get_lapack_funcs(("tpqrt",), (triangle,))
+    updated, *_ = tpqrt(0, min(32, len(triangle)), triangle, rows)
     return np.triu(updated)
 
 

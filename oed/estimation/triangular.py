@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.linalg import lapack, solve_triangular
+from scipy.linalg import get_lapack_funcs, solve_triangular
 
 from oed.errors import OedError
 from oed.estimation.prior import Prior
@@ -70,8 +70,9 @@ def triangularise(
     rows, width = augmented.shape
     if rows < width:
         augmented = np.vstack([augmented, np.zeros((width - rows, width))])
-    work, _ = lapack.dgeqrf_lwork(len(augmented), width)
-    packed, _, _, _ = lapack.dgeqrf(np.asfortranarray(augmented), lwork=int(work))
+    geqrf, geqrf_lwork = get_lapack_funcs(("geqrf", "geqrf_lwork"), (augmented,))
+    work, _ = geqrf_lwork(len(augmented), width)
+    packed, *_ = geqrf(np.asfortranarray(augmented), lwork=int(work))
     triangle = np.triu(packed[:width])
     return triangle * np.where(np.diag(triangle) < 0, -1.0, 1.0)[:, None]
 
