@@ -8,22 +8,29 @@ zero-phase filter; periodic motion has exact derivatives (Swevers et al. 1997).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
+from oed.dynamics.planar import planar_regressor
 from oed.experiment.signals.differentiation import central_difference, spectral_derivative
-from oed.experiment.signals.lowpass import lowpass
+from oed.experiment.signals.lowpass import half_power_frequency, lowpass
 from oed.experiment.signals.online_filter import PAPER_FILTER
 from oed.experiment.simulation import Log
+from oed.robot.builtin import IMI_LINK_LENGTHS
 
 # "online" is the paper to the letter: position is not filtered and so runs ahead of the rest.
-# "aligned" delays it too.
-Processing = Literal["online", "aligned", "zero_phase", "spectral"]
-PROCESSINGS: tuple[Processing, ...] = ("online", "aligned", "zero_phase", "spectral")
+# "aligned" delays it too. "zero_phase" is what the authors wanted, at the same half power.
+# "spectral" takes exact derivatives of the mean harmonics of a periodic motion. "parallel"
+# forms the regressor from wide-band signals and filters its columns as it filters the torque
+# (Gautier 1997, "Dynamic identification of robots with power model"): no filter can then
+# come between the two sides of the equation.
+Processing = Literal["online", "aligned", "zero_phase", "parallel", "spectral"]
+PROCESSINGS: tuple[Processing, ...] = get_args(Processing)
+WIDE_BAND = 10.0  # cut-off of the regressor's signals before "parallel" filtering, of the filter's
 
 
 @dataclass(frozen=True)
@@ -31,12 +38,12 @@ class SampledRuns:
     """R runs at S instants each.
 
     Attributes:
-        motion: R S samples, run after run; `t` counts from the start of each run.
+        columns: (R, S, n, 8) regressor (16).
         tau: (R, S, n) processed torque [N m].
         raw: (R, S, n) torque as logged [N m].
     """
 
-    motion: Motion
+    columns: Float[ndarray, "runs samples joints 8"]
     tau: Float[ndarray, "runs samples joints"]
     raw: Float[ndarray, "runs samples joints"]
 
@@ -45,11 +52,14 @@ class SampledRuns:
         """R."""
         return len(self.tau)
 
+    @property
+    def regressor(self) -> Float[ndarray, "rows 8"]:
+        """H of (6a), run after run."""
+        return self.columns.reshape(-1, self.columns.shape[3])
+
     def of(self, runs: slice) -> SampledRuns:
         """Some of the runs."""
-        samples = self.tau.shape[1]
-        rows = np.arange(self.runs * samples).reshape(self.runs, samples)[runs].ravel()
-        return SampledRuns(self.motion[rows], self.tau[runs], self.raw[runs])
+        return SampledRuns(self.columns[runs], self.tau[runs], self.raw[runs])
 
 
 def sample_runs(
@@ -66,37 +76,67 @@ def sample_runs(
         processing: How.
         harmonics: Kept of the position, for "spectral" alone, where each run is one period.
     """
-    q, dq, ddq, tau = _processed(log, period, processing, harmonics)
     kept = log.lead + np.round(np.arange(samples) * (log.samples / samples)).astype(int)
-
-    def rows(x: Float[ndarray, "all joints runs"]) -> Float[ndarray, "rows joints"]:
-        return np.ascontiguousarray(x[kept].transpose(2, 0, 1)).reshape(-1, x.shape[1])
-
-    runs = log.t.shape[1]
-    t = np.tile((kept - log.lead) * period, runs)
-    shape = (runs, samples, log.command.shape[1])
-    return SampledRuns(
-        Motion(t, rows(q), rows(dq), rows(ddq)),
-        rows(tau).reshape(shape),
-        rows(log.command).reshape(shape),
-    )
+    if processing == "parallel":
+        columns, tau = _parallel(log, period)
+        columns = columns[:, kept]
+    else:
+        q, dq, ddq, tau = processed_signals(log, period, processing, harmonics=harmonics)
+        columns = _columns(*(x[kept] for x in (q, dq, ddq)))
+    return SampledRuns(columns, _by_run(tau[kept]), _by_run(log.command[kept]))
 
 
-def _processed(
-    log: Log, period: float, processing: Processing, harmonics: int
+def zero_phase_cutoff() -> float:
+    """Cut-off of the forward-backward filter whose half power is the paper's [Hz]."""
+    wanted = PAPER_FILTER.half_power_frequency() / (2 * np.pi)
+    return wanted / (half_power_frequency(1.0))
+
+
+def processed_signals(
+    log: Log, period: float, processing: Processing, *, harmonics: int = 5
 ) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Position, velocity, acceleration and torque at every sample, (N, n, R) each."""
     rate = 1 / period
     if processing in ("online", "aligned"):
         dq = PAPER_FILTER.apply(log.velocity)
         q = PAPER_FILTER.apply(log.measured) if processing == "aligned" else log.measured
         return q, dq, central_difference(dq, rate), PAPER_FILTER.apply(log.command)
     if processing == "zero_phase":
-        cutoff = PAPER_FILTER.half_power_frequency() / (2 * np.pi)
+        cutoff = zero_phase_cutoff()
         q, tau = (_zero_phase(x, rate, cutoff) for x in (log.measured, log.command))
         dq = central_difference(q, rate)
         return q, dq, central_difference(dq, rate), tau
+    if processing != "spectral":
+        raise ValueError(f"processing {processing!r} gives no signals, only a regressor")
     parts = [_spectral(log.measured, log, rate, harmonics, order) for order in range(3)]
     return parts[0], parts[1], parts[2], log.command
+
+
+def _parallel(log: Log, period: float) -> tuple[ndarray, ndarray]:
+    """(R, N, n, 8) filtered regressor columns and (N, n, R) filtered torque."""
+    rate = 1 / period
+    cutoff = WIDE_BAND * PAPER_FILTER.half_power_frequency() / (2 * np.pi)
+    q = _zero_phase(log.measured, rate, cutoff)
+    dq = central_difference(q, rate)
+    columns = _columns(q, dq, central_difference(dq, rate))
+    # Run by run, so that one run's filter does not see the next.
+    filtered = np.stack([PAPER_FILTER.apply(run) for run in columns])
+    return filtered, PAPER_FILTER.apply(log.command)
+
+
+def _columns(
+    q: Float[ndarray, "kept joints runs"],
+    dq: Float[ndarray, "kept joints runs"],
+    ddq: Float[ndarray, "kept joints runs"],
+) -> Float[ndarray, "runs kept joints 8"]:
+    kept, joints, runs = q.shape
+    flat = [_by_run(x).reshape(-1, joints) for x in (q, dq, ddq)]
+    motion = Motion(np.zeros(kept * runs), *flat)
+    return planar_regressor(motion, IMI_LINK_LENGTHS[0]).reshape(runs, kept, joints, 8)
+
+
+def _by_run(x: Float[ndarray, "kept joints runs"]) -> Float[ndarray, "runs kept joints"]:
+    return np.ascontiguousarray(x.transpose(2, 0, 1))
 
 
 def _zero_phase(x: ndarray, rate: float, cutoff: float) -> ndarray:
