@@ -60,7 +60,7 @@ def proven_range(
         _widen(proven, (value - reach)[~split], (value + reach)[~split])
         if not split.any():
             break
-        middle, half = _split(middle[split], half[split])
+        middle, half = split_intervals(middle[split], half[split])
     else:
         _widen(proven, (value - reach)[split], (value + reach)[split])
     slack = ROUNDING * (scale + np.abs(attained).max(axis=0))
@@ -95,7 +95,8 @@ def _first_intervals(trajectory: TrajectoryClass) -> tuple[ndarray, ndarray]:
     return middle, half
 
 
-def _split(middle: ndarray, half: ndarray) -> tuple[ndarray, ndarray]:
+def split_intervals(middle: ndarray, half: ndarray) -> tuple[ndarray, ndarray]:
+    """Middles and half widths of each interval's `SPLIT` equal parts."""
     parts = (np.arange(SPLIT) * 2 + 1 - SPLIT) / SPLIT
     return (middle[:, None] + half[:, None] * parts).reshape(-1), np.repeat(half / SPLIT, SPLIT)
 

@@ -44,7 +44,7 @@ class FastInformation:
     def information_and_entries(
         self, motion: Motion, sign_width: float
     ) -> tuple[Float[ndarray, "columns columns"], Float[ndarray, "entries samples"]]:
-        """H^T R_v^-1 H, and the regressor's entries that `pull_back` wants again."""
+        """H^T R_v^-1 H, and the regressor's entries that `adjoint` wants again."""
         entries = self.regressor.entries(motion, sign_width)
         total = np.zeros((self.regressor.columns, self.regressor.columns))
         for block, other, weight in self._pairs:
@@ -55,21 +55,19 @@ class FastInformation:
                 total[np.ix_(other.columns, block.columns)] += part.T
         return total, entries
 
-    def pull_back(
+    def adjoint(
         self,
-        motion: Motion,
         entries: Float[ndarray, "entries samples"],
         slope: Float[ndarray, "columns columns"],
-        sign_width: float,
-    ) -> tuple[Float[ndarray, "samples joints"], ...]:
-        """Gradients by q, dq, ddq of a function whose gradient by Lambda is `slope`."""
+    ) -> Float[ndarray, "entries samples"]:
+        """Gradient by the entries of a function whose gradient by Lambda is `slope`."""
         adjoint = np.zeros_like(entries)
         for block, other, weight in self._pairs:
             middle = 2 * weight * slope[np.ix_(block.columns, other.columns)]
             adjoint[block.where] += middle @ entries[other.where]
             if block is not other:
                 adjoint[other.where] += middle.T @ entries[block.where]
-        return self.regressor.pull_back(motion, adjoint, sign_width)
+        return adjoint
 
     @cached_property
     def _pairs(self) -> list[tuple[_Block, _Block, float]]:

@@ -1,0 +1,71 @@
+"""The design file `design.json`."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy import ndarray
+
+from oed.design.design import Design
+from oed.design.limits import KINEMATIC
+
+FORMAT = 1
+
+
+def design_record(
+    design: Design,
+    *,
+    versions: dict[str, str],
+    d_efficiency: dict[str, object] | None = None,
+    notes: tuple[str, ...] = (),
+) -> dict[str, object]:
+    """What `design.json` holds; infinite limits and undefined values are null.
+
+    Args:
+        design: The design.
+        versions: Of the packages that made it.
+        d_efficiency: {"value", "kind": "certified" or "estimated"}, where it was computed.
+        notes: What was assumed, such as limits that the robot's file does not state.
+    """
+    problem, certificate = design.problem, design.certificate
+    certified = certificate.certified_max
+    return {
+        "format": FORMAT,
+        "robot": problem.model.robot.name,
+        "joints": list(problem.model.robot.joint_names),
+        "class": problem.trajectory.name,
+        "coefficients": {name: value.tolist() for name, value in design.coefficients.items()},
+        "horizon": design.horizon,
+        "instants": len(problem.instants),
+        "rows": problem.rows,
+        "base_parameters": list(problem.base.names),
+        "criterion": problem.criterion,
+        "J_k": _number(design.J_k),
+        "J_k_continuous": _number(design.J_k_continuous),
+        "J_k_scaled": _number(design.J_k_scaled),
+        "J_d_log10": _number(design.J_d),
+        "J_d_log10_continuous": _number(design.J_d_continuous),
+        "d_efficiency": d_efficiency,
+        "certified_max": {**certified, "torque": certified.get("torque")},
+        "certified_range": {
+            kind: getattr(certificate, kind).tolist()
+            for kind in (*KINEMATIC, "torque")
+            if getattr(certificate, kind) is not None
+        },
+        "certified_violation": certificate.violation,
+        "limits": {kind: _bounds(getattr(problem.limits, kind)) for kind in (*KINEMATIC, "torque")},
+        "optimiser": design.optimiser,
+        "seed": design.seed,
+        "cpu_s": design.cpu_s,
+        "evaluations": design.evaluations,
+        "status": design.status,
+        "notes": list(notes),
+        "versions": versions,
+    }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _bounds(bounds: ndarray) -> list[list[float | None]]:
+    return [[_number(lower), _number(upper)] for lower, upper in bounds]

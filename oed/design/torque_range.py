@@ -1,0 +1,108 @@
+"""Proven bounds on the torque that a nominal model needs, by interval branch and bound.
+
+Over a short stretch of time position, velocity and acceleration lie in intervals known from
+their next two derivatives; the torque model, evaluated on intervals, then bounds the torque.
+Stretches that might hold an extremum are split until the bound is tight enough.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.extrema import split_intervals
+from oed.design.interval import Interval
+from oed.design.trajectories import TrajectoryClass
+from oed.dynamics.effects import State
+from oed.dynamics.motion import Motion
+from oed.dynamics.torque_model import TorqueModel
+
+FIRST_INTERVALS = 2048
+LEVELS = 5  # of splitting in four; the bound is valid at every level
+TOLERANCE = 5e-3  # between proven and attained torque, of the joint's largest
+
+
+def proven_torque_range(
+    model: TorqueModel,
+    parameters: Float[ndarray, "parameters"],
+    trajectory: TrajectoryClass,
+    z: Float[ndarray, "size"],
+) -> Float[ndarray, "joints 2"]:
+    """Bounds that the model's torque never leaves, for all t in the horizon.
+
+    Args:
+        model: Its measurement effects are not seen.
+        parameters: (p,) nominal.
+        trajectory: The class.
+        z: The motion.
+
+    Raises:
+        NotImplementedError: If an effect of the model uses a function that has no interval
+            version.
+    """
+    ends = np.asarray(trajectory.breakpoints)
+    edges = np.union1d(np.linspace(0.0, trajectory.horizon, FIRST_INTERVALS + 1), ends)
+    middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
+    n = trajectory.joints
+    attained = np.stack([np.full(n, np.inf), np.full(n, -np.inf)])
+    proven = attained.copy()
+    for level in range(LEVELS):
+        centre = model.torque(parameters, trajectory.motion(z, middle))
+        attained[0] = np.minimum(attained[0], centre.min(axis=0))
+        attained[1] = np.maximum(attained[1], centre.max(axis=0))
+        lower, upper = _torque_on(model, parameters, trajectory, z, middle, half)
+        gap = TOLERANCE * np.abs(attained).max(axis=0)
+        is_open = ((lower < attained[0] - gap) | (upper > attained[1] + gap)).any(axis=1)
+        if level == LEVELS - 1:
+            is_open[:] = False
+        if (~is_open).any():
+            proven[0] = np.minimum(proven[0], lower[~is_open].min(axis=0))
+            proven[1] = np.maximum(proven[1], upper[~is_open].max(axis=0))
+        if not is_open.any():
+            break
+        middle, half = split_intervals(middle[is_open], half[is_open])
+    return proven.T.copy()
+
+
+def _torque_on(
+    model: TorqueModel,
+    parameters: ndarray,
+    trajectory: TrajectoryClass,
+    z: ndarray,
+    middle: ndarray,
+    half: ndarray,
+) -> tuple[ndarray, ndarray]:
+    """Lower and upper torque (N, n) on each stretch of time."""
+    signals = [_signal_on(trajectory, z, order, middle, half) for order in range(3)]
+    state = State(Interval(middle - half, middle + half), *signals)
+    lower, upper = (np.zeros((len(middle), trajectory.joints)) for _ in range(2))
+    columns = (entry for effect in model.effects for entry in effect.entries(state))
+    for parameter, by_joint in zip(parameters, columns, strict=True):
+        if parameter == 0.0:
+            continue
+        for joint, entry in by_joint.items():
+            torque = Interval(np.zeros(1), np.zeros(1)) + float(parameter) * entry
+            lower[:, joint] += torque.lower
+            upper[:, joint] += torque.upper
+    return lower, upper
+
+
+def _signal_on(
+    trajectory: TrajectoryClass, z: ndarray, order: int, middle: ndarray, half: ndarray
+) -> list[Interval]:
+    value = trajectory.derivative(z, middle, order)
+    slope = np.abs(trajectory.derivative(z, middle, order + 1))
+    curvature = trajectory.derivative_bound(z, order + 2)
+    reach = slope * half[:, None] + curvature * half[:, None] ** 2 / 2
+    return [
+        Interval(low, high) for low, high in zip((value - reach).T, (value + reach).T, strict=True)
+    ]
+
+
+def sampled_torque(
+    model: TorqueModel, parameters: Float[ndarray, "parameters"], motion: Motion
+) -> Float[ndarray, "joints 2"]:
+    """Smallest and largest torque at the instants of a motion: no proof."""
+    torque = model.torque(parameters, motion)
+    return np.stack([torque.min(axis=0), torque.max(axis=0)], axis=1)
