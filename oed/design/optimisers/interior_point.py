@@ -130,13 +130,12 @@ def _solve(
     log: EvaluationLog,
     settings: InteriorPointSettings,
 ) -> tuple[Float[ndarray, "size"], bool]:
-    spent, most = log.cpu_s, log.budget.cpu_seconds
     solution = solve_program(
         lambda point: problem.cost_and_gradient(point, sign_width=width, exponent=exponent),
         LimitConstraints(problem.trajectory, problem.limits, instants),
         z,
         iterations=settings.iterations,
-        cpu_seconds=None if most is None else most - spent,
+        cpu_seconds=log.seconds_left,
     )
     log.count(solution.evaluations)
     return solution.z, solution.is_converged

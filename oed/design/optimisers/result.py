@@ -20,11 +20,13 @@ class Budget:
         cpu_seconds: CPU time of this process [s].
         needs_both: Whether to stop only when both are used up, so that one run can be read at
             an equal number of evaluations and at equal time.
+        longest: CPU time at which to stop in any case [s].
     """
 
     evaluations: int | None = None
     cpu_seconds: float | None = None
     needs_both: bool = False
+    longest: float = np.inf
 
     def __post_init__(self) -> None:
         if self.evaluations is None and self.cpu_seconds is None:
@@ -91,13 +93,16 @@ class EvaluationLog:
         budget = self.budget
         bounds = ((budget.evaluations, self.evaluations), (budget.cpu_seconds, self.cpu_s))
         is_reached = [spent >= bound for bound, spent in bounds if bound is not None]
-        return all(is_reached) if budget.needs_both else any(is_reached)
+        is_used = all(is_reached) if budget.needs_both else any(is_reached)
+        return is_used or self.cpu_s >= budget.longest
 
     @property
     def seconds_left(self) -> float | None:
-        """CPU time after which the budget is certainly spent [s]; None if time alone does not say."""
+        """CPU time after which the budget is spent in any case [s]; None if there is no such."""
         seconds = self.budget.cpu_seconds
-        return None if seconds is None or self.budget.needs_both else seconds - self.cpu_s
+        is_binding = seconds is not None and not self.budget.needs_both
+        most = min(seconds, self.budget.longest) if is_binding else self.budget.longest
+        return None if np.isinf(most) else most - self.cpu_s
 
     def count(self, evaluations: int = 1) -> None:
         """Record evaluations that are offered to no one."""

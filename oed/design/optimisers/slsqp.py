@@ -14,9 +14,12 @@ import scipy.optimize
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.limits import KINEMATIC
+from oed.design.constraints import LimitConstraints
 from oed.design.optimisers.result import Budget, EvaluationLog, OptimiserResult
 from oed.design.problem import DesignProblem
+
+# Values that must not be negative, and their derivatives, (rows,) and (rows, size).
+Inequalities = tuple[Callable[[ndarray], ndarray], Callable[[ndarray], ndarray]]
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class SlsqpSettings:
         tolerance: On the change of the cost [decades].
     """
 
-    instants: int = 60
+    instants: int = 40
     exponents: tuple[float, ...] = (6.0, 40.0)
     iterations: int = 80
     tolerance: float = 1e-6
@@ -102,7 +105,7 @@ def _descend(
         if not log.is_spent:
             log.evaluate(problem.cost, problem.quick_repair(lower + x * span))
 
-    room, slope = limit_constraints(problem, settings.instants)
+    room, slope = limit_inequalities(problem, settings.instants)
     result = scipy.optimize.minimize(
         cost,
         (start - lower) / span,
@@ -122,42 +125,24 @@ def _descend(
     return problem.quick_repair(lower + np.clip(end, 0.0, 1.0) * span)
 
 
-def limit_constraints(
-    problem: DesignProblem, instants: int
-) -> tuple[
-    Callable[[Float[ndarray, "size"]], Float[ndarray, "rows"]],
-    Callable[[Float[ndarray, "size"]], Float[ndarray, "rows size"]],
-]:
-    """Room left to every finite limit at equally spaced instants, and its derivative.
+def limit_inequalities(problem: DesignProblem, instants: int) -> Inequalities:
+    """Room left to every limit at equally spaced instants, and its derivative.
 
-    Each row is relative to half the width of its range, so that all rows compare. Where the box
-    alone keeps the limits there are no rows.
+    Where the box alone keeps the limits there are no rows.
     """
-    trajectory, limits = problem.trajectory, problem.limits
-    if getattr(trajectory, "box_keeps_limits", False):
-        size = trajectory.size
+    size = problem.trajectory.size
+    if getattr(problem.trajectory, "box_keeps_limits", False):
         return (lambda _: np.zeros(0)), (lambda _: np.zeros((0, size)))
-    t = np.linspace(0.0, trajectory.horizon, instants)
-    active: list[tuple[int, int, ndarray, ndarray]] = []
-    for order, kind in enumerate(KINEMATIC):
-        bounds = getattr(limits, kind)
-        finite = np.flatnonzero(np.isfinite(bounds).all(axis=1))
-        active += [(order, int(j), *bounds[j], np.ptp(bounds[j]) / 2) for j in finite]
+    t = np.linspace(0.0, problem.trajectory.horizon, instants)
+    rows = LimitConstraints(problem.trajectory, problem.limits, t)
+    below, above = np.isfinite(rows.lower), np.isfinite(rows.upper)
 
     def room(z: Float[ndarray, "size"]) -> Float[ndarray, "rows"]:
-        values = {order: trajectory.derivative(z, t, order) for order in {a[0] for a in active}}
-        parts = []
-        for order, j, lower, upper, half in active:
-            parts += [(upper - values[order][:, j]) / half, (values[order][:, j] - lower) / half]
-        return np.concatenate(parts)
+        values = rows.values(z)
+        return np.concatenate([(values - rows.lower)[below], (rows.upper - values)[above]])
 
     def slope(z: Float[ndarray, "size"]) -> Float[ndarray, "rows size"]:
-        slopes = {order: trajectory.sensitivity(z, t, order) for order in {a[0] for a in active}}
-        parts = []
-        for order, j, _, _, half in active:
-            rows = np.zeros((len(t), trajectory.size))
-            rows[:, trajectory.variables[j]] = slopes[order][:, j] / half
-            parts += [-rows, rows]
-        return np.concatenate(parts)
+        slopes = rows.jacobian(z).toarray()
+        return np.concatenate([slopes[below], -slopes[above]])
 
     return room, slope

@@ -1,0 +1,110 @@
+"""How fast an optimiser reaches a target: histories, hit curves, medians with intervals.
+
+Hit curves after Hansen et al. 2021, "COCO: a platform for comparing continuous optimizers in a
+black-box setting"; intervals by the percentile bootstrap over seeds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.optimisers.result import HistoryPoint
+
+Resource = Literal["evaluations", "cpu_s"]
+# Kept points of a history: improvements ever closer to the end, four decades of them.
+KEPT_LEVELS = np.concatenate([np.geomspace(1.0, 1e-4, 30), [0.0]])
+
+
+def compress(history: Sequence[HistoryPoint]) -> tuple[HistoryPoint, ...]:
+    """The points at which a history first passes levels that close in on its end.
+
+    The first and the last finite point are always kept, so that no final value is lost.
+    """
+    finite = [point for point in history if np.isfinite(point.cost)]
+    if not finite:
+        return ()
+    first, last = finite[0].cost, finite[-1].cost
+    kept: dict[int, HistoryPoint] = {}
+    index = 0
+    for level in last + (first - last) * KEPT_LEVELS:
+        while finite[index].cost > level:
+            index += 1
+        kept[index] = finite[index]
+    return tuple(kept.values())
+
+
+def cost_at(history: Sequence[HistoryPoint], resource: Resource, amount: float) -> float:
+    """The best cost after an amount of a resource; infinite before the first point."""
+    spent = [point.cost for point in history if getattr(point, resource) <= amount]
+    return min(spent, default=float("inf"))
+
+
+def first_hit(history: Sequence[HistoryPoint], resource: Resource, target: float) -> float:
+    """What it took to reach a cost of at most `target`; infinite if it was not reached."""
+    hits = [getattr(point, resource) for point in history if point.cost <= target]
+    return float(min(hits, default=float("inf")))
+
+
+def hit_curve(
+    hits: Float[ndarray, "seeds"], amounts: Float[ndarray, "points"]
+) -> Float[ndarray, "points"]:
+    """Fraction of the seeds that had reached the target after each amount."""
+    return (hits[:, None] <= amounts).mean(axis=0)
+
+
+def expected_cost(hits: Float[ndarray, "seeds"], spent: Float[ndarray, "seeds"]) -> float:
+    """Expected amount until a restarted run succeeds: all that was spent, per success.
+
+    Args:
+        hits: Amount at which each seed reached the target, infinite where it did not.
+        spent: Amount that each seed spent in all.
+    """
+    reached = np.isfinite(hits)
+    if not reached.any():
+        return float("inf")
+    return float(np.where(reached, hits, spent).sum() / reached.sum())
+
+
+def median_interval(
+    values: Float[ndarray, "seeds"],
+    rng: np.random.Generator,
+    *,
+    level: float = 0.95,
+    resamples: int = 2000,
+) -> tuple[float, float, float]:
+    """Median of the seeds, and its bootstrap interval.
+
+    Args:
+        values: One a seed; infinities count as worse than all others.
+        rng: Source of the resamples.
+        level: Coverage.
+        resamples: How many.
+
+    Returns:
+        (median, lower, upper). Order statistics, so that infinities need no arithmetic.
+    """
+    count = len(values)
+    if count == 0:
+        raise ValueError("no values, no median")
+    ordered = np.sort(values)
+    draws = np.sort(rng.integers(0, count, size=(resamples, count)), axis=1)
+    medians = np.sort(ordered[draws[:, (count - 1) // 2]])
+    tail = (1 - level) / 2
+    low, high = (round(q * (resamples - 1)) for q in (tail, 1 - tail))
+    return float(ordered[(count - 1) // 2]), float(medians[low]), float(medians[high])
+
+
+def write_history(history: Sequence[HistoryPoint]) -> str:
+    """A history as one cell of a table: "evaluations:seconds:cost" joined by spaces."""
+    return " ".join(f"{p.evaluations}:{p.cpu_s:.4g}:{p.cost:.7g}" for p in history)
+
+
+def read_history(text: str) -> tuple[HistoryPoint, ...]:
+    """Inverse of `write_history`."""
+    points = [entry.split(":") for entry in text.split()]
+    return tuple(HistoryPoint(int(e), float(s), float(c)) for e, s, c in points)

@@ -1,0 +1,254 @@
+"""Which optimiser designs the best excitation, at equal evaluations and at equal CPU time?
+
+    python -m studies.compare_optimisers --out DIR [--workers N | --scheduler ADDRESS] [--smoke]
+
+Every problem x class x criterion x optimiser x seed is a line of runs.csv. A run goes on until it
+has used both budgets, and is read at each of them. Start the same command again after an
+interruption: lines that are there are kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import itertools
+import sysconfig
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy import ndarray
+
+from oed.design.criteria import condition, log10_det
+from oed.design.optimisers import evolution, genetic, interior_point, random_search, slsqp
+from oed.design.optimisers.result import Budget, OptimiserResult
+from oed.design.optimisers.target_hits import compress, cost_at, write_history
+from oed.design.problem import DesignProblem
+from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.torque_model import TorqueModel
+from oed.report.provenance import Provenance
+from oed.robot import JointLimits, Robot, arm_joints, load_robot
+from studies.case_runner import CaseRunner, Outcome, RowFile
+from studies.optimiser_summary import write_summary
+
+OPTIMISERS = {
+    "genetic": genetic.optimise,
+    "random": random_search.optimise,
+    "cma-es": evolution.optimise,
+    "slsqp": slsqp.optimise,
+    "interior-point": interior_point.optimise,
+}
+HORIZON = 10.0  # [s]
+INSTANTS = 80  # the paper's, section 5
+TERMS = 3  # the paper's W
+HARMONICS = 5
+PANDA_FILE = "cmeel.prefix/share/example-robot-data/robots/panda_description/urdf/panda.urdf"
+# The URDF has none. Franka Emika, "Control parameters specifications", joint space, q-double-dot max.
+PANDA_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)  # [rad/s^2]
+
+# A run that is slow at each evaluation is cut at this multiple of the CPU budget.
+LONGEST = 2.5
+# The arm is compared on the default class alone: the conservative one is the paper's.
+PROBLEMS = (("scara", "conservative"), ("scara", "fourier"), ("panda", "fourier"))
+
+KEY = ("problem", "class", "criterion", "optimiser", "seed", "evaluations_budget", "cpu_budget_s")
+VALUES = (
+    "status",
+    "evaluations",
+    "cpu_s",
+    "wall_s",
+    "value",
+    "value_at_evaluations",
+    "value_at_cpu",
+    "certified_violation",
+    "J_k",
+    "J_d",
+    "J_k_continuous",
+    "J_d_continuous",
+    "history",
+)
+
+
+@dataclass(frozen=True)
+class Config:
+    """What is compared.
+
+    Attributes:
+        problems: Pairs of a problem, "scara" or "panda", and a trajectory class.
+        criteria: Criteria.
+        optimisers: Names in `OPTIMISERS`.
+        seeds: Seeds 0 ... seeds - 1.
+        evaluations: Budget of every run.
+        cpu_seconds: Budget of every run [s].
+    """
+
+    problems: tuple[tuple[str, str], ...] = PROBLEMS
+    criteria: tuple[str, ...] = ("J_k", "J_d")
+    optimisers: tuple[str, ...] = tuple(OPTIMISERS)
+    seeds: int = 30
+    evaluations: int = 500
+    cpu_seconds: float = 1.0
+
+    @classmethod
+    def smoke(cls) -> Config:
+        """Small enough for a test."""
+        return cls((("scara", "fourier"),), ("J_k",), seeds=2, evaluations=60, cpu_seconds=0.05)
+
+    def cases(self) -> list[Case]:
+        """Every combination, seed by seed, so that an interrupted run compares all of them."""
+        return [
+            Case(*problem, criterion, optimiser, seed, self.evaluations, self.cpu_seconds)
+            for seed, problem, criterion, optimiser in itertools.product(
+                range(self.seeds), self.problems, self.criteria, self.optimisers
+            )
+        ]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One run."""
+
+    problem: str
+    trajectory: str
+    criterion: str
+    optimiser: str
+    seed: int
+    evaluations: int
+    cpu_seconds: float
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """As text, in the order of `KEY`."""
+        parts = (self.problem, self.trajectory, self.criterion, self.optimiser, self.seed)
+        return tuple(map(str, (*parts, self.evaluations, self.cpu_seconds)))
+
+
+def run_case(case: Case) -> Outcome:
+    """Optimise, and certify what was found."""
+    problem = build_problem(case.problem, case.trajectory, case.criterion)
+    optimise = OPTIMISERS[case.optimiser]
+    longest = LONGEST * case.cpu_seconds
+    budget = Budget(case.evaluations, case.cpu_seconds, needs_both=True, longest=longest)
+    rng = np.random.default_rng(case.seed)
+    started = time.perf_counter()
+    result = optimise(problem, budget, rng)
+    wall = time.perf_counter() - started
+    return _outcome(problem, case, result, wall)
+
+
+def _outcome(problem: DesignProblem, case: Case, result: OptimiserResult, wall: float) -> Outcome:
+    sampled = problem.information(result.z)
+    average = problem.continuous_information(result.z)
+    history = result.history
+    return {
+        "status": result.status,
+        "evaluations": result.evaluations,
+        "cpu_s": round(result.cpu_s, 4),
+        "wall_s": round(wall, 4),
+        "value": value_of(result.cost, case.criterion),
+        "value_at_evaluations": value_of(
+            cost_at(history, "evaluations", case.evaluations), case.criterion
+        ),
+        "value_at_cpu": value_of(cost_at(history, "cpu_s", case.cpu_seconds), case.criterion),
+        "certified_violation": problem.certificate(result.z).violation,
+        "J_k": condition(sampled),
+        "J_d": log10_det(sampled),
+        "J_k_continuous": condition(average),
+        "J_d_continuous": log10_det(average),
+        "history": write_history(compress(history)),
+    }
+
+
+def value_of(cost: float, criterion: str) -> float:
+    """J_k or J_d of a problem's cost."""
+    return 10.0**cost if criterion == "J_k" else -cost
+
+
+@lru_cache(maxsize=8)
+def build_problem(name: str, trajectory: str, criterion: str) -> DesignProblem:
+    """The problem, compiled and warmed up, so that no run pays for that."""
+    robot = _robot(name)
+    model, base = _model(name)
+    motions = _trajectory(trajectory, robot.limits)
+    problem = DesignProblem(
+        model, base, motions, robot.limits, motions.instants(INSTANTS), criterion
+    )
+    start: ndarray = problem.random_start(np.random.default_rng(0))
+    problem.cost(start)
+    problem.cost_and_gradient(start)
+    return problem
+
+
+@lru_cache(maxsize=2)
+def _model(name: str) -> tuple:
+    model = TorqueModel.standard(_robot(name))
+    return model, base_parameters(model)
+
+
+def _robot(name: str) -> Robot:
+    if name == "scara":
+        return load_robot("builtin:imi_scara")
+    if name == "panda":
+        path = Path(sysconfig.get_path("purelib"), PANDA_FILE)
+        robot = load_robot(path, joints=arm_joints(path))
+        acceleration = np.array(PANDA_ACCELERATION)
+        both = np.stack([-acceleration, acceleration], axis=1)
+        return robot.with_limits(robot.limits.with_(acceleration=both))
+    raise ValueError(f"no problem {name!r}; there are 'scara' and 'panda'")
+
+
+def _trajectory(name: str, limits: JointLimits) -> TrajectoryClass:
+    if name == "conservative":
+        return HarmonicClass.conservative(limits, HORIZON, TERMS)
+    if name == "fourier":
+        return FourierClass(HORIZON, limits, HARMONICS)
+    if name == "harmonic":
+        return HarmonicClass.exact(limits, HORIZON, TERMS)
+    raise ValueError(f"no class {name!r}")
+
+
+def run(config: Config, out: Path, *, workers: int = 1, scheduler: str | None = None) -> RowFile:
+    """Do all cases that `out`/runs.csv does not hold yet."""
+    rows = RowFile(out / "runs.csv", KEY, VALUES)
+    runner = CaseRunner(run_case, rows, "optimiser runs")
+    runner.run(config.cases(), workers=workers, scheduler=scheduler)
+    return rows
+
+
+def write(config: Config, rows: RowFile, out: Path) -> None:
+    """Sort the lines, and leave summary, figures and provenance beside them."""
+    wanted = {case.key for case in config.cases()}
+    write_summary([r for r in rows.rows() if tuple(r[c] for c in KEY) in wanted], out)
+    Provenance.collect(config, seed=None).write(out / "provenance.json")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, default=Path("results/compare_optimisers"))
+    parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
+    parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
+    parser.add_argument("--seeds", type=int, help="seeds a cell; 30 if not given")
+    parser.add_argument(
+        "--optimisers", nargs="+", choices=sorted(OPTIMISERS), help="all if not given"
+    )
+    parser.add_argument("--smoke", action="store_true", help="a minute's worth")
+    arguments = parser.parse_args(argv)
+    config = Config.smoke() if arguments.smoke else Config()
+    if arguments.seeds is not None:
+        config = dataclasses.replace(config, seeds=arguments.seeds)
+    if arguments.optimisers:
+        config = dataclasses.replace(config, optimisers=tuple(arguments.optimisers))
+    rows = run(config, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler)
+    write(config, rows, arguments.out)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
