@@ -22,7 +22,7 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 
 def is_zero(a: Scalar) -> bool:
     """Whether `a` is the structural zero, not merely an expression that may vanish."""
-    return isinstance(a, float) and a == 0.0
+    return isinstance(a, float) and bool(a == 0.0)
 
 
 def add(a: Scalar, b: Scalar) -> Scalar:

@@ -11,130 +11,11 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
-from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.effects.spline import Coordinate, Spline
 from oed.dynamics.effects.thermal import since
-from oed.dynamics.scalars import Scalar, magnitude, mul
+from oed.dynamics.scalars import Scalar, mul
 
-DEGREE = 3
-SMALLEST_SPAN = 1e-9  # a coordinate that moves less than this has no shape to find
-
-
-@dataclass(frozen=True)
-class Coordinate:
-    """What a stand-in is a function of.
-
-    Attributes:
-        kind: Position, velocity, acceleration, their magnitudes' |dq|, the modelled torque,
-            its magnitude, or time since the first sample.
-        joint: Index of the joint; ignored for time.
-        reference: Gives the torque, where that is the coordinate.
-    """
-
-    kind: Literal["q", "dq", "ddq", "|dq|", "tau", "|tau|", "time"]
-    joint: int = 0
-    reference: ReferenceTorque | None = None
-
-    def __post_init__(self) -> None:
-        if "tau" in self.kind and self.reference is None:
-            raise ValueError(f"a coordinate of {self.kind=} needs a reference torque")
-
-    @property
-    def name(self) -> str:
-        """Name as in `Effect.depends_on`."""
-        if self.kind == "time":
-            return self.kind
-        return f"{self.kind.strip('|')}_{self.joint + 1}"
-
-    def of(self, state: State) -> Scalar:
-        """Its value."""
-        if self.kind == "time":
-            return since(state.t, None)
-        if self.reference is not None and "tau" in self.kind:
-            value = self.reference.total(state)[self.joint]
-        else:
-            value = getattr(state, self.kind.strip("|"))[self.joint]
-        return magnitude(value) if self.kind.startswith("|") else value
-
-
-@dataclass(frozen=True)
-class Spline:
-    """Cubic B-splines in one coordinate on knots where the data are; constant outside.
-
-    Attributes:
-        coordinate: What it is a function of.
-        breaks: Increasing places where cubic pieces meet, from the least to the largest
-            value that the data cover.
-    """
-
-    coordinate: Coordinate
-    breaks: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        if len(self.breaks) < 2 or not all(np.diff(self.breaks) > 0):
-            raise ValueError(f"{self.breaks=} must increase and be two or more")
-
-    @classmethod
-    def covering(
-        cls, coordinate: Coordinate, values: Float[ndarray, "samples"], pieces: int
-    ) -> Spline:
-        """Breaks at quantiles of the data, so that every piece is covered equally well.
-
-        Raises:
-            ValueError: If the values are all the same.
-        """
-        breaks = np.unique(np.quantile(values, np.linspace(0, 1, pieces + 1)))
-        far_enough = np.concatenate([[True], np.diff(breaks) > SMALLEST_SPAN])
-        if far_enough.sum() < 2:
-            raise ValueError(f"{coordinate.name} does not vary: no function of it can be found")
-        return cls(coordinate, tuple(float(x) for x in breaks[far_enough]))
-
-    def __len__(self) -> int:
-        return len(self.breaks) - 1 + DEGREE
-
-    @property
-    def knots(self) -> Float[ndarray, "knots"]:
-        """Knot sequence, with the ends repeated."""
-        return np.concatenate([[self.breaks[0]] * DEGREE, self.breaks, [self.breaks[-1]] * DEGREE])
-
-    def basis(self, state: State) -> list[Scalar]:
-        """Values of the basis functions; outside the coverage those of the nearest end.
-
-        The recursion of de Boor, written for numbers and symbols alike.
-        """
-        knots, low, high = self.knots, self.breaks[0], self.breaks[-1]
-        x = self.coordinate.of(state)
-        below, above = 1.0 * (x < low), 1.0 * (x >= high)
-        x = low * below + high * above + x * (1.0 - below - above)
-        last = len(self) - 1  # the piece that is closed on the right
-        values: list[Scalar] = [
-            above + (x >= knots[i]) * (x < knots[i + 1]) * (1.0 - above)
-            if i == last
-            else (x >= knots[i]) * (x < knots[i + 1]) * (1.0 - above)
-            if knots[i] < knots[i + 1]
-            else 0.0
-            for i in range(len(knots) - 1)
-        ]
-        for degree in range(1, DEGREE + 1):
-            values = [
-                _raised(x, knots, i, degree, values[i], values[i + 1])
-                for i in range(len(values) - 1)
-            ]
-        return values
-
-    def covered(self, state: State) -> Bool[ndarray, "samples"]:
-        """Where the coordinate is within the coverage."""
-        x = np.asarray(self.coordinate.of(state))
-        return (x >= self.breaks[0]) & (x <= self.breaks[-1])
-
-    def roughness(self) -> Float[ndarray, "differences basis"]:
-        """Second differences of coefficients over the basis functions' centres.
-
-        A penalty of their squares (Eilers and Marx 1996) draws the function to a line.
-        """
-        knots = self.knots
-        centres = np.array([knots[i + 1 : i + 1 + DEGREE].mean() for i in range(len(self))])
-        slopes = np.diff(np.eye(len(self)), axis=0) / np.diff(centres)[:, None]
-        return np.diff(slopes, axis=0) * (centres[-1] - centres[0])
+__all__ = ["Coordinate", "RepetitionTorque", "Spline", "SplineTorque"]
 
 
 @dataclass(frozen=True)
@@ -234,49 +115,47 @@ class SplineTorque(Effect):
 
 
 @dataclass(frozen=True)
-class RepetitionOffset(Effect):
-    """A constant on a joint in each stretch of time, less the first: drift without a name.
+class RepetitionTorque(Effect):
+    """A torque of its own in each stretch of time but the first: drift without a name.
 
     Attributes:
         joint: Index of the joint.
         starts: Times since the first sample at which the later stretches begin [s].
+        kind: A constant, Coulomb friction or viscous friction in each stretch.
+        width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
     """
 
     joint: int
     starts: tuple[float, ...]
-    name = "repetition_offset"
+    kind: Literal["offset", "Fc", "Fv"] = "offset"
+    width: float = 0.0
+    name = "repetition_torque"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """One for each stretch but the first."""
+        unit = "N m s/rad" if self.kind == "Fv" else "N m"
         return tuple(
-            Parameter(f"offset_{self.joint + 1}_from_{start:g}s", "N m", self.joint)
+            Parameter(f"{self.kind}_{self.joint + 1}_from_{start:g}s", unit, self.joint)
             for start in self.starts
         )
 
     @property
     def depends_on(self) -> tuple[str, ...]:
-        """Time."""
-        return ("time",)
+        """Time, and the velocity for friction."""
+        return ("time",) if self.kind == "offset" else ("time", f"dq_{self.joint + 1}")
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """1 within each stretch."""
+        """The constant or friction, within each stretch."""
         t = np.asarray(since(state.t, None), dtype=float)
-        ends = [*self.starts[1:], np.inf]
-        stretches = zip(self.starts, ends, strict=True)
-        return [{self.joint: 1.0 * ((t >= a) & (t < b))} for a, b in stretches]
+        stretches = zip(self.starts, [*self.starts[1:], np.inf], strict=True)
+        held = [np.asarray((t >= a) & (t < b), dtype=float) for a, b in stretches]
+        factor = self._factor(state)
+        gates = [gate if gate.ndim else float(gate) for gate in held]
+        return [{self.joint: mul(gate, factor)} for gate in gates]
 
-
-def _raised(
-    x: Scalar,
-    knots: Float[ndarray, "knots"],
-    i: int,
-    degree: int,
-    left: Scalar,
-    right: Scalar,
-) -> Scalar:
-    """B-spline i of a degree from those of one degree less; 0/0 counts as 0."""
-    rising, falling = knots[i + degree] - knots[i], knots[i + degree + 1] - knots[i + 1]
-    up = mul((x - knots[i]) / rising, left) if rising > 0 else 0.0
-    down = mul((knots[i + degree + 1] - x) / falling, right) if falling > 0 else 0.0
-    return up + down
+    def _factor(self, state: State) -> Scalar:
+        if self.kind == "offset":
+            return 1.0
+        dq = state.dq[self.joint]
+        return dq if self.kind == "Fv" else state.sign(dq, self.width)

@@ -54,6 +54,7 @@ class ThermalDrift(Effect):
         """exp(-t/T) dq_j, exp(-t/T) sgn(dq_j)."""
         dq = state.dq[self.joint]
         cold = exp(-since(state.t, self.start) / self.time_constant)
+        cold = cold if np.ndim(cold) else float(cold)  # NumPy's scalars do not meet symbols
         return [
             {self.joint: mul(cold, dq)},
             {self.joint: mul(cold, state.sign(dq, self.width))},

@@ -1,0 +1,69 @@
+"""A tilted base is the same arm under turned gravity."""
+
+import numpy as np
+import pytest
+
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.gravity import GravityDirection, tilt_directions, tilted
+from oed.dynamics.newton_euler import rigid_body_torque
+from oed.dynamics.torque_model import TorqueModel
+from tests.dynamics.effects.arms import context_of, panda, parameters_of, scara, smooth_motion
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.81), (0.0, -9.81, 0.0), (3.0, -4.0, 5.0)])
+def test_directions_turn_gravity_and_do_not_stretch_it(gravity: tuple) -> None:
+    g = np.array(gravity)
+    directions, magnitude = tilt_directions(g)
+    axes = np.array(directions)
+    assert magnitude == pytest.approx(np.linalg.norm(g))
+    assert axes @ axes.T == pytest.approx(np.eye(2), abs=1e-12)
+    assert axes @ g == pytest.approx(np.zeros(2), abs=1e-12)
+    turned = tilted(g, np.array([0.3, -0.4]))
+    assert np.linalg.norm(turned) == pytest.approx(magnitude)
+    assert np.arccos(turned @ g / magnitude**2) == pytest.approx(0.5)
+
+
+def test_columns_are_the_change_of_newton_euler_torque() -> None:
+    robot, change = panda(), np.array([0.7, -1.1, 0.4])
+    motion = smooth_motion(robot, step=0.1)
+    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    effect = GravityDirection(context_of(robot, motion).reference, axes, magnitude=1.0)
+    columns = TorqueModel(robot, (effect,)).columns(motion)
+    turned = robot.with_gravity(robot.gravity + change)
+    expected = rigid_body_torque(turned, motion) - rigid_body_torque(robot, motion)
+    assert columns @ change == pytest.approx(expected, abs=1e-10)
+
+
+def _fit(model: TorqueModel, torque: np.ndarray, motion) -> np.ndarray:
+    return np.linalg.lstsq(model.regressor(motion), torque.ravel(), rcond=1e-10)[0]
+
+
+@pytest.mark.parametrize("degrees", [0.5, 90.0])
+def test_repeated_steps_reach_a_tilt_of_any_size(degrees: float) -> None:
+    robot = panda()
+    motion = smooth_motion(robot, step=0.1)
+    angle = np.deg2rad(degrees)
+    true = robot.with_gravity(9.81 * np.array([np.sin(angle), 0.0, -np.cos(angle)]))
+    truth = TorqueModel.standard(true)
+    torque = truth.torque(parameters_of(truth), motion)
+    model, entry = TorqueModel.standard(robot), CATALOGUE["gravity_direction"]
+    for _ in range(25):
+        context = Context.of(model, _fit(model, torque, motion), [motion])
+        effect = entry.build(context, None, ())
+        tilt = _fit(model.with_effects(effect), torque, motion)[-2:]
+        if np.linalg.norm(tilt) < 1e-4:
+            break
+        # As far as one linear step can mean.
+        tilt *= min(1.0, 0.6 / np.linalg.norm(tilt))
+        model = entry.apply(context, None, (), tilt)
+    assert model.robot.gravity == pytest.approx(true.gravity, abs=1e-3)
+
+
+def test_an_arm_declared_weightless_can_be_given_any_gravity() -> None:
+    robot = scara().with_gravity(np.zeros(3))
+    context = context_of(robot)
+    entry = CATALOGUE["gravity_direction"]
+    effect = entry.build(context, None, ())
+    assert len(effect.parameters) == 3
+    model = entry.apply(context, None, (), np.array([0.0, -1.0, 0.0]))
+    assert model.robot.gravity == pytest.approx([0.0, -9.80665, 0.0])

@@ -1,0 +1,74 @@
+"""Presliding friction against closed forms and against Dahl's own equation."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.effects.hysteresis import PreslidingHysteresis, maxwell_elements
+from tests.dynamics.effects.arms import scara, smooth_motion
+
+DISTANCE = 0.02  # [rad]
+
+
+def test_single_element_loop_has_the_area_of_its_parallelogram() -> None:
+    amplitude = 0.1
+    q = amplitude * np.sin(np.linspace(0, 6 * np.pi, 60_001))
+    z = maxwell_elements(q, np.array([DISTANCE]))
+    last = slice(40_000, 60_001)
+    area = np.trapezoid(z[last], q[last])
+    assert area == pytest.approx(4 * (amplitude - DISTANCE), rel=1e-3)
+
+
+def test_a_swing_within_the_break_away_distance_is_a_spring() -> None:
+    q = 0.4 * DISTANCE * np.sin(np.linspace(0, 4 * np.pi, 1001))
+    assert maxwell_elements(q, np.array([DISTANCE])) == pytest.approx(q / DISTANCE, abs=1e-12)
+
+
+def test_reversal_curve_at_dahls_roundness_is_dahls() -> None:
+    effect = PreslidingHysteresis(0, DISTANCE, roundness=np.sqrt(0.5))
+    travel = np.linspace(0, 0.3, 3001)
+    q = np.concatenate([travel, 0.3 - travel])
+    z = maxwell_elements(q, effect.distances)[3001:]
+    assert z == pytest.approx(2 * np.exp(-travel / DISTANCE) - 1, abs=0.02)
+
+
+@pytest.mark.parametrize(("joint", "unexplained"), [(0, 0.02), (1, 1e-3)])
+def test_follows_dahls_equation_along_a_smooth_motion(joint: int, unexplained: float) -> None:
+    """Joint 1 makes a loop smaller than the break-away distance, where Dahl's does not close."""
+    motion = smooth_motion(scara(), duration=10.0, step=2e-3)
+
+    def dahl(t: float, z: np.ndarray) -> np.ndarray:
+        v = np.interp(t, motion.t, motion.dq[:, joint])
+        return v / DISTANCE * (1 - z * np.sign(v))
+
+    z = solve_ivp(dahl, (0, motion.t[-1]), [0.0], t_eval=motion.t, max_step=4e-3).y[0]
+    settled = motion.t > 1.0
+    truth = (z - np.sign(motion.dq[:, joint]))[settled]
+    effect = PreslidingHysteresis(joint, DISTANCE, roundness=np.sqrt(0.5))
+    found = evaluate(effect, motion, 2)[settled, joint, 0]
+    assert np.sum((found - truth) ** 2) < unexplained * np.sum(truth**2)
+
+
+@pytest.mark.parametrize("roundness", [0.0, 0.3, 0.7, 1.0])
+def test_elements_share_one_mean_distance(roundness: float) -> None:
+    distances = PreslidingHysteresis(0, DISTANCE, roundness).distances
+    assert distances.mean() == pytest.approx(DISTANCE)
+    assert (distances > 0).all()
+
+
+def test_column_vanishes_away_from_reversals() -> None:
+    motion = smooth_motion(scara(), step=1e-3)
+    column = evaluate(PreslidingHysteresis(1, 1e-3, roundness=0.0), motion, 2)[:, 1, 0]
+    q, reversal = motion.q[:, 1], np.flatnonzero(np.diff(np.sign(motion.dq[:, 1]))) + 1
+    last = np.searchsorted(reversal, np.arange(len(q)), side="right") - 1
+    travelled = np.abs(q - q[np.maximum(reversal[last], 0)])
+    sliding = (last >= 0) & (travelled > 2.1e-3)
+    assert sliding.mean() > 0.5
+    assert np.abs(column[sliding]).max() < 1e-12
+    assert np.abs(column).max() > 1.0
+
+
+def test_refuses_a_distance_of_zero() -> None:
+    with pytest.raises(ValueError, match="distance"):
+        PreslidingHysteresis(0, 0.0)

@@ -1,0 +1,75 @@
+"""Effects that grow with the torque, against the torque written out."""
+
+import numpy as np
+import pytest
+
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.effect import State
+from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.effects.load import LoadFriction, TorqueSaturation
+from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.newton_euler import joint_components, rigid_body_torque
+from tests.dynamics.effects.arms import context_of, panda, smooth_motion, vertical_arm
+
+ARM = vertical_arm()
+MOTION = smooth_motion(ARM)
+CONTEXT = context_of(ARM, MOTION)
+RIGID = rigid_body_torque(ARM, MOTION)
+TOTAL = RIGID + 2.0 * np.sign(MOTION.dq) + 1.0 * MOTION.dq
+
+
+def test_reference_is_the_model_with_its_parameters() -> None:
+    for robot in (ARM, panda()):
+        motion = smooth_motion(robot, step=0.05)
+        context = context_of(robot, motion)
+        expected = context.model.torque(context.parameters, motion)
+        parts = context.reference.parts(motion)
+        assert parts.sum(axis=2) == pytest.approx(expected, abs=1e-10)
+        assert parts[:, :, 0] == pytest.approx(rigid_body_torque(robot, motion), abs=1e-10)
+
+
+def test_reference_inertia_is_the_diagonal_of_the_inertia_matrix() -> None:
+    c = np.cos(MOTION.q[:, 1])
+    total, first_x, first_y, inertia_2 = 3.923, 0.808, 0.328, 0.141
+    coupling = 2 * 0.359 * (first_x * c - first_y * np.sin(MOTION.q[:, 1]))
+    state = State(MOTION.t, *joint_components(MOTION))
+    assert CONTEXT.reference.inertia(state, 0) == pytest.approx(total + inertia_2 + coupling)
+    assert CONTEXT.reference.inertia(state, 1) == pytest.approx(inertia_2)
+
+
+def test_reference_refuses_a_vector_of_another_model() -> None:
+    with pytest.raises(ValueError, match="3 values for a model of 24"):
+        ReferenceTorque.of(ARM, CONTEXT.model.effects, np.zeros(3))
+
+
+@pytest.mark.parametrize(("share", "load"), [(0.0, RIGID), (1.0, TOTAL)])
+def test_load_friction_follows_either_load(share: float, load: np.ndarray) -> None:
+    column = evaluate(LoadFriction(1, CONTEXT.reference, share), MOTION, 2)[:, 1, 0]
+    assert column == pytest.approx(np.abs(load[:, 1]) * np.sign(MOTION.dq[:, 1]), abs=1e-10)
+
+
+def test_saturation_takes_away_its_size_at_the_peak() -> None:
+    peak = float(np.abs(TOTAL[:, 0]).max())
+    column = evaluate(TorqueSaturation(0, CONTEXT.reference, peak, 3.0), MOTION, 2)[:, 0, 0]
+    assert np.abs(column).max() == pytest.approx(1.0)
+    assert column == pytest.approx(-((TOTAL[:, 0] / peak) ** 3), abs=1e-10)
+
+
+def test_a_tanh_of_the_torque_is_saturation_too() -> None:
+    peak = float(np.abs(TOTAL[:, 0]).max())
+    limit = 1.5 * peak
+    lost = limit * np.tanh(TOTAL[:, 0] / limit) - TOTAL[:, 0]
+    column = evaluate(TorqueSaturation(0, CONTEXT.reference, peak, 3.0), MOTION, 2)[:, 0, 0]
+    size = column @ lost / (column @ column)
+    assert size > 0
+    assert np.sum((lost - size * column) ** 2) < 0.01 * np.sum(lost**2)
+
+
+def test_gain_error_scales_the_joints_whole_torque() -> None:
+    entry = CATALOGUE["torque_gain"]
+    column = evaluate(entry.build(CONTEXT, 1, ()), MOTION, 2)
+    assert column[:, 1, 0] == pytest.approx(TOTAL[:, 1], abs=1e-10)
+    assert not column[:, 0].any()
+    exact = entry.apply(CONTEXT, 1, (), np.array([0.1])).torque(CONTEXT.parameters, MOTION)
+    assert exact[:, 1] == pytest.approx(1.1 * TOTAL[:, 1], abs=1e-10)
+    assert exact[:, 0] == pytest.approx(TOTAL[:, 0], abs=1e-10)

@@ -1,0 +1,69 @@
+"""Ripple, uneven friction, springs; and trial values fine enough to find them."""
+
+import numpy as np
+import pytest
+
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.effects.motor import CrossCoupling
+from oed.dynamics.effects.position import JointSpring, PositionFriction, TorqueRipple
+from oed.dynamics.torque_model import TorqueModel
+from tests.dynamics.effects.arms import context_of, parameters_of, scara, smooth_motion
+
+MOTION = smooth_motion(scara())
+Q, V = MOTION.q[:, 1], MOTION.dq[:, 1]
+
+
+def test_ripple_does_not_know_the_direction() -> None:
+    columns = evaluate(TorqueRipple(1, (4.0, 9.5)), MOTION, 2)[:, 1]
+    expected = np.stack([np.cos(4 * Q), np.sin(4 * Q), np.cos(9.5 * Q), np.sin(9.5 * Q)], axis=1)
+    assert columns == pytest.approx(expected, abs=1e-12)
+
+
+def test_uneven_friction_turns_with_the_direction() -> None:
+    columns = evaluate(PositionFriction(1, (2.0,)), MOTION, 2)[:, 1]
+    expected = np.stack([np.cos(2 * Q), np.sin(2 * Q)], axis=1) * np.sign(V)[:, None]
+    assert columns == pytest.approx(expected, abs=1e-12)
+
+
+def test_spring_columns_make_any_rest_position() -> None:
+    stiffness, rest, centre = 3.0, 0.4, 0.1
+    columns = evaluate(JointSpring(1, centre), MOTION, 2)[:, 1]
+    torque = columns @ np.array([stiffness, stiffness * (centre - rest)])
+    assert torque == pytest.approx(stiffness * (Q - rest))
+
+
+def test_spring_leaves_the_constant_to_an_offset_that_is_there() -> None:
+    model = TorqueModel.standard(scara(), offset=True)
+    parameters = np.concatenate([model.robot.parameters, np.ones(6)])
+    context = Context.of(model, parameters, [MOTION])
+    assert len(CATALOGUE["joint_spring"].build(context, 0, ()).parameters) == 1
+    without = context_of(scara(), MOTION)
+    assert len(CATALOGUE["joint_spring"].build(without, 0, ()).parameters) == 2
+
+
+@pytest.mark.parametrize("harmonic", [3.3, 17.7, 61.2, 129.0])
+def test_first_scan_comes_near_enough_to_every_ripple(harmonic: float) -> None:
+    context = context_of(scara(), MOTION)
+    (shape,) = CATALOGUE["torque_ripple"].shapes_for(context, 1)
+    truth = np.cos(harmonic * Q + 0.3)
+    nearest = min(shape.grid, key=lambda n: abs(n - harmonic))
+    columns = evaluate(TorqueRipple(1, (nearest,)), MOTION, 2)[:, 1]
+    fitted = columns @ np.linalg.lstsq(columns, truth, rcond=None)[0]
+    assert np.sum(fitted**2) > 0.5 * np.sum(truth**2)
+
+
+def test_a_known_gear_ratio_widens_the_search_to_the_motors_harmonics() -> None:
+    model = TorqueModel.standard(scara())
+    context = Context.of(model, parameters_of(model), [MOTION], gear_ratio=(100.0, 80.0))
+    (shape,) = CATALOGUE["torque_ripple"].shapes_for(context, 0)
+    assert shape.upper == pytest.approx(420.0)
+
+
+def test_one_way_coupling_is_the_other_joints_motion() -> None:
+    columns = evaluate(CrossCoupling(0, 1), MOTION, 2)
+    expected = np.stack([MOTION.ddq[:, 1], V, np.sign(V)], axis=1)
+    assert columns[:, 0] == pytest.approx(expected)
+    assert not columns[:, 1].any()
+    with pytest.raises(ValueError, match="itself"):
+        CrossCoupling(1, 1)

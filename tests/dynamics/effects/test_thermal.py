@@ -1,0 +1,32 @@
+"""Friction of a joint that warms up: largest cold, the same clock for each recording."""
+
+import numpy as np
+import pytest
+
+from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.effects.thermal import ThermalDrift
+from oed.dynamics.motion import Motion
+from tests.dynamics.effects.arms import scara, smooth_motion
+
+MOTION = smooth_motion(scara())
+
+
+def test_columns_decay_with_the_time_constant() -> None:
+    columns = evaluate(ThermalDrift(1, 4.0), MOTION, 2)
+    decay = np.exp(-MOTION.t / 4.0)
+    assert columns[:, 1, 0] == pytest.approx(decay * MOTION.dq[:, 1])
+    assert columns[:, 1, 1] == pytest.approx(decay * np.sign(MOTION.dq[:, 1]))
+    assert not columns[:, 0].any()
+
+
+def test_each_recording_is_a_session_unless_told_otherwise() -> None:
+    later = Motion(MOTION.t + 60.0, MOTION.q, MOTION.dq, MOTION.ddq)
+    own = evaluate(ThermalDrift(1, 4.0), MOTION, 2)
+    assert evaluate(ThermalDrift(1, 4.0), later, 2) == pytest.approx(own)
+    shared = evaluate(ThermalDrift(1, 4.0, start=0.0), later, 2)
+    assert shared == pytest.approx(np.exp(-15.0) * own)
+
+
+def test_refuses_a_time_constant_of_zero() -> None:
+    with pytest.raises(ValueError, match="time_constant"):
+        ThermalDrift(0, 0.0)
