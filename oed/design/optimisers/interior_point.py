@@ -23,41 +23,48 @@ from oed.design.problem import DesignProblem
 
 
 @dataclass(frozen=True)
+class Stage:
+    """One smooth stand-in for the criterion.
+
+    Attributes:
+        sign_width: Of the smooth velocity sign [rad/s].
+        exponent: Of the Schatten norms, for J_k and E.
+    """
+
+    sign_width: float
+    exponent: float
+
+
+@dataclass(frozen=True)
 class InteriorPointSettings:
     """How the interior-point optimiser works.
 
     Attributes:
-        sign_widths: Of the smooth sign, one a stage [fraction of the last, see `stages`; rad/s].
-        exponents: Schatten exponent of each stage, for J_k and E.
+        stages: Smooth problems solved one after the other, each from the last one's solution.
+        warm_stages: How many of the last of them a hop goes through.
         iterations: Most of IPOPT in one stage.
         constraint_instants: Equally spaced instants at which limits first stand.
         exchanges: Most rounds of adding violated extrema.
-        hop: Standard deviation of a hop from the best point, relative to the box.
-        hop_share: Probability that a start after the first few is a hop.
+        hop_sizes: Least and greatest standard deviation of a hop, relative to the box.
+        hop_variables: Share of the variables that a hop moves.
+        hop_share: Probability that a start after the first ones is a hop.
         first_starts: Starts before hops begin.
-        structured: Whether the first start is the structured one.
         polish_evaluations: Spent on the exact criterion after each promising solution.
         promising: A solution is polished if its cost is at most this much above the best
             [decades].
     """
 
-    sign_widths: tuple[float, ...] = (0.3, 0.1, 0.03)  # [rad/s]
-    exponents: tuple[float, ...] = (4.0, 16.0, 64.0)
+    stages: tuple[Stage, ...] = (Stage(0.3, 4.0), Stage(0.1, 16.0), Stage(0.03, 64.0))
+    warm_stages: int = 2
     iterations: int = 150
-    constraint_instants: int = 80
+    constraint_instants: int = 40
     exchanges: int = 3
-    hop: float = 0.05
-    hop_share: float = 0.5
+    hop_sizes: tuple[float, float] = (0.01, 0.3)
+    hop_variables: float = 0.3
+    hop_share: float = 0.7
     first_starts: int = 4
-    structured: bool = True
-    polish_evaluations: int = 300
-    promising: float = 0.02
-
-    def __post_init__(self) -> None:
-        if len(self.sign_widths) != len(self.exponents):
-            raise ValueError(
-                f"{len(self.sign_widths)} sign widths for {len(self.exponents)} exponents"
-            )
+    polish_evaluations: int = 200
+    promising: float = 0.01
 
 
 def optimise(
@@ -78,17 +85,20 @@ def optimise(
     """
     settings = settings or InteriorPointSettings()
     log = EvaluationLog(budget)
-    starts = converged = 0
+    starts = hops = 0
     while not log.is_spent:
-        start = _start(problem, log, rng, settings, starts)
+        is_hop = starts >= settings.first_starts and rng.random() < settings.hop_share
+        start = _hop(problem, log.best_z, rng, settings) if is_hop else None
+        if start is None:
+            start = structured_start(problem, rng) if starts == 0 else problem.random_start(rng)
         log.evaluate(problem.cost, start)
-        solution, is_converged = solve_locally(problem, start, log, settings)
-        starts += 1
-        converged += is_converged
+        solution, _ = solve_locally(problem, start, log, settings, is_warm=is_hop)
+        starts, hops = starts + 1, hops + is_hop
+        before = log.best_cost
         value = log.evaluate(problem.cost, solution)
-        if value <= log.best_cost + settings.promising and not log.is_spent:
-            polish(problem, solution, value, log, rng, settings.polish_evaluations)
-    return log.result(f"{starts} starts, {converged} converged; budget used up")
+        if value <= before + settings.promising and not log.is_spent:
+            polish(problem, solution, value, log, rng, evaluations=settings.polish_evaluations)
+    return log.result(f"{starts} local solutions, {hops} of them from hops; budget used up")
 
 
 def solve_locally(
@@ -96,53 +106,71 @@ def solve_locally(
     start: Float[ndarray, "size"],
     log: EvaluationLog,
     settings: InteriorPointSettings,
+    *,
+    is_warm: bool = False,
 ) -> tuple[Float[ndarray, "size"], bool]:
     """One local solution: stages, then exchange, then repair.
+
+    Args:
+        problem: What to design.
+        start: A feasible point.
+        log: Counts, and says when to stop.
+        settings: How to work.
+        is_warm: Whether the start is near a solution, so that the last stages will do.
 
     Returns:
         A feasible point, and whether IPOPT converged in the last round.
     """
     instants = np.linspace(0.0, problem.trajectory.horizon, settings.constraint_instants)
     z, is_converged = start, False
-    stages = list(zip(settings.sign_widths, settings.exponents, strict=True))
-    if problem.criterion in ("J_d", "A"):  # already smooth in Lambda
-        stages = [(width, 1.0) for width in settings.sign_widths]
-    for width, exponent in stages:
+    stages = settings.stages[-settings.warm_stages :] if is_warm else settings.stages
+    for number, stage in enumerate(stages):
         if log.is_spent:
             break
-        z, is_converged = _solve(problem, z, instants, width, exponent, log, settings)
-    width, exponent = stages[-1]
+        smooth = _Smooth(problem, stage, instants, settings.iterations)
+        z, is_converged = smooth.solve(z, log, is_warm=is_warm or number > 0)
     for _ in range(settings.exchanges):
         added = _violated(problem, z)
         if log.is_spent or not len(added):
             break
         instants = np.union1d(instants, added)
-        z, is_converged = _solve(problem, z, instants, width, exponent, log, settings)
+        smooth = _Smooth(problem, stages[-1], instants, settings.iterations)
+        z, is_converged = smooth.solve(z, log, is_warm=True)
     return problem.repair(z), is_converged
 
 
-def _solve(
-    problem: DesignProblem,
-    z: Float[ndarray, "size"],
-    instants: Float[ndarray, "samples"],
-    width: float,
-    exponent: float,
-    log: EvaluationLog,
-    settings: InteriorPointSettings,
-) -> tuple[Float[ndarray, "size"], bool]:
-    solution = solve_program(
-        lambda point: problem.cost_and_gradient(point, sign_width=width, exponent=exponent),
-        LimitConstraints(problem.trajectory, problem.limits, instants),
-        z,
-        iterations=settings.iterations,
-        cpu_seconds=log.seconds_left,
-    )
-    log.count(solution.evaluations)
-    return solution.z, solution.is_converged
+@dataclass(frozen=True)
+class _Smooth:
+    """The smooth problem of one stage, its limits at some instants."""
+
+    problem: DesignProblem
+    stage: Stage
+    instants: Float[ndarray, "samples"]
+    iterations: int
+
+    def cost_and_gradient(self, z: Float[ndarray, "size"]) -> tuple[float, Float[ndarray, "size"]]:
+        return self.problem.cost_and_gradient(
+            z, sign_width=self.stage.sign_width, exponent=self.stage.exponent
+        )
+
+    def solve(
+        self, z: Float[ndarray, "size"], log: EvaluationLog, *, is_warm: bool
+    ) -> tuple[Float[ndarray, "size"], bool]:
+        most = log.budget.cpu_seconds
+        solution = solve_program(
+            self.cost_and_gradient,
+            LimitConstraints(self.problem.trajectory, self.problem.limits, self.instants),
+            z,
+            iterations=self.iterations,
+            cpu_seconds=None if most is None else most - log.cpu_s,
+            is_warm=is_warm,
+        )
+        log.count(solution.evaluations)
+        return solution.z, solution.is_converged
 
 
 def _violated(problem: DesignProblem, z: Float[ndarray, "size"]) -> Float[ndarray, "samples"]:
-    """Instants of local extrema beyond a limit by more than a part in ten thousand."""
+    """Instants of local extrema beyond a limit by more than a part in a thousand."""
     t = np.linspace(0.0, problem.trajectory.horizon, 1001)
     found = []
     for order, kind in enumerate(KINEMATIC):
@@ -152,25 +180,21 @@ def _violated(problem: DesignProblem, z: Float[ndarray, "size"]) -> Float[ndarra
         signal = problem.trajectory.derivative(z, t, order)
         for sign, side in ((1.0, 1), (-1.0, 0)):
             beyond = sign * (signal - limit[:, side])
-            tolerance = 1e-4 * np.abs(limit[:, side])
+            tolerance = 1e-3 * np.abs(limit[:, side])
             padded = np.pad(beyond, ((1, 1), (0, 0)), constant_values=-np.inf)
             is_peak = (beyond >= padded[:-2]) & (beyond >= padded[2:]) & (beyond > tolerance)
             found.append(t[is_peak.any(axis=1)])
     return np.unique(np.concatenate(found)) if found else np.zeros(0)
 
 
-def _start(
+def _hop(
     problem: DesignProblem,
-    log: EvaluationLog,
+    best: Float[ndarray, "size"],
     rng: np.random.Generator,
     settings: InteriorPointSettings,
-    number: int,
 ) -> Float[ndarray, "size"]:
-    """A structured start first, then random ones, then also hops from the best."""
-    if number == 0 and settings.structured:
-        return structured_start(problem, rng)
-    if number < settings.first_starts or rng.random() > settings.hop_share or log.best_z is None:
-        return problem.random_start(rng)
+    """The best point with some variables moved, some hops small and some large."""
     width = np.diff(problem.trajectory.bounds, axis=1)[:, 0]
-    hop = settings.hop * width * rng.standard_normal(problem.size)
-    return problem.repair(log.best_z + hop)
+    size = np.exp(rng.uniform(*np.log(settings.hop_sizes)))
+    moves = rng.random(problem.size) < settings.hop_variables
+    return problem.repair(best + size * width * moves * rng.standard_normal(problem.size))

@@ -20,6 +20,7 @@ from oed.design.optimisers.bfgs import DampedBfgs
 
 ValueAndGradient = Callable[[Float[ndarray, "size"]], tuple[float, Float[ndarray, "size"]]]
 CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
+WARM_BARRIER = 1e-3  # first barrier parameter of a start that is close to a solution
 # Stands for an infinite objective, which IPOPT would not step back from: any cost in decades is
 # far below.
 SINGULAR = 1e3
@@ -49,6 +50,7 @@ def solve_program(
     *,
     iterations: int,
     cpu_seconds: float | None = None,
+    is_warm: bool = False,
     tolerance: float = 1e-5,
 ) -> LocalSolution:
     """Minimise an objective under sampled limits and the box of the class, silently.
@@ -59,6 +61,7 @@ def solve_program(
         start: First point.
         iterations: Most to make.
         cpu_seconds: Most to spend [s]; None for no bound.
+        is_warm: Whether the start is close to a solution, and should stay so.
         tolerance: IPOPT's, on optimality and limits, with variables scaled to the box.
     """
     bounds = constraints.trajectory.bounds
@@ -77,6 +80,9 @@ def solve_program(
         "ipopt.acceptable_tol": 10 * tolerance,
         "ipopt.mu_strategy": "adaptive",
     }
+    if is_warm:
+        options |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": WARM_BARRIER}
+        options |= {"ipopt.bound_push": WARM_BARRIER, "ipopt.bound_frac": WARM_BARRIER}
     if cpu_seconds is not None:
         options["ipopt.max_cpu_time"] = max(cpu_seconds, 1e-3)
     solver = casadi.nlpsol("design", "ipopt", program, options)
@@ -144,8 +150,9 @@ class _Scaled:
         return jacobian
 
     def limit_gradient(self, u: ndarray, multipliers: ndarray) -> ndarray:
-        z = self.outward(u)
-        return (self.constraints.jacobian(z).T @ multipliers) * self._half
+        limits = self.constraints
+        weighted = limits.jacobian_values(self.outward(u)) * multipliers[limits.rows]
+        return np.bincount(limits.columns, weighted, minlength=self.size) * self._half
 
 
 class _Callback(casadi.Callback):

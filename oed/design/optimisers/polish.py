@@ -22,6 +22,7 @@ def polish(
     value: float,
     log: EvaluationLog,
     rng: np.random.Generator,
+    *,
     evaluations: int,
 ) -> Float[ndarray, "size"]:
     """Improve a feasible point by a (1+1) evolution strategy on repaired points.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import comb
 
 import numpy as np
@@ -127,8 +127,7 @@ class HarmonicClass(TrajectoryClass):
             # d/d omega of omega^k sin(omega t + k pi/2)
             by_omega = t[:, None, None] * _wave(t, omega, k, phase=1)
             if k > 0:
-                angle = omega * t[:, None, None] + k * np.pi / 2
-                by_omega = by_omega + k * omega ** (k - 1) * np.sin(angle)
+                by_omega = by_omega + k * _wave(t, omega, k - 1, phase=1)
             return np.concatenate([by_amplitude, a * by_omega], axis=2)
 
         return self._ramped(t, order, parts)
@@ -201,9 +200,17 @@ class HarmonicClass(TrajectoryClass):
 
 def _wave(t: ndarray, omega: ndarray, order: int, phase: int = 0) -> ndarray:
     """(N, n, W) omega^order sin(omega t + (order + phase) pi/2)."""
-    angle = omega * t[:, None, None]
-    turned = (np.sin, np.cos, np.sin, np.cos)[(order + phase) % 4](angle)
-    return (1, 1, -1, -1)[(order + phase) % 4] * omega**order * turned
+    times = np.ascontiguousarray(t, dtype=float).tobytes()
+    waves = _sine_and_cosine(times, np.ascontiguousarray(omega).tobytes(), omega.shape)
+    turned = (order + phase) % 4
+    return ((1, 1, -1, -1)[turned] * omega**order) * waves[turned % 2]
+
+
+@lru_cache(maxsize=4)
+def _sine_and_cosine(t: bytes, omega: bytes, shape: tuple[int, int]) -> tuple[ndarray, ndarray]:
+    """Of omega t: all derivatives and sensitivities at a point need the same two arrays."""
+    angle = np.frombuffer(t)[:, None, None] * np.frombuffer(omega).reshape(shape)
+    return np.sin(angle), np.cos(angle)
 
 
 def _conservative(limits: JointLimits) -> tuple[ndarray, ndarray, ndarray]:
