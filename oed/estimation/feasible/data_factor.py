@@ -1,0 +1,109 @@
+"""Weighted torque equations of any number of samples as one small triangle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.noise import whiten
+from oed.estimation.triangular import augment, triangularise
+from oed.experiment.processing import ProcessedRecording
+
+
+@dataclass(frozen=True)
+class DataFactor:
+    """[R z; 0 rho] of the weighted rows [H y]: |H pi - y|^2 = |R pi - z|^2 + rho^2.
+
+    Attributes:
+        triangle: (p + 1, p + 1) upper triangular.
+        rows: Torque equations that went in.
+    """
+
+    triangle: Float[ndarray, "width width"]
+    rows: int
+
+    @classmethod
+    def of(
+        cls,
+        regressor: Float[ndarray, "rows p"],
+        torque: Float[ndarray, "samples joints"],
+        variances: Float[ndarray, "joints"],
+    ) -> DataFactor:
+        """Factor of stacked rows, sample-major, weighted by the joints' torque variances."""
+        joints = torque.shape[1]
+        rows = augment(
+            whiten(regressor, variances, joints), whiten(torque.reshape(-1), variances, joints)
+        )
+        return cls(triangularise(rows), len(rows))
+
+    @classmethod
+    def join(cls, parts: Sequence[DataFactor]) -> DataFactor:
+        """The factor of all rows of several; a part may occur more than once.
+
+        Raises:
+            ValueError: If there is none.
+        """
+        if not parts:
+            raise ValueError("no data to join")
+        stacked = np.vstack([part.triangle for part in parts])
+        return cls(triangularise(stacked), sum(part.rows for part in parts))
+
+    @property
+    def factor(self) -> Float[ndarray, "p p"]:
+        """R."""
+        return self.triangle[:-1, :-1]
+
+    @property
+    def target(self) -> Float[ndarray, "p"]:
+        """The right-hand side z."""
+        return self.triangle[:-1, -1]
+
+    @property
+    def remainder(self) -> float:
+        """The residual norm rho that no parameter changes."""
+        return float(self.triangle[-1, -1])
+
+    def misfit(self, parameters: Float[ndarray, "p"]) -> float:
+        """Mean squared weighted residual."""
+        return float(np.sum((self.triangle @ np.append(-parameters, 1.0)) ** 2) / self.rows)
+
+
+def block_factors(
+    model: TorqueModel,
+    recordings: Sequence[ProcessedRecording],
+    variances: Float[ndarray, "joints"],
+    *,
+    blocks: int,
+) -> tuple[DataFactor, ...]:
+    """Factors of about `blocks` pieces of equal length, none across two recordings.
+
+    Where a recording says what it repeats, its pieces are the repetitions.
+
+    Args:
+        model: Whose columns the rows have.
+        recordings: At least one.
+        variances: Torque variance of each joint [N^2 m^2].
+        blocks: Least number of pieces; each recording is at least one.
+    """
+    total = sum(len(recording) for recording in recordings)
+    factors = []
+    for recording in recordings:
+        # The whole recording first: an effect with a memory must not start anew in each piece.
+        columns = model.columns(recording.motion)
+        share = max(1, int(np.ceil(blocks * len(recording) / total)))
+        for piece in _pieces(recording, share):
+            rows = columns[piece].reshape(-1, columns.shape[2])
+            factors.append(DataFactor.of(rows, recording.tau[piece], variances))
+    return tuple(factors)
+
+
+def _pieces(recording: ProcessedRecording, share: int) -> list[ndarray]:
+    index = np.arange(len(recording))
+    if recording.repetition is not None and len(np.unique(recording.repetition)) > 1:
+        return [index[recording.repetition == r] for r in np.unique(recording.repetition)]
+    return np.array_split(index, share)

@@ -1,0 +1,97 @@
+"""Whether a point is feasible and optimal, from its own numbers and not a solver's word."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.estimation.feasible.coordinates import ENTRIES, adjoint
+from oed.estimation.feasible.problem import FeasibleProblem
+
+TOLERANCE = 1e-6
+# Relative to the link's reference body: the rounding of an interior-point solver's last step.
+FEASIBLE_TO = 1e-9
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Prices of the demands.
+
+    Attributes:
+        links: (n, 4, 4) of J^_i >= margin I, positive semidefinite.
+        inequality: (k,) of the inequality rows, not negative.
+    """
+
+    links: Float[ndarray, "links 4 4"]
+    inequality: Float[ndarray, "k"]
+
+
+@dataclass(frozen=True)
+class Optimality:
+    """The Karush-Kuhn-Tucker conditions, evaluated.
+
+    Attributes:
+        primal: Largest violation of a demand, relative to the reference bodies.
+        stationarity: Norm of gradient less priced demands, relative to the terms it is made of.
+        gap: What the multipliers leave between objective and lower bound, relative to the
+            objective.
+    """
+
+    primal: float
+    stationarity: float
+    gap: float
+
+    def holds(self, tolerance: float = TOLERANCE) -> bool:
+        """Whether the point is feasible and optimal to a relative tolerance."""
+        return (
+            self.primal <= FEASIBLE_TO and self.stationarity <= tolerance and self.gap <= tolerance
+        )
+
+
+def check_optimality(
+    problem: FeasibleProblem, x: Float[ndarray, "p"], multipliers: Multipliers
+) -> Optimality:
+    """Evaluate the optimality conditions at a point.
+
+    Multipliers are first projected onto their cones, so that they bound the objective from
+    below whatever their origin; those of equalities are found anew, by least squares.
+
+    Args:
+        problem: That x is to solve.
+        x: Unknowns.
+        multipliers: A solver's prices of the demands.
+    """
+    values, vectors = np.linalg.eigh(multipliers.links)
+    positive = np.maximum(values, 0.0)
+    links = np.einsum("lij,lj,lkj->lik", vectors, positive, vectors)
+    prices = np.maximum(multipliers.inequality, 0.0)
+    priced = np.zeros(len(x))
+    priced[: ENTRIES * problem.coordinates.links] = adjoint(links)
+    priced += problem.inequality.matrix.T @ prices
+    gradient = problem.gradient(x)
+    rest = gradient - priced
+    if len(problem.equality):
+        across = problem.equality.matrix.T
+        rest = rest - across @ np.linalg.lstsq(across, rest, rcond=None)[0]
+    data = 2 * problem.factor.T @ problem.target
+    scale = np.linalg.norm(data) + np.linalg.norm(priced)
+    slack = problem.coordinates.relative_inertias(x) - problem.margin * np.eye(4)
+    gap = float(np.sum(links * slack) + prices @ problem.slack(x))
+    return Optimality(
+        primal=primal_violation(problem, x),
+        stationarity=float(np.linalg.norm(rest) / max(scale, np.finfo(float).tiny)),
+        gap=abs(gap) / max(abs(problem.objective(x)), np.finfo(float).tiny),
+    )
+
+
+def primal_violation(problem: FeasibleProblem, x: Float[ndarray, "p"]) -> float:
+    """Largest violation of a demand; 0 for a feasible point."""
+    violations = [
+        float(np.max(problem.margin - problem.link_margins(x))),
+        float(np.max(-problem.slack(x), initial=0.0)),
+        float(np.max(np.abs(problem.equality.matrix @ x - problem.equality.bound), initial=0.0)),
+    ]
+    return max(0.0, *violations)
