@@ -68,6 +68,7 @@ class HorizonTable:
         J_k: (H, runs) cond Lambda.
         J_d: (H, runs) log10 det Lambda at `samples` instants.
         J_d_half: (H, runs) the same motion at half as many instants.
+        speed: (2, H, runs, n) rms joint speed of the J_k and of the J_d designs [rad/s].
         terms: (K,) numbers of sines tried at the chosen horizon.
         J_k_by_terms: (K, runs).
         chosen: () the horizon whose median J_k is nearest to the paper's [s].
@@ -77,6 +78,7 @@ class HorizonTable:
     J_k: Float[ndarray, "H runs"]
     J_d: Float[ndarray, "H runs"]
     J_d_half: Float[ndarray, "H runs"]
+    speed: Float[ndarray, "2 H runs n"]
     terms: ndarray
     J_k_by_terms: Float[ndarray, "K runs"]
     chosen: ndarray
@@ -114,9 +116,7 @@ class DesignSet:
         return Motion(t, self.q[design], self.dq[design], self.ddq[design])
 
 
-def problem(
-    trajectory: TrajectoryClass, criterion: Criterion, samples: int
-) -> DesignProblem:
+def problem(trajectory: TrajectoryClass, criterion: Criterion, samples: int) -> DesignProblem:
     """The paper's problem: R_v = I while the trajectory is designed."""
     robot = imi_scara()
     model = TorqueModel.standard(robot)
@@ -134,10 +134,13 @@ def sweep_horizons(config: DesignConfig) -> HorizonTable:
     """Run the genetic algorithm over horizons, seeds, and numbers of sines."""
     shape = (len(config.horizons), config.runs)
     J_k, J_d, J_d_half = np.empty(shape), np.empty(shape), np.empty(shape)
+    speed = np.empty((len(CRITERIA), *shape, 2))
     for h, horizon in progress(list(enumerate(config.horizons)), "horizons"):
         for run in range(config.runs):
             for criterion in CRITERIA:
                 spec, result, _ = evolve(config, horizon, config.terms, criterion, run)
+                dq = spec.trajectory.derivative(result.z, spec.trajectory.instants(400), 1)
+                speed[CRITERIA.index(criterion), h, run] = np.sqrt((dq**2).mean(axis=0))
                 if criterion == "J_k":
                     J_k[h, run] = 10**result.cost
                 else:
@@ -155,7 +158,14 @@ def sweep_horizons(config: DesignConfig) -> HorizonTable:
         ]
     )
     return HorizonTable(
-        np.array(config.horizons), J_k, J_d, J_d_half, np.array(terms), by_terms, np.array(chosen)
+        np.array(config.horizons),
+        J_k,
+        J_d,
+        J_d_half,
+        speed,
+        np.array(terms),
+        by_terms,
+        np.array(chosen),
     )
 
 

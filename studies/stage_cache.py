@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import logging
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Protocol, TypeVar
 
 import numpy as np
 
-logger = logging.getLogger(__name__)
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -32,16 +31,20 @@ class StageCache:
 
     Attributes:
         folder: Where the files lie.
-        sources: Folders and files, relative to the repository, whose code decides a result.
     """
 
     folder: Path
-    sources: tuple[str, ...]
 
-    def key(self, name: str, parts: Sequence[object]) -> str:
-        """Hash of the stage's name, its settings and inputs, and the code."""
+    def key(self, name: str, parts: Sequence[object], sources: Sequence[str]) -> str:
+        """Hash of the stage's name, its settings, the keys of what it uses, and the code.
+
+        Args:
+            name: Of the stage.
+            parts: Settings and keys; their `repr` must show all that matters.
+            sources: Folders and files, relative to the repository, whose code decides.
+        """
         digest = hashlib.sha256(name.encode())
-        digest.update(self._code().encode())
+        digest.update(code_hash(tuple(sources)).encode())
         for part in parts:
             digest.update(repr(part).encode())
         return digest.hexdigest()[:24]
@@ -64,11 +67,14 @@ class StageCache:
         print(f"  {name}: {time.perf_counter() - started:.1f} s", flush=True)
         return result
 
-    def _code(self) -> str:
-        digest = hashlib.sha256()
-        for source in self.sources:
-            place = ROOT / source
-            for file in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
-                digest.update(file.relative_to(ROOT).as_posix().encode())
-                digest.update(file.read_bytes())
-        return digest.hexdigest()
+
+@lru_cache
+def code_hash(sources: tuple[str, ...]) -> str:
+    """Hash of all Python files in these folders, and of these files."""
+    digest = hashlib.sha256()
+    for source in sources:
+        place = ROOT / source
+        for file in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+            digest.update(file.relative_to(ROOT).as_posix().encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
