@@ -36,14 +36,14 @@ class CutoffSearch:
 
     Attributes:
         frequency: (F,) candidate cut-offs [Hz].
-        sensitivity: (F, n) d log rms(acceleration) / d log(cut-off), joint by joint: large
+        sensitivity: (F, m) d log rms(acceleration) / d log(cut-off), by moving joint: large
             where motion is cut away, small where motion ends, large again in the noise.
         band_edge: The candidate at which its mean over the joints is least [Hz]: motion lies
             below it.
     """
 
     frequency: Float[ndarray, "candidates"]
-    sensitivity: Float[ndarray, "candidates joints"]
+    sensitivity: Float[ndarray, "candidates moving"]
     band_edge: float
 
 
@@ -106,6 +106,9 @@ def search_cutoff(recordings: tuple[Recording, ...], rate: float, shortest: floa
         recordings: To take spectra of, weighted by their duration.
         rate: Uniform rate [Hz].
         shortest: Duration [s] of the shortest recording to be filtered.
+
+    Raises:
+        ValueError: If nothing moves.
     """
     highest = min(HIGHEST_CUTOFF, 0.2 * rate)
     lowest = min(max(LOWEST_CUTOFF, SHORTEST / shortest), highest / 2)
@@ -116,7 +119,11 @@ def search_cutoff(recordings: tuple[Recording, ...], rate: float, shortest: floa
         power += _power_in_bands(recording, rate, edges)
     below = np.cumsum(power, axis=0)
     width = np.log(edges[1] / edges[0])
-    sensitivity = power[1:] / (2 * width * below[1:])
+    # A joint that stands still has no say.
+    moving = below[-1] > 0
+    if not moving.any():
+        raise ValueError("no joint moves in the recordings for estimation")
+    sensitivity = power[1:, moving] / (2 * width * below[1:, moving])
     # One octave smooths the lines of a multisine, between which nothing was excited.
     window = np.ones((CUTOFFS_PER_OCTAVE, 1)) / CUTOFFS_PER_OCTAVE
     smooth = convolve(sensitivity, window, mode="valid", method="direct")

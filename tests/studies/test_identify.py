@@ -1,0 +1,166 @@
+"""The identification study, as a user runs it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.models import build_model
+from oed.dynamics.motion import Motion
+from oed.experiment.dataset import DataSet
+from oed.experiment.recording import Recording
+from oed.experiment.write_dataset import write_dataset
+from oed.robot import imi_scara
+from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
+from studies.identify import Config, main, run
+from tests.paths import SHARED_DATA, needs_shared_data
+
+NOISE = (0.05, 0.02)  # [N m]
+WIDTH = 0.02  # [rad/s] of the true Coulomb terms' sign, the study's default
+# Relative rms that plain least squares reaches, from the README of the recordings.
+PUBLISHED = {
+    "dfki_a0": {"estimation": [0.071, 0.147], "validation": [0.092, 0.156]},
+    "staubli_tx40": {
+        "estimation": [0.044, 0.042, 0.072, 0.080, 0.375, 0.260],
+        "validation": [0.065, 0.060, 0.097, 0.112, 0.809, 0.367],
+    },
+    "franka_panda": {
+        "estimation": [0.090, 0.011, 0.020, 0.010, 0.070, 0.057, 0.175],
+        "validation": [0.160, 0.014, 0.059, 0.016, 0.290, 0.115, 0.189],
+    },
+}
+
+
+def _simulated(folder: Path, rng: np.random.Generator) -> dict[str, float]:
+    """Write a data set made from a known model; return its base parameters by expression."""
+    model = build_model("standard", imi_scara(), sign_width=WIDTH)
+    friction = [x for pair in zip(IMI_COULOMB, IMI_VISCOUS, strict=True) for x in pair]
+    truth = np.concatenate([imi_scara().parameters, friction])
+    recordings = []
+    for name, role in (("fit", "estimation"), ("held", "validation")):
+        motion = _motion(rng)
+        noise = rng.normal(size=motion.q.shape) * NOISE
+        torque = model.torque(truth, motion) + noise
+        recordings.append(Recording(name, role, motion.t, motion.q, torque))
+    dataset = DataSet(
+        name="simulated",
+        source="tests",
+        licence="none",
+        robot=imi_scara(),
+        torque="measured",
+        recordings=tuple(recordings),
+    )
+    write_dataset(dataset, folder)
+    base = base_parameters(model)
+    return dict(zip(base.names, base.from_standard(truth), strict=True))
+
+
+def _motion(rng: np.random.Generator) -> Motion:
+    t = np.arange(0.0, 30.0, 0.002)
+    w = 2 * np.pi * rng.uniform(0.1, 0.6, (2, 4))
+    a = rng.uniform(0.1, 0.3, (2, 4))
+    phase = t[:, None, None] * w + rng.uniform(0, 2 * np.pi, (2, 4))
+    return Motion(
+        t,
+        (a * np.sin(phase)).sum(2),
+        (a * w * np.cos(phase)).sum(2),
+        -(a * w**2 * np.sin(phase)).sum(2),
+    )
+
+
+def test_recovers_the_parameters_of_a_simulated_arm(tmp_path: Path) -> None:
+    truth = _simulated(tmp_path / "data", np.random.default_rng(21))
+    arguments = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--model", "standard"]) == 0
+    record = json.loads((tmp_path / "out" / "estimate.json").read_text())
+    assert {p["name"] for p in record["parameters"]} == set(truth)
+    for parameter in record["parameters"]:
+        # The low-pass rounds the Coulomb steps a little: a bias of 1 % at most.
+        assert parameter["value"] == pytest.approx(truth[parameter["name"]], rel=0.01, abs=2e-3)
+    # Noise in the band that the low-pass leaves: the residual must come down to it.
+    share = 2 * record["settings"]["processing"]["cutoff"] / 500.0
+    assert record["rms"]["validation"] == pytest.approx(np.array(NOISE) * share**0.5, rel=0.3)
+
+
+def test_leaves_everything_that_it_promises(tmp_path: Path) -> None:
+    _simulated(tmp_path / "data", np.random.default_rng(22))
+    out = tmp_path / "out"
+    assert main(["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"]) == 0
+    record = json.loads((out / "estimate.json").read_text())
+    promised = {
+        "format", "data", "joints", "samples", "parameters", "unidentifiable", "condition",
+        "rms", "relative_rms", "settings", "versions", "seed",
+    }  # fmt: skip
+    assert promised <= set(record)
+    assert set(record["condition"]) >= {"J_k", "J_d_log10", "rows"}
+    for parameter in record["parameters"]:
+        low, high = parameter["interval95"]
+        assert low < parameter["value"] < high
+    for name in ("report.html", "parameters.csv", "validation.csv", "torque_validation.png"):
+        assert (out / name).stat().st_size > 0
+
+
+def test_a_motionless_joint_is_named_and_not_given_numbers(tmp_path: Path) -> None:
+    rng = np.random.default_rng(23)
+    motion = _motion(rng)
+    still = Motion(motion.t, motion.q * [1, 0], motion.dq * [1, 0], motion.ddq * [1, 0])
+    model = build_model("standard", imi_scara(), sign_width=WIDTH)
+    truth = np.concatenate([imi_scara().parameters, [2.0, 7.0, 1.0, 0.7]])
+    torque = model.torque(truth, still) + rng.normal(size=still.q.shape) * NOISE
+    recording = Recording("fit", "estimation", still.t, still.q, torque)
+    dataset = DataSet("still", "tests", "none", imi_scara(), "measured", recordings=(recording,))
+    write_dataset(dataset, tmp_path / "data")
+    out = tmp_path / "out"
+    code = main(["--data", str(tmp_path / "data"), "--out", str(out), "--model", "standard"])
+    assert code == 0
+    record = json.loads((out / "estimate.json").read_text())
+    assert {"Fc_2", "Fv_2"} <= set(record["unidentifiable"])
+    assert not {"Fc_2", "Fv_2"} & {p["name"] for p in record["parameters"]}
+
+
+def test_bad_input_is_one_line_and_leaves_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _simulated(tmp_path / "data", np.random.default_rng(24))
+    file = tmp_path / "data" / "fit.csv"
+    lines = file.read_text().splitlines()
+    lines[100] = lines[100].replace(lines[100].split(",")[2], "nan")
+    file.write_text("\n".join(lines) + "\n")
+    out = tmp_path / "out"
+    assert main(["--data", str(tmp_path / "data"), "--out", str(out)]) == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert "fit.csv" in message
+    assert "101" in message
+    assert not out.exists()
+
+
+def test_a_cutoff_that_the_data_cannot_carry_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _simulated(tmp_path / "data", np.random.default_rng(25))
+    out = tmp_path / "out"
+    arguments = ["--data", str(tmp_path / "data"), "--out", str(out), "--cutoff", "400"]
+    assert main(arguments) == 2
+    assert "400" in capsys.readouterr().err
+    assert not out.exists()
+
+
+@needs_shared_data
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_reaches_what_plain_least_squares_reaches_on_measured_data(
+    name: str, tmp_path: Path
+) -> None:
+    calibration = run(Config(data=SHARED_DATA / name, out=tmp_path))
+    for role, published in PUBLISHED[name].items():
+        reached = calibration.validation[role].relative_rms
+        assert (reached <= 1.05 * np.array(published)).all(), (role, reached)
+
+
+@needs_shared_data
+def test_the_panda_with_offsets_beats_the_published_error(tmp_path: Path) -> None:
+    data = SHARED_DATA / "franka_panda"
+    calibration = run(Config(data=data, out=tmp_path, model="offset"))
+    assert calibration.validation["estimation"].overall_relative_rms <= 0.011  # published: 0.0141
