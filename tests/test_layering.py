@@ -7,7 +7,16 @@ import pytest
 
 from tests.paths import REPO
 
-ORDER = ("robot", "dynamics", "design", "experiment", "estimation", "diagnosis", "report")
+ORDER = (
+    "robot",
+    "dynamics",
+    "design",
+    "experiment",
+    "estimation",
+    "diagnosis",
+    "report",
+    "export",
+)
 SHARED_BY_ALL = ("errors",)
 OUTSIDE = ("studies", "tests", "paper_figures")
 # A figure reads results/: what it shows was computed, and recorded, by a study.

@@ -20,7 +20,6 @@ from oed.estimation.feasible.feasible_set import (
 from oed.estimation.feasible.interior import TAKES_PART, Certificate, most_interior
 from oed.estimation.feasible.reference import neutral_bodies
 
-
 # A sign may be met exactly, as by a joint without friction: this is rounding of the solver.
 ROUNDING = 1e-8
 

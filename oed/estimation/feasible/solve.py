@@ -150,7 +150,7 @@ def require_interior(problem: FeasibleProblem) -> Interior:
 
 
 def _drawn_inside(problem: FeasibleProblem, x: Float[ndarray, "p"]) -> Float[ndarray, "p"]:
-    """x with eigenvalues and slacks that rounding left below their bounds put back on them."""
+    """X with eigenvalues and slacks that rounding left below their bounds put back on them."""
     links = problem.coordinates.links
     inside = np.array(x)
     short = problem.margin - problem.link_margins(x)

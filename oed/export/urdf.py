@@ -1,0 +1,175 @@
+"""URDF: the source file with its inertials and joint dynamics replaced, or a file anew."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from oed.export.calibrated_robot import CalibratedRobot, link_inertial
+from oed.export.xml_text import number, numbers, roll_pitch_yaw, write_xml
+
+DRAKE = "https://drake.mit.edu/"
+# Drake reads no actuator, and so no rotor inertia, where a joint may not push at all.
+ANY_EFFORT = 1e9  # [N m or N]
+
+
+def write_urdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
+    """Write a robot as URDF.
+
+    A robot that came from a URDF file keeps all else that is in it: visuals, collision geometry,
+    limits. What was merged into a link when it was identified loses its own inertial,
+    and joints that were held become fixed where they were held at zero.
+
+    Args:
+        calibrated: To write.
+        path: Of the new file.
+
+    Returns:
+        The path.
+    """
+    path = Path(path)
+    source = Path(calibrated.robot.source)
+    is_urdf = source.suffix.lower() == ".urdf" and source.is_file()
+    ElementTree.register_namespace("drake", DRAKE)
+    root = _edited(calibrated, source, path.parent) if is_urdf else _generated(calibrated)
+    _set_joints(calibrated, root)
+    write_xml(path, root)
+    return path
+
+
+def _edited(calibrated: CalibratedRobot, source: Path, folder: Path) -> ElementTree.Element:
+    robot = calibrated.robot
+    # The file is the robot that the user loaded: no stranger wrote it.
+    builder = ElementTree.TreeBuilder(insert_comments=True)
+    parser = ElementTree.XMLParser(target=builder)  # noqa: S314
+    root = ElementTree.parse(source, parser).getroot()  # noqa: S314
+    column = {joint.name: i for i, joint in enumerate(robot.joints)}
+    for joint in root.iter("joint"):
+        if joint.get("name") in robot.locked:
+            joint.set("type", "fixed")
+    links = {link.get("name"): link for link in root.findall("link")}
+    for name, carrier in _carriers(root, column).items():
+        if carrier is None:
+            continue
+        for old in links[name].findall("inertial"):
+            links[name].remove(old)
+        if name == robot.joints[carrier].link:
+            _add_inertial(links[name], calibrated, carrier, in_source_link=True)
+    for mesh in root.iter("mesh"):
+        _keep_reachable(mesh, source.parent, folder)
+    return root
+
+
+def _carriers(root: ElementTree.Element, column: Mapping[str, int]) -> dict[str, int | None]:
+    """For every link the active joint that carries it, None where it stands still."""
+    above = {}
+    for joint in root.findall("joint"):
+        parent, child = joint.find("parent"), joint.find("child")
+        if parent is not None and child is not None:
+            above[child.get("link", "")] = (joint.get("name", ""), parent.get("link", ""))
+    found: dict[str, int | None] = {}
+    for link in root.findall("link"):
+        name = start = link.get("name", "")
+        found[start] = None
+        while name in above:
+            joint_name, name = above[name]
+            if joint_name in column:
+                found[start] = column[joint_name]
+                break
+    return found
+
+
+def _keep_reachable(mesh: ElementTree.Element, old: Path, new: Path) -> None:
+    filename = mesh.get("filename", "")
+    if filename and "://" not in filename and not Path(filename).is_absolute():
+        mesh.set("filename", os.path.relpath(old / filename, new))
+
+
+def _generated(calibrated: CalibratedRobot) -> ElementTree.Element:
+    robot = calibrated.robot
+    root = ElementTree.Element("robot", name=robot.name)
+    ElementTree.SubElement(root, "link", name="base")
+    for i in robot.outward:
+        joint = robot.joints[i]
+        element = ElementTree.SubElement(root, "joint", name=joint.name, type=joint.kind)
+        parent = "base" if joint.parent == -1 else robot.joints[joint.parent].link
+        ElementTree.SubElement(element, "parent", link=parent)
+        ElementTree.SubElement(element, "child", link=joint.link)
+        pose = {"xyz": numbers(joint.p_PJ), "rpy": roll_pitch_yaw(joint.R_PJ)}
+        ElementTree.SubElement(element, "origin", pose)
+        ElementTree.SubElement(element, "axis", xyz=numbers(joint.axis))
+        _add_limit(element, calibrated, i)
+        link = ElementTree.SubElement(root, "link", name=joint.link)
+        _add_inertial(link, calibrated, i, in_source_link=False)
+    return root
+
+
+def _add_limit(element: ElementTree.Element, calibrated: CalibratedRobot, i: int) -> None:
+    limits = calibrated.robot.limits
+    lower, upper = limits.position[i]
+    if not np.isfinite([lower, upper]).all():
+        if element.get("type") == "revolute":
+            element.set("type", "continuous")
+        lower, upper = -ANY_EFFORT, ANY_EFFORT
+    effort, velocity = limits.torque[i, 1], limits.velocity[i, 1]
+    ElementTree.SubElement(
+        element,
+        "limit",
+        lower=number(lower),
+        upper=number(upper),
+        effort=number(effort if np.isfinite(effort) else ANY_EFFORT),
+        velocity=number(velocity if np.isfinite(velocity) else ANY_EFFORT),
+    )
+
+
+def _add_inertial(
+    link: ElementTree.Element, calibrated: CalibratedRobot, i: int, *, in_source_link: bool
+) -> None:
+    body = link_inertial(calibrated.robot, i, in_source_link=in_source_link)
+    inertial = ElementTree.Element("inertial")
+    ElementTree.SubElement(inertial, "origin", xyz=numbers(body.com), rpy="0 0 0")
+    ElementTree.SubElement(inertial, "mass", value=number(body.mass))
+    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    values = body.inertia[np.triu_indices(3)]
+    entries = {name: number(value) for name, value in zip(names, values, strict=True)}
+    ElementTree.SubElement(inertial, "inertia", entries)
+    link.insert(0, inertial)
+
+
+def _set_joints(calibrated: CalibratedRobot, root: ElementTree.Element) -> None:
+    elements = {joint.get("name"): joint for joint in root.findall("joint")}
+    for i, name in enumerate(calibrated.robot.joint_names):
+        joint = elements[name]
+        for old in joint.findall("dynamics"):
+            joint.remove(old)
+        ElementTree.SubElement(
+            joint,
+            "dynamics",
+            damping=number(calibrated.viscous[i]),
+            friction=number(calibrated.coulomb[i]),
+        )
+        if calibrated.rotor_inertia[i] > 0:
+            _set_rotor(root, joint, name, float(calibrated.rotor_inertia[i]))
+
+
+def _set_rotor(
+    root: ElementTree.Element, joint: ElementTree.Element, name: str, inertia: float
+) -> None:
+    limit = joint.find("limit")
+    if limit is not None and float(limit.get("effort", "0")) == 0.0:
+        limit.set("effort", number(ANY_EFFORT))
+    for old in root.findall("transmission"):
+        moved = old.find("joint")
+        if moved is not None and moved.get("name") == name:
+            root.remove(old)
+    transmission = ElementTree.SubElement(root, "transmission", name=f"{name}_transmission")
+    kind = ElementTree.SubElement(transmission, "type")
+    kind.text = "transmission_interface/SimpleTransmission"
+    ElementTree.SubElement(transmission, "joint", name=name)
+    actuator = ElementTree.SubElement(transmission, "actuator", name=name)
+    ElementTree.SubElement(actuator, f"{{{DRAKE}}}rotor_inertia", value=number(inertia))
+    ElementTree.SubElement(actuator, f"{{{DRAKE}}}gear_ratio", value="1")
