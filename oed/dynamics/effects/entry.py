@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -224,6 +225,10 @@ class CatalogueEntry:
     def shapes_for(self, context: Context, target: Target) -> tuple[Shape, ...]:
         """The nonlinear parameters with ranges that the data at hand can tell apart."""
         return self.narrow(context, target, self.shapes)
+
+    def trials(self, context: Context, target: Target) -> tuple[tuple[float, ...], ...]:
+        """Values of the shapes for a first scan, every combination; one empty tuple if none."""
+        return tuple(product(*(shape.grid for shape in self.shapes_for(context, target))))
 
     def apply(
         self,

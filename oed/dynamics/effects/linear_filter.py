@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.interpolate import make_interp_spline
-from scipy.signal import cont2discrete, lfilter, lfilter_zi
+from scipy.signal import TransferFunction, lfilter, lfilter_zi
 
 # Spacing that varies by less than this fraction of itself is taken as uniform.
 UNIFORM = 1e-3
@@ -52,8 +52,8 @@ def _respond_evenly(
         [c / step ** (len(poly) - 1 - k) for k, c in enumerate(poly)]
         for poly in (numerator, denominator)
     ]
-    b, a, _ = cont2discrete(tuple(scaled), 1.0, method="foh")
-    b = np.ravel(b)
+    discrete = TransferFunction(*scaled).to_discrete(1.0, method="foh")
+    b, a = discrete.num, discrete.den
     settled = lfilter_zi(b, a)[:, None, None] * u[:1]
     answer, _ = lfilter(b, a, u, axis=0, zi=settled)
     return answer

@@ -7,8 +7,11 @@ are evaluated again after each refit.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from hashlib import blake2b
 
 import numpy as np
 from jaxtyping import Float
@@ -21,10 +24,15 @@ from oed.dynamics.newton_euler import inverse_dynamics, joint_components
 from oed.dynamics.scalars import Scalar, add, mul
 from oed.robot import Robot
 
+REMEMBERED = 24  # torques of a few recordings: a scan asks for the same ones at each trial value
+
 
 @dataclass(frozen=True)
 class ReferenceTorque:
     """A torque model with numbers for its parameters.
+
+    It remembers the torques of the last sampled motions: a scan over shapes asks again and
+    again for the same recordings.
 
     Attributes:
         robot: Carries the estimated standard parameters; they need not be physical.
@@ -72,7 +80,9 @@ class ReferenceTorque:
 
     def rigid(self, state: State) -> list[Scalar]:
         """Rigid-body torque of every joint [N m]."""
-        return inverse_dynamics(self.robot, state.q, state.dq, state.ddq)
+        return self._remembered(
+            "rigid", state, lambda: inverse_dynamics(self.robot, state.q, state.dq, state.ddq)
+        )
 
     def gravity(self, state: State, gravity: Float[ndarray, "3"]) -> list[Scalar]:
         """Torque of the arm at rest under another gravity [m/s^2]."""
@@ -81,19 +91,11 @@ class ReferenceTorque:
 
     def inertia(self, state: State, joint: int) -> Scalar:
         """Diagonal entry M_jj of the inertia matrix [kg m^2]."""
-        rest = [0.0] * self.robot.n
-        ddq = [1.0 if j == joint else 0.0 for j in range(self.robot.n)]
-        weightless = self.robot.with_gravity(np.zeros(3))
-        return inverse_dynamics(weightless, state.q, rest, ddq)[joint]
+        return self._remembered(f"inertia {joint}", state, lambda: self._inertia(state, joint))[0]
 
     def beside_rigid(self, state: State) -> list[Scalar]:
         """Torque of all other effects of every joint [N m]."""
-        torque: list[Scalar] = [0.0] * self.robot.n
-        columns = (entry for effect in self.others for entry in effect.entries(state))
-        for coefficient, by_joint in zip(self.coefficients, columns, strict=True):
-            for joint, entry in by_joint.items():
-                torque[joint] = add(torque[joint], mul(coefficient, entry))
-        return torque
+        return self._remembered("rest", state, lambda: self._beside_rigid(state))
 
     def total(self, state: State) -> list[Scalar]:
         """Torque of every joint [N m]."""
@@ -108,3 +110,46 @@ class ReferenceTorque:
             for joint, torque in enumerate(torques):
                 result[:, joint, part] = torque
         return result
+
+    def _inertia(self, state: State, joint: int) -> list[Scalar]:
+        rest = [0.0] * self.robot.n
+        ddq = [1.0 if j == joint else 0.0 for j in range(self.robot.n)]
+        weightless = self.robot.with_gravity(np.zeros(3))
+        return [inverse_dynamics(weightless, state.q, rest, ddq)[joint]]
+
+    def _beside_rigid(self, state: State) -> list[Scalar]:
+        torque: list[Scalar] = [0.0] * self.robot.n
+        columns = (entry for effect in self.others for entry in effect.entries(state))
+        for coefficient, by_joint in zip(self.coefficients, columns, strict=True):
+            for joint, entry in by_joint.items():
+                torque[joint] = add(torque[joint], mul(coefficient, entry))
+        return torque
+
+    @cached_property
+    def _memory(self) -> OrderedDict[tuple[str, bytes], list[Scalar]]:
+        return OrderedDict()
+
+    def _remembered(
+        self, what: str, state: State, compute: Callable[[], list[Scalar]]
+    ) -> list[Scalar]:
+        fingerprint = _fingerprint(state)
+        if fingerprint is None:
+            return compute()
+        key = (what, fingerprint)
+        if key not in self._memory:
+            self._memory[key] = compute()
+        self._memory.move_to_end(key)
+        if len(self._memory) > REMEMBERED:
+            self._memory.popitem(last=False)
+        return self._memory[key]
+
+
+def _fingerprint(state: State) -> bytes | None:
+    """What tells one sampled motion from another; None for symbols and single instants."""
+    components = (state.t, *state.q, *state.dq, *state.ddq)
+    if not all(isinstance(x, np.ndarray) for x in components):
+        return None
+    digest = blake2b(str(state.sign_width).encode(), digest_size=16)
+    for component in components:
+        digest.update(component.tobytes())
+    return digest.digest()

@@ -9,6 +9,11 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.effect import Effect
+from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.motion import Motion
+from oed.dynamics.torque_model import TorqueModel
+
 # A residual column shorter than this fraction of the column is what rounding leaves.
 ABSORBED = 1e-7
 # Singular values of normalised columns below this say that the columns repeat each other.
@@ -37,6 +42,38 @@ class Similarity:
     def smallest(self) -> float:
         """Smallest principal angle [rad]: near zero if some torque of both is the same."""
         return float(self.angles[0]) if len(self.angles) else np.pi / 2
+
+
+def effect_angles(
+    model: TorqueModel,
+    first: Effect,
+    second: Effect,
+    motions: Sequence[Motion],
+    noise: Float[ndarray, "joints"],
+) -> Similarity:
+    """Principal angles between two effects on recordings, modulo a model's own columns.
+
+    Args:
+        model: The base model.
+        first: One effect.
+        second: The other.
+        motions: One a recording, evaluated one at a time.
+        noise: Standard deviation of the torque noise of each joint [N m].
+    """
+    n = model.robot.n
+
+    def rows(columns: Float[ndarray, "samples joints columns"]) -> Float[ndarray, "rows columns"]:
+        return (columns / noise[:, None]).reshape(-1, columns.shape[2])
+
+    base, one, other = (
+        np.concatenate([rows(columns(motion)) for motion in motions])
+        for columns in (
+            model.columns,
+            lambda motion: evaluate(first, motion, n),
+            lambda motion: evaluate(second, motion, n),
+        )
+    )
+    return principal_angles(base, one, other)
 
 
 def principal_angles(

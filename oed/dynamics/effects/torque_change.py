@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from jaxtyping import Float
+from numpy import ndarray
+
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar
 
 
@@ -49,7 +54,12 @@ class TorqueChange(Effect):
         """
         motion = state.motion(self.measurement.name)
         modelled = self.reference.parts(motion)
-        measured = self.measurement.through(self.reference.parts, motion)
+        forgetful = dataclasses.replace(self.reference)  # a moved motion is not seen again
+
+        def parts(seen: Motion) -> Float[ndarray, "samples joints 2"]:
+            return modelled if seen is motion else forgetful.parts(seen)
+
+        measured = self.measurement.through(parts, motion)
         change = (measured - modelled).sum(axis=2)
         joints = range(self.reference.robot.n) if self.joint is None else [self.joint]
         return [{j: change[:, j] for j in joints}]

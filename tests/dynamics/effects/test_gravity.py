@@ -54,7 +54,7 @@ def test_repeated_steps_reach_a_tilt_of_any_size(degrees: float) -> None:
         if np.linalg.norm(tilt) < 1e-4:
             break
         # As far as one linear step can mean.
-        tilt *= min(1.0, 0.6 / np.linalg.norm(tilt))
+        tilt *= min(1.0, 1.0 / np.linalg.norm(tilt))
         model = entry.apply(context, None, (), tilt)
     assert model.robot.gravity == pytest.approx(true.gravity, abs=1e-3)
 

@@ -37,6 +37,14 @@ def test_reference_inertia_is_the_diagonal_of_the_inertia_matrix() -> None:
     assert CONTEXT.reference.inertia(state, 1) == pytest.approx(inertia_2)
 
 
+def test_reference_remembers_without_mixing_motions_up() -> None:
+    other = smooth_motion(ARM, duration=10.0, step=2.5e-3)
+    reference = CONTEXT.reference
+    for motion in (MOTION, other, MOTION, MOTION[:100], other):
+        expected = CONTEXT.model.torque(CONTEXT.parameters, motion)
+        assert reference.parts(motion).sum(axis=2) == pytest.approx(expected, abs=1e-10)
+
+
 def test_reference_refuses_a_vector_of_another_model() -> None:
     with pytest.raises(ValueError, match="3 values for a model of 24"):
         ReferenceTorque.of(ARM, CONTEXT.model.effects, np.zeros(3))

@@ -5,7 +5,7 @@ import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.effects.entry import evaluate
-from oed.dynamics.effects.similarity import equivalence_classes, principal_angles
+from oed.dynamics.effects.similarity import effect_angles, equivalence_classes, principal_angles
 from oed.dynamics.torque_model import TorqueModel
 from tests.dynamics.effects.arms import (
     context_of,
@@ -66,6 +66,18 @@ def test_a_small_delay_is_a_lag_and_not_a_stribeck_curve() -> None:
     base = model.regressor(motion)
     assert principal_angles(base, delay, lag).largest < 0.05
     assert principal_angles(base, delay, stribeck).largest > 0.5
+
+
+def test_angles_over_recordings_weigh_joints_by_their_noise(vertical: Context) -> None:
+    motion = smooth_motion(vertical.model.robot, step=0.01)
+    halves = [motion[:500], motion[500:]]
+    tilt = CATALOGUE["gravity_direction"].build(vertical, None, ())
+    spring = CATALOGUE["joint_spring"].build(vertical, 0, ())
+    whole = effect_angles(vertical.model, tilt, spring, [motion], np.ones(2))
+    parted = effect_angles(vertical.model, tilt, spring, halves, np.ones(2))
+    assert parted.angles == pytest.approx(whole.angles, abs=1e-6)
+    weighed = effect_angles(vertical.model, tilt, spring, [motion], np.array([1.0, 10.0]))
+    assert abs(weighed.largest - whole.largest) > 1e-3
 
 
 def test_gains_of_a_two_joint_arm_are_one_class(vertical: Context, base: np.ndarray) -> None:
