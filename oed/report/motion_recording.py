@@ -1,0 +1,53 @@
+"""The arm moving, as one HTML page that needs no server: Drake's Meshcat, recorded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from pydrake.geometry import Meshcat, MeshcatVisualizer
+
+from oed.design.scene import load_scene
+from oed.dynamics.motion import Motion
+from oed.errors import OedError
+from oed.report.json_file import write_atomically
+from oed.robot import Robot
+
+FRAMES_PER_SECOND = 25.0
+
+
+def record_motion(robot: Robot, motion: Motion, path: str | Path) -> str:
+    """Write a page that plays a motion; it holds all it needs.
+
+    Meshcat's server lives only inside this call.
+
+    Args:
+        robot: Loaded from a file with geometry.
+        motion: At `FRAMES_PER_SECOND` or so.
+        path: Of the page.
+
+    Returns:
+        A note on what could not be shown; empty where all could.
+    """
+    try:
+        scene = load_scene(robot)
+    except OedError as error:
+        return f"no recording: {error}"
+    try:
+        meshcat = Meshcat()
+    except RuntimeError as error:  # no free port, or no network at all
+        return f"no recording: Meshcat cannot start: {error}"
+    visualizer = MeshcatVisualizer.AddToBuilder(scene.builder, scene.scene_graph, meshcat)
+    diagram = scene.builder.Build()
+    context = diagram.CreateDefaultContext()
+    plant_context = scene.plant.GetMyMutableContextFromRoot(context)
+    rest = scene.plant.GetPositions(plant_context).copy()
+    visualizer.StartRecording(False)
+    for t, q in zip(motion.t, motion.q, strict=True):
+        context.SetTime(float(t))
+        scene.plant.SetPositions(plant_context, scene.positions(np.asarray(q), rest))
+        diagram.ForcedPublish(context)
+    visualizer.StopRecording()
+    visualizer.PublishRecording()
+    write_atomically(path, meshcat.StaticHtml())
+    return scene.note
