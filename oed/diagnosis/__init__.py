@@ -1,0 +1,1 @@
+"""What a torque model still lacks: residual, lack of fit, candidates, selection, verdict."""

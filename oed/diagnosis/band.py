@@ -1,0 +1,139 @@
+"""The frequency band in which both position and torque can be trusted.
+
+A torque kept where the position is only noise shows accelerations that the regressor cannot
+have seen, and they repeat with the motion: a false lack of fit. So the model's columns and the
+torque pass one and the same filter, and its cut-off is where the position's signal ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.signal import firwin, upfirdn, welch
+
+SIGNAL_TO_NOISE = 4.0  # least ratio of the acceleration's power to that of encoder noise
+SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not touch the band
+TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
+SAMPLES_PER_CUTOFF = 2.5  # analysis rate over cut-off: the whole transition lies below Nyquist
+
+
+@dataclass(frozen=True)
+class Band:
+    """A low-pass and decimation, the same for torque and model.
+
+    Attributes:
+        rate: Of the fine grid on which columns are evaluated [Hz].
+        factor: Fine samples per analysis sample.
+        cutoff: Frequency of half amplitude [Hz].
+        smoothing: Cut-off of the position's own smoothing [Hz].
+    """
+
+    rate: float
+    factor: int
+    cutoff: float
+    smoothing: float
+
+    @property
+    def analysis_rate(self) -> float:
+        """Rate of the filtered rows [Hz]."""
+        return self.rate / self.factor
+
+    @cached_property
+    def taps(self) -> Float[ndarray, "taps"]:
+        """Symmetric impulse response of unit sum."""
+        length = 2 * int(np.ceil(1.65 * self.rate / (TRANSITION * self.cutoff))) + 1
+        return firwin(length, self.cutoff, fs=self.rate)
+
+    @property
+    def reach(self) -> int:
+        """Fine samples on each side that a filtered one depends on."""
+        return len(self.taps) // 2
+
+    def rows(self, samples: int) -> int:
+        """Analysis rows that `samples` fine ones give."""
+        return max(0, (samples - 1 - 2 * self.reach) // self.factor + 1)
+
+    def instants(self, t: Float[ndarray, "samples"]) -> Float[ndarray, "rows"]:
+        """Times of the filtered rows [s]."""
+        return t[self.reach : len(t) - self.reach : self.factor]
+
+    def apply(self, fine: Float[ndarray, "samples *columns"]) -> Float[ndarray, "rows *columns"]:
+        """Filter without phase and keep every `factor`-th row, the unsettled ends cut away."""
+        flat = fine.reshape(len(fine), -1)
+        # Only the rows that are kept are computed: the first tap meets sample 0 at `reach`.
+        lead = (len(self.taps) - 1) % self.factor
+        padded = np.concatenate([np.zeros(((-lead) % self.factor, flat.shape[1])), flat])
+        start = (len(self.taps) - 1 + ((-lead) % self.factor)) // self.factor
+        filtered = upfirdn(self.taps, padded, up=1, down=self.factor, axis=0)
+        kept = filtered[start : start + self.rows(len(fine))]
+        return kept.reshape(len(kept), *fine.shape[1:])
+
+
+def position_noise(
+    positions: Sequence[Float[ndarray, "samples joints"]], rate: float
+) -> tuple[Float[ndarray, "joints"], Float[ndarray, "joints"]]:
+    """Spectral density of encoder noise, and the frequency up to which motion exceeds it.
+
+    The noise is read off the upper half of the band, where arms do not move, and taken for
+    white; second differences keep the motion's large slow part from leaking over it.
+
+    Args:
+        positions: Uniformly sampled positions, one array a recording [rad or m].
+        rate: [Hz].
+
+    Returns:
+        (n,) one-sided density [rad^2/Hz], and (n,) frequency [Hz].
+    """
+    length = int(min(min(len(q) for q in positions) - 2, 4 * rate))
+    spectra = []
+    for q in positions:
+        acceleration = np.diff(q, n=2, axis=0)
+        frequency, power = welch(
+            acceleration, fs=rate, nperseg=length, axis=0, detrend="constant", window="hann"
+        )
+        spectra.append(power)
+    power = np.mean(spectra, axis=0)
+    # |1 - z^-1|^4 of the second difference.
+    shape = (2 - 2 * np.cos(2 * np.pi * frequency / rate)) ** 2
+    upper = frequency > 0.3 * rate
+    density = np.median(power[upper] / shape[upper, None], axis=0)
+    edges = np.geomspace(1.0, 0.45 * rate, 60)
+    reach = np.zeros(power.shape[1])
+    for joint in range(power.shape[1]):
+        for lower, higher in zip(edges[:-1], edges[1:], strict=True):
+            inside = (frequency >= lower / 1.1) & (frequency <= higher * 1.1)
+            if not inside.any():
+                continue
+            if power[inside, joint].mean() < SIGNAL_TO_NOISE * (
+                density[joint] * shape[inside].mean()
+            ):
+                break
+            reach[joint] = higher
+    return density, reach
+
+
+def choose_band(
+    positions: Sequence[Float[ndarray, "samples joints"]],
+    rate: float,
+    lowest: float,
+    highest: float,
+) -> Band:
+    """The widest band in which every joint's motion stands out of its encoder's noise.
+
+    Args:
+        positions: As `position_noise`.
+        rate: Of these [Hz].
+        lowest: Least cut-off [Hz].
+        highest: Largest cut-off [Hz].
+    """
+    _, reach = position_noise(positions, rate)
+    cutoff = float(np.clip(reach.min(), lowest, highest))
+    cutoff = min(cutoff, rate / (2 * SAMPLES_PER_CUTOFF))
+    factor = max(1, int(rate / (SAMPLES_PER_CUTOFF * cutoff)))
+    smoothing = min(SMOOTHING * cutoff, 0.4 * rate)
+    return Band(rate=rate, factor=factor, cutoff=cutoff, smoothing=smoothing)

@@ -1,0 +1,105 @@
+"""Smooth nonparametric torque terms: what a library of names is measured against.
+
+Cubic B-splines in one coordinate, or products of them in two, with or without the sign of the
+joint's motion. Outside the range that the data covered, a term keeps the value at its edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.interpolate import BSpline
+
+from oed.dynamics.effects import Effect, Parameter, State
+from oed.dynamics.scalars import Scalar
+
+DEGREE = 3
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A coordinate that a free-form term may depend on.
+
+    Attributes:
+        kind: "q", "dq", "ddq" or "time".
+        joint: Index of the joint; 0 for time.
+        lower: Least value that the data covered.
+        upper: Largest value.
+        pieces: Polynomial pieces of the spline.
+    """
+
+    kind: str
+    joint: int
+    lower: float
+    upper: float
+    pieces: int
+
+    @property
+    def name(self) -> str:
+        """Such as "dq_2" (joints from 1), or "time"."""
+        return "time" if self.kind == "time" else f"{self.kind}_{self.joint + 1}"
+
+    def values(self, state: State) -> Float[ndarray, "samples"]:
+        """The coordinate along a motion."""
+        if self.kind == "time":
+            return np.asarray(state.t, dtype=float)
+        return np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
+
+    def basis(self, x: Float[ndarray, "samples"]) -> Float[ndarray, "samples functions"]:
+        """B-splines that add up to one; beyond the covered range they stay at its edge."""
+        inner = np.linspace(self.lower, self.upper, self.pieces + 1)
+        knots = np.concatenate([[self.lower] * DEGREE, inner, [self.upper] * DEGREE])
+        inside = np.clip(x, self.lower, self.upper)
+        return BSpline.design_matrix(inside, knots, DEGREE).toarray()
+
+
+@dataclass(frozen=True)
+class FreeForm(Effect):
+    """A smooth function of one or two coordinates on one joint.
+
+    Attributes:
+        joint: On which the torque acts.
+        coordinates: One or two.
+        directed: Whether it is multiplied by the sign of the joint's velocity.
+    """
+
+    joint: int
+    coordinates: tuple[Coordinate, ...]
+    directed: bool = False
+    name = "free_form"
+
+    @property
+    def label(self) -> str:
+        """In words, such as "f(q_1, dq_2)" or "f(q_1) sgn(dq_1)"."""
+        inside = ", ".join(c.name for c in self.coordinates)
+        return f"f({inside})" + (f" sgn(dq_{self.joint + 1})" if self.directed else "")
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """One a basis function."""
+        count = int(np.prod([c.pieces + DEGREE for c in self.coordinates]))
+        tag = "_".join(c.name for c in self.coordinates) + ("_s" if self.directed else "")
+        return tuple(
+            Parameter(f"f_{self.joint + 1}[{tag}]_{k}", "N m", self.joint) for k in range(count)
+        )
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Names of the coordinates, the joint's velocity among them if directed."""
+        names = [c.name for c in self.coordinates]
+        own = f"dq_{self.joint + 1}"
+        return tuple(names + ([own] if self.directed and own not in names else []))
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """Products of the coordinates' B-splines."""
+        product = self.coordinates[0].basis(self.coordinates[0].values(state))
+        for coordinate in self.coordinates[1:]:
+            other = coordinate.basis(coordinate.values(state))
+            product = (product[:, :, None] * other[:, None, :]).reshape(len(product), -1)
+        if self.directed:
+            product = product * np.asarray(state.sign(state.dq[self.joint]))[:, None]
+        return [{self.joint: product[:, k]} for k in range(product.shape[1])]

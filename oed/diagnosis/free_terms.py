@@ -1,0 +1,69 @@
+"""Which free-form terms compete, and over what range of their coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oed.diagnosis.free_form import Coordinate, FreeForm
+from oed.diagnosis.prepare import Prepared
+
+PIECES_ALONE = 8
+PIECES_TOGETHER = 4
+# Range between these quantiles: a spline's end piece needs data, not one outlying sample.
+QUANTILES = (0.002, 0.998)
+
+
+def coordinate(
+    prepared: Sequence[Prepared], kind: str, joint: int, pieces: int = PIECES_ALONE
+) -> Coordinate:
+    """A coordinate with the range that the recordings cover."""
+    if kind == "time":
+        lower = min(float(p.motion.t[0]) for p in prepared)
+        upper = max(float(p.motion.t[-1]) for p in prepared)
+    else:
+        values = np.concatenate([getattr(p.motion, kind)[:, joint] for p in prepared])
+        lower, upper = (float(x) for x in np.quantile(values, QUANTILES))
+    if upper - lower < 1e-6:
+        upper = lower + 1e-6
+    return Coordinate(kind, joint, lower, upper, pieces)
+
+
+def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ...]:
+    """Terms in one coordinate, for every joint."""
+    terms: list[FreeForm] = []
+    for j in range(joints):
+        for i in range(joints):
+            for kind in ("q", "dq"):
+                terms.append(FreeForm(j, (coordinate(prepared, kind, i),)))
+            terms.append(FreeForm(j, (coordinate(prepared, "q", i),), directed=True))
+        terms.append(FreeForm(j, (coordinate(prepared, "ddq", j),)))
+        terms.append(FreeForm(j, (coordinate(prepared, "time", 0),)))
+    return tuple(terms)
+
+
+def terms_together(
+    prepared: Sequence[Prepared], joints: int, acting: Sequence[int]
+) -> tuple[FreeForm, ...]:
+    """Terms in two coordinates for the joints where something is left."""
+    terms: list[FreeForm] = []
+    for j in acting:
+        kinds = [(kind, i) for i in range(joints) for kind in ("q", "dq")]
+        own = {("q", j), ("dq", j)}
+        for a, first in enumerate(kinds):
+            for second in kinds[a + 1 :]:
+                # With many joints only pairs that hold a coordinate of the joint itself:
+                # the number of all pairs grows with the square, and so does the multiplicity.
+                if joints > 3 and not own & {first, second}:
+                    continue
+                pair = tuple(coordinate(prepared, *c, PIECES_TOGETHER) for c in (first, second))
+                terms.append(FreeForm(j, pair))
+        for kind in ("dq", "time"):
+            pair = (
+                coordinate(prepared, kind, j if kind == "dq" else 0, PIECES_TOGETHER),
+                coordinate(prepared, "dq" if kind == "time" else "q", j, PIECES_TOGETHER),
+            )
+            if kind == "time":
+                terms.append(FreeForm(j, pair))
+    return tuple(terms)

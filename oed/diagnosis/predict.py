@@ -1,0 +1,57 @@
+"""Predictions of a fitted addition on recordings that it has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.linear_fit import LinearFit
+from oed.diagnosis.model_columns import effect_columns
+from oed.diagnosis.prepare import Prepared
+from oed.diagnosis.trials import Trial
+from oed.diagnosis.workbench import Augmented
+
+
+def prediction_errors(
+    found: Augmented, prepared: Sequence[Prepared], base_torque: Sequence[Float[ndarray, "_ n base"]]
+) -> list[Float[ndarray, "_ joints"]]:
+    """Torque less prediction in the analysis band [N m], one array a recording.
+
+    Args:
+        found: Fitted to other recordings.
+        prepared: The recordings.
+        base_torque: Their filtered base columns.
+    """
+    fit = found.fit
+    base = fit.parameters[: len(fit.columns)]
+    errors = []
+    for recording, columns in zip(prepared, base_torque, strict=True):
+        error = recording.torque - columns @ base
+        for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
+            error = error - addition_torque(trial, coefficients, recording)
+        errors.append(error)
+    return errors
+
+
+def base_columns(fit: LinearFit, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ n base"]]:
+    """Filtered base columns of recordings."""
+    return [p.band.apply(fit.model.columns(p.motion)[:, :, fit.columns]) for p in prepared]
+
+
+def addition_torque(
+    trial: Trial, coefficients: Float[ndarray, "columns"], recording: Prepared
+) -> Float[ndarray, "rows joints"]:
+    """Filtered torque of one addition along a recording [N m]."""
+    joints = recording.torque.shape[1]
+    fine = np.zeros((len(recording.motion), joints))
+    for joint, block in effect_columns(trial.effect, recording.motion, joints, 0.0).items():
+        fine[:, joint] = block @ coefficients
+    return recording.band.apply(fine)
+
+
+def rms(errors: Sequence[Float[ndarray, "_ joints"]]) -> Float[ndarray, "joints"]:
+    """Root mean square of each joint over all recordings [N m]."""
+    return np.sqrt(np.mean(np.concatenate(list(errors)) ** 2, axis=0))

@@ -1,0 +1,162 @@
+"""A recording as diagnosis sees it: motion on a fine grid, torque in the analysis band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from oed.diagnosis.band import Band, choose_band, position_noise
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.motion import Motion
+from oed.experiment.processing import fresh_samples
+from oed.experiment.recording import Recording, Role
+from oed.experiment.signals.differentiation import central_difference
+from oed.experiment.signals.lowpass import lowpass
+from oed.experiment.signals.resampling import resample, uniform_grid
+
+FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
+EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """One recording, ready to be compared with a model.
+
+    Attributes:
+        name: Of the recording.
+        role: Of the recording.
+        motion: N fine samples.
+        fine_torque: (N, n) torque on the fine grid, unfiltered [N m].
+        torque: (R, n) filtered rows [N m].
+        t: (R,) time of the rows [s].
+        band: Filter and decimation from fine samples to rows.
+        repetition: (R,) repetition of each row, -1 where there is none.
+        period: Of the motion, None without repetitions [s].
+        sign_noise: (n,) standard deviation of the velocity on the fine grid [rad/s].
+    """
+
+    name: str
+    role: Role
+    motion: Motion
+    fine_torque: Float[ndarray, "samples joints"]
+    torque: Float[ndarray, "rows joints"]
+    t: Float[ndarray, "rows"]
+    band: Band
+    repetition: Int[ndarray, "rows"]
+    period: float | None
+    sign_noise: Float[ndarray, "joints"]
+
+    @property
+    def rows(self) -> int:
+        """Number of rows R."""
+        return len(self.t)
+
+    @property
+    def phase(self) -> Float[ndarray, "rows"]:
+        """Time within the period, or the time itself without repetitions [s]."""
+        return self.t if self.period is None else np.mod(self.t, self.period)
+
+
+def fine_rate(recordings: tuple[Recording, ...]) -> float:
+    """Common rate of the fine grid [Hz]: the slowest recording's, rounded, at most 1 kHz."""
+    slowest = min(1 / float(np.median(np.diff(r.t))) for r in recordings)
+    return min(FINEST_RATE, float(f"{slowest:.3g}"))
+
+
+def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> tuple[Prepared, ...]:
+    """Bring all recordings to one fine grid and one band, chosen from their positions.
+
+    Raises:
+        ValueError: If a recording is too short for its band.
+    """
+    rate = fine_rate(recordings)
+    raw = [_uniform(recording, rate) for recording in recordings]
+    positions = [q for _, q, _ in raw]
+    band = choose_band(positions, rate, settings.lowest_cutoff, settings.highest_cutoff)
+    noise = velocity_noise(position_noise(positions, rate)[0], band)
+    return tuple(
+        _prepare_one(recording, *signals, band, noise)
+        for recording, signals in zip(recordings, raw, strict=True)
+    )
+
+
+def velocity_noise(density: Float[ndarray, "joints"], band: Band) -> Float[ndarray, "joints"]:
+    """Standard deviation of the smoothed, differentiated encoder noise [rad/s]."""
+    frequency = np.linspace(0, band.rate / 2, 2000)
+    gain = 1 / (1 + (frequency / band.smoothing) ** 8)
+    power = np.trapezoid((2 * np.pi * frequency * gain) ** 2, frequency)
+    return np.sqrt(density * power)
+
+
+def _uniform(
+    recording: Recording, rate: float
+) -> tuple[
+    Float[ndarray, "samples"], Float[ndarray, "samples joints"], Float[ndarray, "samples joints"]
+]:
+    fresh = fresh_samples(recording)
+    logged = 1 / float(np.median(np.diff(recording.t)))
+    t, q, tau = recording.t[fresh], recording.q[fresh], recording.tau[fresh]
+    # Whole steps by averaging first: interpolation alone would fold high noise into the band.
+    step = int(round(logged / rate))
+    if step > 1:
+        dense = uniform_grid(t, rate * step)
+        q, tau = (
+            lowpass(resample(t, x, dense, "linear"), rate * step, 0.4 * rate) for x in (q, tau)
+        )
+        return dense[::step], q[::step], tau[::step]
+    grid = uniform_grid(t, rate)
+    return grid, resample(t, q, grid, "linear"), resample(t, tau, grid, "linear")
+
+
+def _prepare_one(
+    recording: Recording,
+    t: Float[ndarray, "samples"],
+    q: Float[ndarray, "samples joints"],
+    tau: Float[ndarray, "samples joints"],
+    band: Band,
+    noise: Float[ndarray, "joints"],
+) -> Prepared:
+    smooth = lowpass(q, band.rate, band.smoothing)
+    dq = central_difference(smooth, band.rate)
+    ddq = central_difference(dq, band.rate)
+    cut = int(np.ceil(EDGE * band.rate))
+    if band.rows(len(t) - 2 * cut) < 20:
+        raise ValueError(
+            f"{recording.name}: {recording.duration:g} s are too short for a band of "
+            f"{band.cutoff:.3g} Hz"
+        )
+    inner = slice(cut, len(t) - cut)
+    rows_t = band.instants(t[inner])
+    return Prepared(
+        name=recording.name,
+        role=recording.role,
+        motion=Motion(t, smooth, dq, ddq)[inner],
+        fine_torque=tau[inner],
+        torque=band.apply(tau[inner]),
+        t=rows_t,
+        band=band,
+        repetition=_repetition(recording, rows_t),
+        period=_period(recording),
+        sign_noise=noise,
+    )
+
+
+def _repetition(
+    recording: Recording, instants: Float[ndarray, "rows"]
+) -> Int[ndarray, "rows"]:
+    if recording.repetition is None or recording.repetitions < 2:
+        return np.full(len(instants), -1)
+    before = np.searchsorted(recording.t, instants + 1e-9, side="right") - 1
+    return recording.repetition[before]
+
+
+def _period(recording: Recording) -> float | None:
+    if recording.repetition is None or recording.repetitions < 2:
+        return None
+    if recording.period is not None:
+        return recording.period
+    _, first = np.unique(recording.repetition, return_index=True)
+    return float(np.median(np.diff(recording.t[np.sort(first)])))

@@ -1,0 +1,67 @@
+"""The mean over repetitions: as much about the motion's effects as all of them, in fewer rows."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.prepare import Prepared
+from oed.diagnosis.whitening import Autoregression
+from oed.dynamics.motion import Motion
+
+# Repetitions whose positions differ by more than this share of the motion are not repetitions:
+# their mean would be a motion that nobody ran.
+LARGEST_SPREAD = 0.01
+LEAST_SHARE_OF_PERIOD = 0.6  # of the period that all repetitions must have in common
+
+
+def mean_of_repetitions(prepared: Prepared) -> tuple[Prepared, int]:
+    """The recording's mean repetition, and how many it is the mean of.
+
+    The samples between the cut edges that all repetitions share are averaged. A recording
+    without repetitions, or whose repetitions disagree, is returned as it is, with 1.
+    """
+    if prepared.period is None:
+        return prepared, 1
+    motion, rate = prepared.motion, prepared.band.rate
+    step = prepared.period * rate
+    count = len(np.unique(prepared.repetition))
+    length = int(min(step, len(motion) - (count - 1) * step))
+    if count < 2 or length < LEAST_SHARE_OF_PERIOD * step:
+        return prepared, 1
+    starts = np.round(np.arange(count) * step).astype(int)
+    index = np.minimum(starts[:, None] + np.arange(length), len(motion) - 1)
+    spread = np.std(motion.q[index], axis=0).max(axis=0)
+    if np.any(spread > LARGEST_SPREAD * np.ptp(motion.q, axis=0)):
+        return prepared, 1
+    q, dq, ddq, torque = (
+        _mean(x, index) for x in (motion.q, motion.dq, motion.ddq, prepared.fine_torque)
+    )
+    mean = Motion(motion.t[:length], q, dq, ddq)
+    t = prepared.band.instants(mean.t)
+    averaged = dataclasses.replace(
+        prepared,
+        motion=mean,
+        fine_torque=torque,
+        torque=prepared.band.apply(torque),
+        t=t,
+        repetition=np.full(len(t), -1),
+        period=None,
+        sign_noise=prepared.sign_noise / np.sqrt(count),
+    )
+    return averaged, count
+
+
+def mean_noise(noise: tuple[Autoregression, ...], count: int) -> tuple[Autoregression, ...]:
+    """The noise of a mean over `count` repetitions."""
+    return tuple(n.with_scale(1 / np.sqrt(count)) for n in noise)
+
+
+def _mean(x: Float[ndarray, "samples joints"], index: ndarray) -> Float[ndarray, "_ joints"]:
+    total = np.zeros((index.shape[1], x.shape[1]))
+    for row in index:
+        total += x[row]
+    return total / len(index)

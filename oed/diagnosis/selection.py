@@ -1,0 +1,334 @@
+"""Which additions stay: competition, exchange, multiplicity, held-out gain, plausibility."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from oed.diagnosis.held_out import cross_validate
+from oed.diagnosis.scan import (
+    Score,
+    family_p_value,
+    inflation_of,
+    refine,
+    scan,
+    score,
+    surrogate_surprise,
+)
+from oed.diagnosis.trials import Trial
+from oed.diagnosis.workbench import Augmented, moved
+from oed.diagnosis.workshop import Workshop
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+LEAST_T = 2.0  # of the held-out gain over segments
+WORSE = 1.01  # largest ratio by which a joint's held-out error may rise while the sum falls
+MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """An addition with the evidence at the time it was accepted.
+
+    Attributes:
+        trial: The addition.
+        gain: Fall of the white sum of squares.
+        p_value: Family-wise, over the whole search.
+        stands_in: Whether it is part of the model. A free-form term that does not predict
+            what it was not fitted to only says where something is missing.
+    """
+
+    trial: Trial
+    gain: float
+    p_value: float
+    stands_in: bool = True
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A candidate that looked good and was turned down.
+
+    Attributes:
+        name: Of the catalogue, or the free-form term's label.
+        joint: Index, None for the whole arm.
+        gain: Fall of the white sum of squares that it promised.
+        reason: Why it was turned down.
+    """
+
+    name: str
+    joint: int | None
+    gain: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Outcome of the search.
+
+    Attributes:
+        accepted: Additions in the order of their acceptance.
+        found: The fit with all of them.
+        refused: What was turned down on the way.
+    """
+
+    accepted: tuple[Accepted, ...]
+    found: Augmented
+    refused: tuple[Refused, ...]
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """The additions that are part of the model."""
+        return tuple(a.trial for a in self.accepted if a.stands_in)
+
+
+def search(shop: Workshop) -> Selection:
+    """Add, exchange and drop until nothing passes all tests."""
+    accepted: list[Accepted] = []
+    refused: list[Refused] = []
+    while len(accepted) < shop.settings.max_effects:
+        pick = _next_physical(shop, accepted, refused)
+        if pick is None:
+            break
+        accepted.append(pick)
+        accepted = _settle(shop, accepted)
+    for _ in range(shop.settings.max_effects):
+        pick = _next_free_form(shop, accepted, refused)
+        if pick is None:
+            break
+        accepted.append(pick)
+    accepted = _review_names(shop, accepted, refused)
+    trials = [a.trial for a in accepted if a.stands_in]
+    return Selection(tuple(accepted), shop.fit(trials, shop.layout_for(trials)), tuple(refused))
+
+
+def ranked(
+    shop: Workshop, pool: Sequence[Trial], others: Sequence[Trial], most: int
+) -> list[Score]:
+    """Refined candidates beside some additions, best evidence first."""
+    keys = {t.key for t in others}
+    found: list[Score] = []
+    for between in (False, True):
+        layout = shop.full if between else shop.mean
+        part = [t for t in pool if t.between_repetitions == between and t.key not in keys]
+        if not part:
+            continue
+        fit = shop.fit(others, layout).fit
+        scores = scan(part, fit)
+        # By surprise for the small effect of a quiet joint, by gain for the large one that
+        # makes its joint's residual loud.
+        leading = {s.trial.key: s for s in scores[:most]}
+        leading |= {s.trial.key: s for s in sorted(scores, key=lambda s: -s.gain)[:most]}
+        found += [refine(s, fit, shop.context) for s in leading.values()]
+    return sorted(found, key=lambda s: -s.evidence(shop.full.rows.count))
+
+
+def _next_physical(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+) -> Accepted | None:
+    others = [a.trial for a in accepted]
+    candidates = ranked(shop, shop.physical, others, shop.settings.refined)
+    rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
+    for candidate in candidates:
+        if candidate.evidence(shop.full.rows.count) <= 0:
+            break
+        better = _outdone_by(shop, candidate, rivals)
+        if better is not None:
+            reason = f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
+            refused.append(_refusal(candidate, reason))
+            continue
+        passed = _judge(shop, candidate, accepted, shop.physical, refused)
+        if passed is not None:
+            return passed
+    return None
+
+
+def _next_free_form(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+) -> Accepted | None:
+    others = [a.trial for a in accepted]
+    pool = (*shop.smooth, *shop.smooth_pairs)
+    candidates = ranked(shop, pool, others, shop.settings.refined)
+    for candidate in candidates:
+        if candidate.evidence(shop.full.rows.count) <= shop.settings.free_form_margin:
+            break
+        passed = _judge(shop, candidate, accepted, pool, refused)
+        if passed is not None:
+            return passed
+    return None
+
+
+def _outdone_by(shop: Workshop, candidate: Score, rivals: list[Score]) -> Score | None:
+    """A free-form term of the same joint that is better by far, and explains far more."""
+    rows = shop.full.rows.count
+    for rival in rivals:
+        if candidate.trial.joint not in (None, rival.trial.joint):
+            continue
+        margin = rival.evidence(rows) - candidate.evidence(rows)
+        if (
+            margin > shop.settings.free_form_margin
+            and candidate.gain < shop.settings.family_share * rival.gain
+        ):
+            return rival
+    return None
+
+
+def _judge(
+    shop: Workshop,
+    candidate: Score,
+    accepted: list[Accepted],
+    pool: Sequence[Trial],
+    refused: list[Refused],
+) -> Accepted | None:
+    """All tests in the order of their cost; the first that fails is the reason given."""
+    others = [a.trial for a in accepted]
+    layout = shop.layout(candidate.trial)
+    before = shop.fit(others, layout)
+    joints = list(candidate.trial.group)
+    first = max((a.gain for a in accepted if set(a.trial.group) & set(joints)), default=0.0)
+    share = candidate.gain / float(np.sum(before.fit.residual[joints] ** 2))
+    reason = None
+    if candidate.gain < shop.settings.mop_up_floor * first:
+        reason = f"gains {candidate.gain / first:.1%} of the first addition to its joint"
+    elif share < shop.settings.least_share:
+        reason = f"removes {share:.2%} of the residual's variance"
+    elif not candidate.trial.is_free_form:
+        entry = CATALOGUE[candidate.trial.name]
+        reason = entry.plausible(
+            shop.context, candidate.trial.target, candidate.trial.values, candidate.coefficients
+        )
+    p_value = 1.0
+    if reason is None:
+        p_value = _p_value(shop, candidate, others, pool)
+        if p_value > shop.settings.level:
+            reason = f"p = {p_value:.2g} after the multiplicity of the search"
+    fault = held_out_fault(shop, others, candidate.trial) if reason is None else None
+    if reason is not None or (fault is not None and not candidate.trial.is_free_form):
+        refused.append(_refusal(candidate, reason or str(fault)))
+        return None
+    return Accepted(candidate.trial, candidate.gain, p_value, stands_in=fault is None)
+
+
+def _p_value(
+    shop: Workshop, candidate: Score, others: Sequence[Trial], pool: Sequence[Trial]
+) -> float:
+    """Family-wise p-value; chance is what the model with the candidate leaves."""
+    between = candidate.trial.between_repetitions
+    layout = shop.layout(candidate.trial)
+    after = shop.fit([*others, candidate.trial], layout).fit
+    kin = [t for t in pool if t.between_repetitions == between]
+    null = surrogate_surprise(kin, after, shop.settings.surrogates, shop.rng)
+    return family_p_value(candidate.surprise(inflation_of(after)), null)
+
+
+def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
+    """Why an addition does not pay on rows that it was not fitted to; None if it does."""
+    layout = shop.layout_for([*others, trial])
+    before, after = shop.fit(others, layout), shop.fit([*others, trial], layout, bend=False)
+    plain = shop.fit(others, layout, bend=False)
+    folds = shop.settings.folds
+    gain, t = cross_validate(after, folds).gain_over(cross_validate(plain, folds))
+    if gain <= 0 or t < LEAST_T:
+        return f"left-out segments: gain {gain:.3g}, t = {t:.2g}"
+    old, new = shop.validation_rms(plain), shop.validation_rms(after)
+    if old is None or new is None:
+        return None
+    ratio = new / old
+    if np.mean(ratio**2) >= 1 or ratio.max() > WORSE:
+        return f"validation error changes by the factors {np.round(ratio, 3).tolist()}"
+    return None if before.fit.squares > 0 else "nothing is left to explain"
+
+
+def _settle(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
+    """Refit, re-examine each addition beside the others, exchange or drop it."""
+    for _ in range(MOST_EXCHANGES):
+        trials = [a.trial for a in accepted]
+        shop.update_context(shop.fit(trials, shop.layout_for(trials)))
+        changed = False
+        for k in range(len(accepted)):
+            others = [a.trial for i, a in enumerate(accepted) if i != k]
+            best = _best_in_place(shop, accepted[k], others)
+            changed |= best.trial.key != accepted[k].trial.key
+            accepted = [*accepted[:k], best, *accepted[k + 1 :]]
+        if not changed:
+            break
+    return _best_subset(shop, accepted)
+
+
+def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
+    """The subset of the additions with the best evidence: two that cancel both go."""
+    best, best_value = accepted, np.inf
+    layout = shop.layout_for([a.trial for a in accepted])
+    penalty = np.log(shop.full.rows.count)
+    for size in range(1, len(accepted) + 1):
+        for subset in combinations(accepted, size):
+            found = shop.fit([a.trial for a in subset], layout)
+            value = found.fit.squares + penalty * found.fit.projection.rank
+            # A larger subset must be better by a margin, since it had more chances.
+            if value < best_value - shop.settings.decisive:
+                best, best_value = list(subset), value
+    return best
+
+
+def _best_in_place(shop: Workshop, current: Accepted, others: list[Trial]) -> Accepted:
+    """The addition with its shape refined, or a better one for its place."""
+    rows = shop.full.rows.count
+    layout = shop.layout(current.trial)
+    fit = shop.fit(others, layout).fit
+    own = moved(current.trial, layout.rows, shop.context, contrast=current.trial.contrast)
+    here = refine(score(own, fit.projection, fit.residual), fit, shop.context)
+    if not others or current.trial.is_free_form:
+        return Accepted(here.trial, here.gain, current.p_value)
+    for rival in ranked(shop, shop.physical, others, 2):
+        if rival.evidence(rows) <= here.evidence(rows) + shop.settings.decisive:
+            break
+        if rival.trial.key == here.trial.key:
+            continue
+        entry = CATALOGUE[rival.trial.name]
+        trial = rival.trial
+        if (
+            entry.plausible(shop.context, trial.target, trial.values, rival.coefficients) is None
+            and held_out_fault(shop, others, trial) is None
+        ):
+            return Accepted(trial, rival.gain, current.p_value)
+    return Accepted(here.trial, here.gain, current.p_value)
+
+
+def _review_names(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+) -> list[Accepted]:
+    """Drop names that a free-form term of their joint makes superfluous.
+
+    A name stays where it explains nearly all that name and free form explain together (the
+    same physics in a slightly other formula), or where nothing else can do its part.
+    """
+    free = [a for a in accepted if a.trial.is_free_form]
+    kept = list(accepted)
+    for joint in {a.trial.joint for a in free}:
+        named = [a for a in kept if not a.trial.is_free_form and a.trial.joint in (joint, None)]
+        for item in named:
+            rest = [a.trial for a in kept if a is not item]
+            bare = [t for t in rest if not (t.is_free_form and t.joint == joint)]
+            layout = shop.layout_for([a.trial for a in kept])
+            whole = shop.fit([a.trial for a in kept], layout).fit.squares
+            without_free = shop.fit([*bare, item.trial], layout).fit.squares
+            without_both = shop.fit(bare, layout).fit.squares
+            without_name = shop.fit(rest, layout).fit.squares
+            together = without_both - whole
+            alone = without_both - without_free
+            needed = without_name - whole
+            if alone < shop.settings.family_share * together and needed < (
+                0.1 * together + shop.settings.free_form_margin
+            ):
+                kept = [a for a in kept if a is not item]
+                reason = f"free form explains its part: {alone / together:.0%} of what both do"
+                refused.append(
+                    Refused(item.trial.name, item.trial.joint, item.gain, reason)
+                )
+    return kept
+
+
+def _refusal(candidate: Score, reason: str) -> Refused:
+    trial = candidate.trial
+    return Refused(str(trial.key[0]), trial.joint, candidate.gain, reason)

@@ -1,0 +1,45 @@
+"""Everything that a diagnosis may be told, in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class DiagnosisSettings:
+    """How carefully to look, and how sure to be before a name is given.
+
+    Attributes:
+        max_effects: Most effects that may be added.
+        level: Family-wise error of a search over all candidates.
+        mop_up_floor: Least gain of a further effect as a share of the first one's.
+        least_share: Least share of a joint's residual variance that a named effect removes.
+            Below it, errors of smoothing and sampling look like physics.
+        decisive: Difference in -2 log likelihood that separates two rivals.
+        free_form_margin: By how much a free-form term must beat the physical ones (BIC).
+        family_share: Share of a free-form term's gain that a named effect must reach.
+        floor_ratio: Residual over noise floor up to which a model counts as complete.
+        lowest_cutoff: Of the analysis band [Hz].
+        highest_cutoff: Of the analysis band [Hz].
+        folds: Of the cross-validation within the estimation recordings.
+        surrogates: Sign-flipped residuals that calibrate the search.
+        refined: Candidates whose shape is refined after each scan.
+        bootstrap: Replicates behind each interval of the proof.
+        seed: Of surrogates and bootstrap.
+    """
+
+    max_effects: int = 4
+    level: float = 0.01
+    mop_up_floor: float = 0.01
+    least_share: float = 0.004
+    decisive: float = 6.0
+    free_form_margin: float = 10.0
+    family_share: float = 0.85
+    floor_ratio: float = 1.05
+    lowest_cutoff: float = 4.0
+    highest_cutoff: float = 30.0
+    folds: int = 5
+    surrogates: int = 99
+    refined: int = 6
+    bootstrap: int = 200
+    seed: int = 0

@@ -1,0 +1,111 @@
+"""Autoregressive whitening: coloured noise made white, so that a sum of squares is a chi-square.
+
+An autoregression of the noise is estimated by Yule and Walker's equations from pure error, and
+its prediction-error filter is applied to torque and columns alike (generalised least squares).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+from scipy.linalg import solve_toeplitz
+from scipy.signal import lfilter
+
+LARGEST_ORDER = 24
+# Least power of the spectrum as a share of its mean: beyond the band's edge there is nothing,
+# and the inverse of nothing would be noise of the arithmetic.
+FLOOR = 1e-3
+TAPER = 4  # lags that the tapered covariance reaches, in largest orders
+
+
+@dataclass(frozen=True)
+class Autoregression:
+    """x(k) + a_1 x(k-1) + ... + a_p x(k-p) = scale e(k), with e of unit variance.
+
+    Attributes:
+        coefficients: (p + 1,) with the leading 1.
+        scale: Standard deviation of the innovation [unit of x].
+    """
+
+    coefficients: Float[ndarray, "lags"]
+    scale: float
+
+    @property
+    def order(self) -> int:
+        """p."""
+        return len(self.coefficients) - 1
+
+    def whiten(self, x: Float[ndarray, "rows *columns"]) -> Float[ndarray, "rows *columns"]:
+        """Innovations of unit variance; the first p rows lack their past and are approximate."""
+        return lfilter(self.coefficients, [1.0], x, axis=0) / self.scale
+
+    def with_scale(self, factor: float) -> Autoregression:
+        """The same colour with its standard deviation multiplied."""
+        return Autoregression(self.coefficients, self.scale * factor)
+
+
+def fit_autoregression(
+    series: Sequence[Float[ndarray, "_"]],
+    *,
+    trusted: Sequence[Bool[ndarray, "_"]] | None = None,
+    largest_order: int = LARGEST_ORDER,
+    freedom: float = 1.0,
+) -> Autoregression:
+    """Autoregression of several stretches of one noise, its order by Schwarz's criterion.
+
+    Args:
+        series: Stretches of noise of zero mean.
+        trusted: Which rows of each stretch show nothing but noise; all if None.
+        largest_order: Most lags.
+        freedom: Share of the degrees of freedom that the stretches kept from a fit.
+    """
+    masks = [np.ones(len(x), dtype=bool) for x in series] if trusted is None else trusted
+    clean = [np.where(m, x, 0.0) for x, m in zip(series, masks, strict=True)]
+    rows = sum(int(m.sum()) for m in masks)
+    longest = int(min(largest_order, max(1, min(len(x) for x in series) // 8)))
+    shortest = min(len(x) for x in series)
+    covariance = _covariance(clean, masks, min(TAPER * longest, shortest - 1))[: longest + 1]
+    if covariance[0] <= 0:
+        return Autoregression(np.ones(1), np.finfo(float).tiny ** 0.5)
+    best, best_value = np.ones(1), np.inf
+    for order in range(longest + 1):
+        lags = solve_toeplitz(covariance[:order], -covariance[1 : order + 1]) if order else np.zeros(0)
+        innovation = covariance[0] + float(lags @ covariance[1 : order + 1])
+        if innovation <= 0:
+            break
+        value = rows * np.log(innovation) + order * np.log(rows)
+        if value < best_value:
+            best, best_value = np.concatenate([[1.0], lags]), value
+    # Scaled by what it leaves of the data, not by the floored spectrum's own innovation.
+    left = []
+    for x, mask in zip(series, masks, strict=True):
+        # A row is as good as all of its past that the filter reads.
+        whole = lfilter(np.ones(len(best)), [1.0], (~mask).astype(float)) < 0.5
+        whole[: len(best) - 1] = False
+        left.append(lfilter(best, [1.0], x)[whole])
+    innovations = np.concatenate(left)
+    if len(innovations) < 20 * len(best):
+        innovations = np.concatenate([lfilter(best, [1.0], x) for x in clean])
+    return Autoregression(best, float(np.sqrt(np.mean(innovations**2) / freedom)))
+
+
+def _covariance(
+    clean: Sequence[Float[ndarray, "_"]], masks: Sequence[Bool[ndarray, "_"]], longest: int
+) -> Float[ndarray, "lags"]:
+    """Autocovariance over pairs of trusted rows.
+
+    Gaps can make it that of no spectrum: it is tapered, and its spectrum is kept above a floor.
+    """
+    result = np.zeros(longest + 1)
+    for lag in range(longest + 1):
+        pairs = sum(int((m[lag:] & m[: len(m) - lag]).sum()) for m in masks)
+        products = sum(float(x[lag:] @ x[: len(x) - lag]) for x in clean)
+        result[lag] = products / max(pairs, 1)
+    result *= 0.5 + 0.5 * np.cos(np.pi * np.arange(longest + 1) / (longest + 1))
+    spectrum = np.fft.rfft(np.concatenate([result, result[:0:-1]])).real
+    spectrum = np.maximum(spectrum, FLOOR * result[0])
+    return np.fft.irfft(spectrum, 2 * longest + 1)[: longest + 1]

@@ -1,0 +1,129 @@
+"""The tables of one diagnosis: layouts, pools of trials and the held-out recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline import Baseline
+from oed.diagnosis.free_form import FreeForm
+from oed.diagnosis.free_terms import terms_alone, terms_together
+from oed.diagnosis.predict import base_columns, prediction_errors, rms
+from oed.diagnosis.prepare import Prepared
+from oed.diagnosis.repeat_mean import mean_of_repetitions
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.trials import Trial, catalogue_trial, context_of, free_form_trials, grid_of
+from oed.diagnosis.workbench import Augmented, Layout, fit_with, lay_out, moved
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+
+class Workshop:
+    """The tables of one diagnosis: layouts, pools of trials and the held-out recordings.
+
+    It caches; nothing it returns is changed later.
+    """
+
+    def __init__(
+        self,
+        baseline: Baseline,
+        estimation: tuple[Prepared, ...],
+        validation: tuple[Prepared, ...],
+        settings: DiagnosisSettings,
+        gear_ratio: tuple[float, ...] | None,
+    ) -> None:
+        self.baseline, self.settings, self.gear_ratio = baseline, settings, gear_ratio
+        self.full = lay_out(baseline, estimation, mean=False)
+        repeated = any(mean_of_repetitions(p)[1] > 1 for p in estimation)
+        self.mean = lay_out(baseline, estimation, mean=True) if repeated else self.full
+        self.validation = {
+            self.full.rows.count: validation,
+            self.mean.rows.count: tuple(mean_of_repetitions(p)[0] for p in validation),
+        }
+        self.rng = np.random.default_rng(settings.seed)
+        self.before = self.fit(())
+        self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
+        self._validation_columns = {
+            count: base_columns(self.before.fit, prepared)
+            for count, prepared in self.validation.items()
+        }
+
+    def layout(self, trial: Trial) -> Layout:
+        """The rows on which a trial is judged."""
+        return self.full if trial.between_repetitions else self.mean
+
+    def fit(
+        self, chosen: Sequence[Trial], layout: Layout | None = None, *, bend: bool = True
+    ) -> Augmented:
+        """Fit with these additions, moved to the layout if they come from another."""
+        layout = self.mean if layout is None else layout
+        context = self.context if chosen else None
+        own = [
+            t
+            if next(iter(t.group.values())).shape[0] == layout.rows.count and not t.contrast
+            else moved(t, layout.rows, self.context)
+            for t in chosen
+        ]
+        return fit_with(self.baseline, layout, own, context if bend else None)
+
+    def update_context(self, found: Augmented) -> None:
+        """Take the reference torque of load-dependent effects from a better fit."""
+        self.context = context_of(found.fit, self.full.rows, self.gear_ratio)
+
+    def layout_for(self, chosen: Sequence[Trial]) -> Layout:
+        """Mean repetitions, or all of them if an addition makes them differ."""
+        return self.full if any(t.between_repetitions for t in chosen) else self.mean
+
+    def validation_rms(self, found: Augmented) -> Float[ndarray, "joints"] | None:
+        """Held-out error of each joint [N m]; None without validation recordings."""
+        count = found.fit.rows.count
+        if not self.validation[count]:
+            return None
+        columns = self._validation_columns[count]
+        return rms(prediction_errors(found, self.validation[count], columns))
+
+    @cached_property
+    def physical(self) -> tuple[Trial, ...]:
+        """Every entry of the catalogue, everywhere, over the grid of its shapes."""
+        trials = []
+        for entry in CATALOGUE.values():
+            contrast = entry.between_repetitions and self.full is not self.mean
+            layout = self.full if entry.between_repetitions else self.mean
+            for target in entry.targets(self.context):
+                for values in grid_of(entry.shapes_for(self.context, target)):
+                    trials.append(
+                        catalogue_trial(
+                            entry, self.context, target, values, layout.rows, contrast=contrast
+                        )
+                    )
+        return tuple(trials)
+
+    @cached_property
+    def smooth(self) -> tuple[Trial, ...]:
+        """Free-form terms in one coordinate."""
+        terms = terms_alone(self.mean.rows.prepared, self.context.n)
+        return self._smooth_trials(terms, terms_alone(self.full.rows.prepared, self.context.n))
+
+    @cached_property
+    def smooth_pairs(self) -> tuple[Trial, ...]:
+        """Free-form terms in two coordinates."""
+        joints = range(self.context.n)
+        return self._smooth_trials(
+            terms_together(self.mean.rows.prepared, self.context.n, joints),
+            terms_together(self.full.rows.prepared, self.context.n, joints),
+        )
+
+    def _smooth_trials(
+        self, steady: Sequence[FreeForm], lasting: Sequence[FreeForm]
+    ) -> tuple[Trial, ...]:
+        """Terms of the motion on the mean rows, terms of time on all of them."""
+        still = [t for t in steady if "time" not in t.depends_on]
+        timed = [t for t in lasting if "time" in t.depends_on]
+        repeated = self.full is not self.mean
+        return tuple(
+            free_form_trials(still, self.mean.rows)
+            + free_form_trials(timed, self.full.rows, contrast=repeated)
+        )
