@@ -94,7 +94,7 @@ def block_factors(
     factors = []
     for recording in recordings:
         # The whole recording first: an effect with a memory must not start anew in each piece.
-        columns = model.columns(recording.motion)
+        columns = recording.columns(model.columns)
         share = max(1, int(np.ceil(blocks * len(recording) / total)))
         for piece in _pieces(recording, share):
             rows = columns[piece].reshape(-1, columns.shape[2])

@@ -1,0 +1,179 @@
+"""The page of a feasible calibration: verdict, residuals, links, parameters, weight, checks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.report.feasible_rows import (
+    MOSTLY_DATA,
+    link_rows,
+    parameter_rows,
+    validation_rows,
+)
+from oed.report.page import Page, Picture, Section, Table, Text, Verdict
+from oed.report.provenance import Provenance
+from oed.report.table import Row
+
+
+def feasible_page(
+    result: FeasibleCalibration,
+    exports: Sequence[Row],
+    pictures: Mapping[str, Path],
+    provenance: Provenance,
+) -> Page:
+    """The whole page.
+
+    Args:
+        result: To show.
+        exports: One row a written robot file, with its round trip.
+        pictures: Figures by file stem.
+        provenance: Of the run.
+    """
+    comparisons = [
+        Picture(pictures[f"residual_{role}"], f"Residual by joint, recordings with role {role}.")
+        for role in ("validation", "test")
+        if f"residual_{role}" in pictures
+    ]
+    return Page(
+        title=f"Physically feasible parameters of {result.plain.dataset.name}",
+        verdict=_verdict(result),
+        sections=(
+            Section("How well it predicts", (Table(validation_rows(result)), *comparisons)),
+            _links_section(result, pictures),
+            _parameters_section(result, pictures),
+            _weight_section(result, pictures),
+            _proof_section(result, exports),
+            Section(
+                "How it was made",
+                (
+                    *(Text(reason) for reason in result.plain.settings.reasons),
+                    Text(
+                        f"Data: {result.plain.dataset.source}. "
+                        f"Licence: {result.plain.dataset.licence}."
+                    ),
+                    Table([{"package": k, "version": v} for k, v in provenance.versions.items()]),
+                    Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),
+                ),
+            ),
+        ),
+    )
+
+
+def _verdict(result: FeasibleCalibration) -> Verdict:
+    held_out = [role for role in ("validation", "test") if role in result.validation]
+    prices = ", ".join(f"{100 * result.price(role):+.2g} % on {role}" for role in held_out)
+    share = 100 * result.positive_definite
+    agreed = result.disagreement is not None and result.disagreement < 1e-6
+    complete = share == 100.0 and agreed and bool(held_out)
+    return Verdict(
+        "good" if complete else "warning",
+        f"All {result.plain.dataset.robot.n} links are physically consistent; the mass matrix is "
+        f"positive definite in {share:.4g} % of {result.settings.poses} poses (plain least "
+        f"squares: {100 * result.plain_positive_definite:.4g} %).",
+        (f"Residual against plain least squares: {prices}. " if held_out else "")
+        + (
+            "A second solver agrees."
+            if agreed
+            else f"No second solver agreed: {result.second_failure or result.disagreement}."
+        ),
+    )
+
+
+def _links_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -> Section:
+    test, estimate = result.plain_feasibility, result.estimate
+    answer = (
+        f"Some feasible robot has the plain estimate's base parameters, with margin "
+        f"{test.margin:.2g}."
+        if test.is_feasible
+        else "No feasible robot has the plain estimate's base parameters: a dual certificate bounds "
+        f"every robot's margin by {test.certificate.bound:.3g} (recomputed to "
+        f"{test.certificate.residual:.0e}). It weighs, heaviest first: {', '.join(test.blamed)}."
+    )
+    active = (
+        f"Demands that hold the estimate: {', '.join(estimate.active)}. Intervals are one-sided there."
+        if estimate.active
+        else "No demand is active: the estimate lies inside all of them."
+    )
+    return Section(
+        "Consistency of the links",
+        (
+            Table(link_rows(result)),
+            Picture(
+                pictures["margins"], "Least eigenvalue of each pseudo-inertia, per reference body."
+            ),
+            Text(active),
+            Text(answer),
+        ),
+    )
+
+
+def _parameters_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -> Section:
+    estimate = result.estimate
+    undecided = int(np.sum(estimate.from_data < MOSTLY_DATA))
+    reference = (
+        "the given prior"
+        if estimate.has_prior
+        else "neutral bodies: a rod between the joints of each link, all of the one density that "
+        "explains the data best. What no torque depends on is then that of a plain arm of the "
+        "right weight"
+    )
+    figure = (
+        [Picture(pictures["parameters"], "Parameters that the data decide, with 95 % intervals.")]
+        if "parameters" in pictures
+        else []
+    )
+    return Section(
+        "Parameters",
+        (
+            Text(
+                f"Intervals: {result.bootstrap.method}. `from_data` is the share of a value that the "
+                f"data decide; for {undecided} of {len(estimate.names)} it is below one half, and "
+                f"these are close to {reference}. Their intervals say nothing of the truth."
+            ),
+            Table(parameter_rows(result)),
+            *figure,
+        ),
+    )
+
+
+def _weight_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -> Section:
+    pull = result.estimate.problem.regularisation
+    text = f"The pull to the reference is {pull.kind}, with weight {pull.weight:.3g}"
+    if result.curve is None:
+        return Section("Weight of the pull", (Text(f"{text}, as given."),))
+    return Section(
+        "Weight of the pull",
+        (
+            Text(
+                f"{text}: the largest whose held-out error is within one standard error of the best, "
+                f"over {result.settings.folds} folds of consecutive data."
+            ),
+            Picture(
+                pictures["weight"],
+                "Error of held-out and of fitted data; bars are standard errors of the "
+                "difference to the best weight.",
+            ),
+        ),
+    )
+
+
+def _proof_section(result: FeasibleCalibration, exports: Sequence[Row]) -> Section:
+    lines = [*result.estimate.solution.attempts]
+    lines += [] if result.second is None else result.second.attempts
+    differ = (
+        f"The second solver failed: {result.second_failure}"
+        if result.disagreement is None
+        else f"Objectives of the two solvers differ by {result.disagreement:.1e}, relatively."
+    )
+    return Section(
+        "Checks",
+        (
+            *(Text(line) for line in lines),
+            Text(differ),
+            Table(exports, caption="Robot files, and their torques under the recorded motion."),
+        ),
+    )

@@ -1,0 +1,151 @@
+"""What a feasible identification hands on: estimate.json, tables, figures and a page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.report.feasibility_plots import (
+    plot_link_margins,
+    plot_residual_comparison,
+    plot_weight_curve,
+)
+from oed.report.feasible_page import feasible_page
+from oed.report.feasible_rows import (
+    MOSTLY_DATA,
+    link_rows,
+    parameter_rows,
+    validation_rows,
+)
+from oed.report.json_file import write_json
+from oed.report.page import write_page
+from oed.report.parameter_plots import plot_parameter_intervals
+from oed.report.provenance import Provenance
+from oed.report.style import save_figure
+from oed.report.table import Row, write_csv
+
+FORMAT = 1
+
+
+def write_feasible(
+    result: FeasibleCalibration,
+    exports: Sequence[Row],
+    out: Path,
+    provenance: Provenance,
+) -> None:
+    """Leave estimate.json, tables, figures and report.html in a folder.
+
+    Args:
+        result: To write down.
+        exports: One row a written robot file, with its round trip.
+        out: Folder, made if absent.
+        provenance: Of the run.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    pictures = {
+        name: save_figure(figure, out / name, ("png",))[0]
+        for name, figure in draw_figures(result).items()
+    }
+    write_csv(out / "parameters.csv", parameter_rows(result))
+    write_csv(out / "links.csv", link_rows(result))
+    write_csv(out / "validation.csv", validation_rows(result))
+    write_page(out / "report.html", feasible_page(result, exports, pictures, provenance))
+    # Last: whoever finds this file finds the rest complete.
+    write_json(out / "estimate.json", feasible_record(result, exports, provenance))
+
+
+def feasible_record(
+    result: FeasibleCalibration, exports: Sequence[Row], provenance: Provenance
+) -> dict[str, object]:
+    """The content of estimate.json."""
+    estimate = result.estimate
+    curve = result.curve
+    return {
+        "format": FORMAT,
+        "data": result.plain.dataset.name,
+        "joints": list(result.plain.dataset.robot.joint_names),
+        "parameters": parameter_rows(result),
+        "links": link_rows(result),
+        "validation": validation_rows(result),
+        "active": list(estimate.active),
+        "objective": estimate.solution.objective,
+        "solver": {
+            "name": estimate.solution.solver,
+            "attempts": list(estimate.solution.attempts),
+            "optimality": estimate.solution.optimality,
+            "second": None if result.second is None else list(result.second.attempts),
+            "relative_difference": result.disagreement,
+            "second_failure": result.second_failure,
+        },
+        "regularisation": {
+            "kind": estimate.problem.regularisation.kind,
+            "weight": estimate.problem.regularisation.weight,
+            "reference": "given prior" if estimate.has_prior else "neutral bodies",
+            "curve": None
+            if curve is None
+            else {
+                "weights": curve.weights,
+                "held_out": curve.mean,
+                "least_squares": float(curve.least_squares.mean()),
+            },
+        },
+        "mass_matrix": {
+            "poses": result.settings.poses,
+            "positive_definite": result.positive_definite,
+            "positive_definite_plain": result.plain_positive_definite,
+        },
+        "plain_estimate": {
+            "has_feasible_robot": result.plain_feasibility.is_feasible,
+            "margin": result.plain_feasibility.margin,
+            "bound": result.plain_feasibility.certificate.bound,
+            "certificate_residual": result.plain_feasibility.certificate.residual,
+            "blamed": list(result.plain_feasibility.blamed),
+        },
+        "uncertainty": result.bootstrap.method,
+        "exports": list(exports),
+        "versions": provenance.versions,
+        "configuration": provenance.configuration,
+        "commit": provenance.commit,
+        "date": provenance.date,
+        "seed": provenance.seed,
+    }
+
+
+def draw_figures(result: FeasibleCalibration) -> dict[str, Figure]:
+    """Figures by file stem."""
+    estimate = result.estimate
+    links = [joint.link for joint in estimate.robot.joints]
+    figures = {
+        "margins": plot_link_margins(links, estimate.relative_margins, estimate.problem.margin)
+    }
+    if result.curve is not None:
+        curve = result.curve
+        figures["weight"] = plot_weight_curve(
+            curve.weights,
+            curve.held_out,
+            curve.fitted,
+            best=curve.best,
+            chosen=curve.chosen,
+            least_squares=float(curve.least_squares.mean()),
+        )
+    held_out = [role for role in ("validation", "test") if role in result.validation]
+    names = result.plain.dataset.robot.joint_names
+    for role in held_out:
+        plain, feasible = result.plain.validation[role], result.validation[role]
+        figures[f"residual_{role}"] = plot_residual_comparison(
+            names, plain.rms, feasible.rms, ylabel=f"rms residual, {role} [N m]"
+        )
+    measured = estimate.from_data > MOSTLY_DATA
+    if measured.any():
+        interval = result.bootstrap.interval()
+        figures["parameters"] = plot_parameter_intervals(
+            [n for n, keep in zip(estimate.names, measured, strict=True) if keep],
+            estimate.parameters[measured],
+            interval[measured, 0],
+            interval[measured, 1],
+            [u for u, keep in zip(estimate.units, measured, strict=True) if keep],
+        )
+    return figures

@@ -1,0 +1,70 @@
+"""A feasible calibration as rows: parameters, links and residuals."""
+
+from __future__ import annotations
+
+from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.report.table import Row
+
+MOSTLY_DATA = 0.5  # share from data above which a parameter counts as measured
+
+
+def parameter_rows(result: FeasibleCalibration) -> list[Row]:
+    """One row for each standard parameter and each effect's."""
+    estimate, interval = result.estimate, result.bootstrap.interval()
+    return [
+        {
+            "name": name,
+            "unit": estimate.units[k],
+            "value": float(estimate.parameters[k]),
+            "lower95": float(interval[k, 0]),
+            "upper95": float(interval[k, 1]),
+            "from_data": float(estimate.from_data[k]),
+            "reference": float(estimate.reference[k]) if k < len(estimate.reference) else None,
+        }
+        for k, name in enumerate(estimate.names)
+    ]
+
+
+def link_rows(result: FeasibleCalibration) -> list[Row]:
+    """One row a link: mass, centre and margins."""
+    estimate = result.estimate
+    robot = estimate.robot
+    return [
+        {
+            "link": joint.link,
+            "mass [kg]": float(m),
+            "x [m]": float(mx / m),
+            "y [m]": float(my / m),
+            "z [m]": float(mz / m),
+            "least eigenvalue": float(estimate.margins[i]),
+            "per reference": float(estimate.relative_margins[i]),
+            "at the bound": f"consistency of {joint.link}" in estimate.active,
+        }
+        for i, (joint, (m, mx, my, mz, *_)) in enumerate(
+            zip(robot.joints, robot.parameters.reshape(-1, 10), strict=True)
+        )
+    ]
+
+
+def validation_rows(result: FeasibleCalibration) -> list[Row]:
+    """One row a role and joint, and one for all joints together."""
+    rows: list[Row] = []
+    names = result.plain.dataset.robot.joint_names
+    for role, feasible in result.validation.items():
+        plain = result.plain.validation[role]
+        pairs = [
+            *zip(names, plain.rms, feasible.rms, feasible.relative_rms, strict=True),
+            ("all", plain.overall_rms, feasible.overall_rms, feasible.overall_relative_rms),
+        ]
+        for joint, before, after, relative in pairs:
+            rows.append(
+                {
+                    "recordings": role,
+                    "joint": joint,
+                    "plain rms": float(before),
+                    "feasible rms": float(after),
+                    "price [%]": float(100 * (after / before - 1)) if before > 0 else None,
+                    "feasible rms / torque rms": float(relative),
+                }
+            )
+    return rows

@@ -1,0 +1,230 @@
+"""Which physically consistent parameters explain this arm's torque, and what does that cost?
+
+    python -m studies.feasible --data DIR --out DIR [--joints A B …] [--model NAME] [--cutoff HZ]
+        [--prior] [--kind entropic|quadratic] [--weight W] [--total-mass KG] [--collision]
+        [--smoke] [--seed N]
+
+Reads a data set, estimates standard parameters under physical constraints, compares them with
+plain least squares, and leaves estimate.json, parameters.yaml, robot.urdf, robot.sdf, robot.xml
+(MJCF), figures and report.html. Each robot file is loaded again and its torques are compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from oed.dynamics.models import MODELS, build_model
+from oed.dynamics.motion import Motion
+from oed.dynamics.torque_model import TorqueModel
+from oed.errors import OedError
+from oed.estimation.calibration import calibrate, choose_velocity
+from oed.estimation.feasible.calibration import (
+    FeasibleCalibration,
+    FeasibleSettings,
+    calibrate_feasibly,
+)
+from oed.estimation.feasible.collision_regions import collision_regions
+from oed.estimation.feasible.feasible_set import FeasibleSet
+from oed.estimation.feasible.regularisation import RegularisationKind
+from oed.experiment.choose_settings import choose_settings
+from oed.experiment.read_dataset import read_dataset
+from oed.export.calibrated_robot import CalibratedRobot
+from oed.export.mjcf import write_mjcf
+from oed.export.parameter_file import ParameterTable, write_parameters
+from oed.export.round_trip import require_round_trip, torque_by_pinocchio
+from oed.export.sdf import write_sdf
+from oed.export.urdf import write_urdf
+from oed.report.feasible_report import write_feasible
+from oed.report.feasible_rows import link_rows, validation_rows
+from oed.report.provenance import Provenance
+from oed.report.table import Row, text_table
+
+SIGN_WIDTH = 0.02  # [rad/s]: as in studies.identify
+ROUND_TRIP_SAMPLES = 200
+
+
+@dataclass(frozen=True)
+class Config:
+    """What to identify, and how.
+
+    Attributes:
+        data: Folder of the data set.
+        out: Folder to leave results in.
+        joints: Names of the joints to identify; all if empty.
+        cutoff: Of the low-pass [Hz]; chosen from the data if None.
+        model: Name of the torque model.
+        sign_width: Velocity over which the Coulomb terms change sign [rad/s].
+        prior: Whether the inertials of the robot's file are a prior; else neutral bodies are.
+        kind: Of the pull to the reference.
+        weight: Of that pull; by cross-validation if None.
+        total_mass: Of all moving links [kg], where it is known.
+        collision: Whether each link's mass must lie in a box around its collision geometry.
+        smoke: Whether to take few samples, resamples and poses.
+        seed: Of poses and bootstrap.
+    """
+
+    data: Path
+    out: Path
+    joints: tuple[str, ...] = ()
+    cutoff: float | None = None
+    model: str = "rotor"
+    sign_width: float = SIGN_WIDTH
+    prior: bool = False
+    kind: RegularisationKind = "entropic"
+    weight: float | None = None
+    total_mass: float | None = None
+    collision: bool = False
+    smoke: bool = False
+    seed: int = 0
+
+
+def run(config: Config) -> FeasibleCalibration:
+    """Read, process, estimate plainly and feasibly, validate; says what it does."""
+    _say(f"reading {config.data}")
+    dataset = read_dataset(config.data, joints=config.joints or None)
+    model = build_model(config.model, dataset.robot, sign_width=config.sign_width)
+    settings = choose_settings(dataset)
+    if config.cutoff is not None:
+        settings = settings.with_cutoff(config.cutoff)
+    settings = choose_velocity(dataset, model, settings)
+    if config.smoke:
+        settings = settings.thinned()
+    for reason in settings.reasons:
+        _say(f"  {reason}")
+    plain = calibrate(dataset, model, settings)
+    _say(f"estimating {len(model.parameters)} parameters of {dataset.robot.n} joints feasibly")
+    return calibrate_feasibly(plain, _settings(config, model))
+
+
+def export(result: FeasibleCalibration, out: Path) -> list[Row]:
+    """Write the robot files and parameters.yaml; one row a robot file, with its round trip.
+
+    Raises:
+        ExportMismatch: If a file computes other torques than the estimate.
+    """
+    estimate = result.estimate
+    calibrated = CalibratedRobot.of(estimate.model, estimate.parameters)
+    motion = _some(result.plain.recordings["estimation"][0].motion)
+    expected = calibrated.smooth_torque(motion)
+    rows: list[Row] = []
+    for name, write in (
+        ("robot.urdf", write_urdf),
+        ("robot.sdf", write_sdf),
+        ("robot.xml", write_mjcf),
+    ):
+        path = write(calibrated, out / name)
+        row: dict[str, str | float | None] = {
+            "file": name,
+            "Drake": require_round_trip(calibrated, path, motion),
+            "Pinocchio": None,
+        }
+        if path.suffix != ".sdf":  # which Pinocchio's wheels are built without
+            found = torque_by_pinocchio(path, calibrated, motion)
+            row["Pinocchio"] = float(np.abs(found - expected).max() / np.abs(expected).max())
+        rows.append({**row, "not in the file": ", ".join(calibrated.left_out) or None})
+    write_parameters(
+        ParameterTable(
+            estimate.model.parameters,
+            estimate.parameters,
+            result.bootstrap.interval(),
+            estimate.from_data,
+        ),
+        out / "parameters.yaml",
+        robot=estimate.robot.name,
+        joints=estimate.robot.joint_names,
+        method=f"feasible least squares; intervals: {result.bootstrap.method}",
+    )
+    return rows
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
+    config = _parse(arguments)
+    start = time.perf_counter()
+    try:
+        result = run(config)
+        config.out.mkdir(parents=True, exist_ok=True)
+        rows = export(result, config.out)
+        write_feasible(result, rows, config.out, Provenance.collect(config, seed=config.seed))
+    except (OedError, ValueError) as error:
+        sys.stderr.write(f"studies.feasible: {error}\n")
+        return 2
+    _say("\n" + text_table(link_rows(result)))
+    _say(text_table(validation_rows(result)))
+    _say(text_table(rows))
+    _say(
+        f"mass matrix positive definite in {100 * result.positive_definite:.4g} % of "
+        f"{result.settings.poses} poses, plain least squares "
+        f"{100 * result.plain_positive_definite:.4g} %"
+    )
+    _say("\n".join(result.estimate.solution.attempts))
+    _say(f"two solvers differ by {result.disagreement} {result.second_failure}")
+    _say(f"wrote {config.out} in {time.perf_counter() - start:.1f} s")
+    return 0
+
+
+def _settings(config: Config, model: TorqueModel) -> FeasibleSettings:
+    demands = FeasibleSet.of(model).with_(
+        total_mass=config.total_mass,
+        regions=collision_regions(model.robot) if config.collision else None,
+    )
+    prior = model.robot.parameters if config.prior else None
+    if config.smoke:
+        return FeasibleSettings(
+            demands=demands,
+            prior=prior,
+            kind=config.kind,
+            weight=config.weight,
+            weights=(1e-5, 1e-3, 1e-1),
+            folds=2,
+            blocks=4,
+            resamples=3,
+            poses=500,
+            seed=config.seed,
+        )
+    return FeasibleSettings(
+        demands=demands, prior=prior, kind=config.kind, weight=config.weight, seed=config.seed
+    )
+
+
+def _some(motion: Motion) -> Motion:
+    return motion[np.linspace(0, len(motion) - 1, ROUND_TRIP_SAMPLES).astype(int)]
+
+
+def _parse(arguments: Sequence[str] | None) -> Config:
+    parser = argparse.ArgumentParser(prog="python -m studies.feasible", description=__doc__)
+    parser.add_argument("--data", type=Path, required=True, help="folder of the data set")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--joints", nargs="+", default=(), help="identify only these joints")
+    parser.add_argument("--cutoff", type=float, help="low-pass cut-off [Hz]")
+    parser.add_argument("--model", choices=sorted(MODELS), default=Config.model)
+    parser.add_argument("--sign-width", type=float, default=SIGN_WIDTH, help="[rad/s]")
+    parser.add_argument(
+        "--prior", action="store_true", help="the inertials of the robot's file are a prior"
+    )
+    parser.add_argument("--kind", choices=("entropic", "quadratic"), default=Config.kind)
+    parser.add_argument("--weight", type=float, help="of the pull to the reference")
+    parser.add_argument("--total-mass", type=float, help="of the moving links [kg]")
+    parser.add_argument(
+        "--collision", action="store_true", help="mass lies within the collision geometry"
+    )
+    parser.add_argument("--smoke", action="store_true", help="few samples, resamples and poses")
+    parser.add_argument("--seed", type=int, default=0)
+    given = vars(parser.parse_args(arguments))
+    return Config(**{**given, "joints": tuple(given["joints"])})
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
