@@ -379,9 +379,12 @@ def monte_carlo(runs: MonteCarlo, truth: Float[ndarray, "8"]) -> list[Row]:
 
 
 def table_rows(columns: dict[str, ndarray]) -> list[Row]:
-    """Columns of equal length as rows of plain numbers."""
+    """Columns of equal length as rows of plain numbers, to six digits: enough to draw."""
     names = list(columns)
-    listed = [values.tolist() for values in columns.values()]
+    listed = [
+        [float(f"{x:.6g}") if isinstance(x, float) else x for x in values.tolist()]
+        for values in columns.values()
+    ]
     return [dict(zip(names, values, strict=True)) for values in zip(*listed, strict=True)]
 
 
