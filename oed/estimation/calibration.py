@@ -199,9 +199,12 @@ def process_all(
 def stack(
     model: TorqueModel, base: BaseParameters, recordings: tuple[ProcessedRecording, ...]
 ) -> tuple[Float[ndarray, "rows base"], Float[ndarray, "samples joints"]]:
-    """Base regressor (sample-major rows) and torque of several recordings (6a)."""
+    """Base regressor (sample-major rows) and torque of several recordings (6a), in one band."""
     # Each recording by itself: an effect with a memory must not reach over a boundary.
-    columns = [base.reduce(model.columns(recording.motion)) for recording in recordings]
+    columns = [
+        recording.columns(lambda motion: base.reduce(model.columns(motion)))
+        for recording in recordings
+    ]
     torque = np.concatenate([recording.tau for recording in recordings])
     return np.concatenate(columns).reshape(-1, len(base)), torque
 

@@ -12,6 +12,7 @@ from scipy.signal import convolve
 from oed.experiment.dataset import DataSet
 from oed.experiment.processing import (
     LEAST_TRIM,
+    MOTION_BAND,
     SAMPLES_PER_CUTOFF,
     TRIM_PERIODS,
     ProcessingSettings,
@@ -71,7 +72,10 @@ def choose_settings(dataset: DataSet) -> ProcessingSettings:
             f"cut-off {cutoff:g} Hz: passes {passed}, where the acceleration depends least on it "
             f"(d log rms / d log cut-off = {least:.3f}); lower loses motion, higher adds noise"
         ),
-        f"filter: Butterworth, order {ORDER}, forward and backward, the same for q and tau",
+        (
+            f"filter: Butterworth, order {ORDER}, forward and backward, the same for torque and "
+            f"model; position is smoothed at {MOTION_BAND:g} times the cut-off"
+        ),
         (
             f"one sample in {decimation}, {rate / decimation:.4g} Hz: at least "
             f"{SAMPLES_PER_CUTOFF:g} a period of the cut-off"
@@ -80,7 +84,7 @@ def choose_settings(dataset: DataSet) -> ProcessingSettings:
             f"trim {trim:.3g} s at each end, until the filter has settled: {TRIM_PERIODS:g} periods "
             f"of the cut-off, at least {LEAST_TRIM:g} s"
         ),
-        "velocity: central differences of the filtered position, the same band as torque",
+        "velocity: central differences of the smoothed position",
         f"rows that repeat their predecessor: {100 * repeats:.1f} %, left out",
         "interpolation: cubic, between the logged instants",
     )

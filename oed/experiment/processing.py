@@ -1,8 +1,15 @@
-"""From a recording to the motion and torque that an estimate is made of."""
+"""From a recording to the motion and torque that an estimate is made of.
+
+Torque and model pass the same filter: the model is evaluated on a finely sampled, lightly
+smoothed motion, and its columns are then low-passed and decimated like the torque (parallel
+filtering, Gautier 1997, "Dynamic identification of robots with power model"). Filtering the
+motion alone would leave steps in the model's friction that the torque has lost, and bias it.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -24,13 +31,22 @@ from oed.experiment.signals.resampling import (
 VelocitySource = Literal["differentiated", "logged"]
 
 
+# Position may reach this many times beyond the cut-off: its filter leaves the band alone, and what
+# noise it lets through the model's own filter takes away.
+MOTION_BAND = 2.0
+HIGHEST_SHARE = 0.4  # of the rate, for any cut-off
+# A change of sign between two fine samples is misplaced by half of one: at 40 a period of the
+# cut-off that is lost in the filter.
+FINE_SAMPLES_PER_CUTOFF = 40.0
+
+
 @dataclass(frozen=True)
 class ProcessingSettings:
     """How recordings become motion and torque; `choose_settings` proposes one.
 
     Attributes:
         rate: Of the uniform grid that everything is brought to [Hz].
-        cutoff: Of the zero-phase low-pass of q, dq and tau alike [Hz].
+        cutoff: Of the zero-phase low-pass of torque and model alike [Hz].
         order: Of the one-way Butterworth filter.
         decimation: Every how many-th sample of the grid is kept.
         trim: Cut at each end, where the filter has not settled [s].
@@ -75,6 +91,27 @@ class ProcessingSettings:
         """Sampling rate of the result [Hz]."""
         return self.rate / self.decimation
 
+    @property
+    def motion_cutoff(self) -> float:
+        """Cut-off of the smoothing of position and velocity [Hz]."""
+        return min(MOTION_BAND * self.cutoff, HIGHEST_SHARE * self.rate)
+
+    @property
+    def fine_step(self) -> int:
+        """Samples of the grid to one at which the model is evaluated; divides the decimation."""
+        wanted = max(1, int(self.rate / (FINE_SAMPLES_PER_CUTOFF * self.cutoff)))
+        return max(step for step in range(1, wanted + 1) if self.decimation % step == 0)
+
+    @property
+    def fine_rate(self) -> float:
+        """Rate at which the model is evaluated and filtered [Hz]."""
+        return self.rate / self.fine_step
+
+    def kept(self, fine: int) -> slice:
+        """Which of `fine` samples at the fine rate remain after trimming and decimation."""
+        cut = int(np.ceil(self.trim * self.fine_rate))
+        return slice(cut, fine - cut, self.decimation // self.fine_step)
+
     def with_cutoff(self, cutoff: float) -> ProcessingSettings:
         """These settings with another cut-off [Hz], and the decimation and trim that suit it."""
         return dataclasses.replace(
@@ -102,7 +139,9 @@ class ProcessedRecording:
         name: Of the recording.
         role: Of the recording.
         motion: N samples on a uniform grid.
-        tau: (N, n) torque [N m or N].
+        tau: (N, n) torque, low-passed [N m or N].
+        fine: The motion that the model is evaluated on, at the rate of the filter.
+        settings: Of the processing.
         rate: Sampling rate [Hz].
         bandwidth: Cut-off of the low-pass [Hz]: successive residuals are correlated over
             about 1 / (2 bandwidth).
@@ -113,6 +152,8 @@ class ProcessedRecording:
     role: Role
     motion: Motion
     tau: Float[ndarray, "samples joints"]
+    fine: Motion
+    settings: ProcessingSettings
     rate: float
     bandwidth: float
     repetition: Int[ndarray, "samples"] | None = None
@@ -123,6 +164,21 @@ class ProcessedRecording:
 
     def __len__(self) -> int:
         return len(self.tau)
+
+    def columns(
+        self, evaluate: Callable[[Motion], Float[ndarray, "fine joints columns"]]
+    ) -> Float[ndarray, "samples joints columns"]:
+        """A model's columns in the band of `tau`, at its samples.
+
+        Args:
+            evaluate: The columns at every instant of a motion.
+        """
+        columns = evaluate(self.fine)
+        settings = self.settings
+        flat = lowpass(
+            columns.reshape(len(columns), -1), settings.fine_rate, settings.cutoff, settings.order
+        )
+        return flat[settings.kept(len(columns))].reshape(-1, *columns.shape[1:])
 
 
 # Ten samples a cut-off period keep the band with a wide margin for the filter's slope.
@@ -147,8 +203,8 @@ def suitable_trim(cutoff: float) -> float:
 def process(recording: Recording, settings: ProcessingSettings) -> ProcessedRecording:
     """Resample, low-pass, differentiate, trim and decimate one recording.
 
-    Position and torque pass the same filter, so the model's two sides see the same band.
-    Velocity and acceleration are central differences of the filtered signal.
+    The torque is low-passed at the cut-off. Position is smoothed at twice that, where it does
+    not touch the band, and differentiated; `ProcessedRecording.columns` filters the model.
 
     Raises:
         ValueError: If the recording is too short for the settings, or has no logged
@@ -168,22 +224,28 @@ def process(recording: Recording, settings: ProcessingSettings) -> ProcessedReco
             f"{settings.trim:g} s at each end at {settings.rate:g} Hz"
         )
 
-    def filtered(x: Float[ndarray, "samples joints"]) -> Float[ndarray, "grid joints"]:
+    def smooth(x: Float[ndarray, "samples joints"]) -> Float[ndarray, "grid joints"]:
         uniform = resample(recording.t[fresh], x[fresh], grid, settings.interpolation)
-        return lowpass(uniform, settings.rate, settings.cutoff, settings.order)
+        return lowpass(uniform, settings.rate, settings.motion_cutoff, settings.order)
 
-    q = filtered(recording.q)
-    dq = central_difference(q, settings.rate) if logged is None else filtered(logged)
+    q = smooth(recording.q)
+    is_logged = settings.velocity == "logged" and recording.dq is not None
+    dq = smooth(recording.dq) if is_logged else central_difference(q, settings.rate)
     whole = Motion(grid, q, dq, central_difference(dq, settings.rate))
-    kept = np.arange(cut, len(grid) - cut)[:: settings.decimation]
+    # The torque is smoothed too: what is linear in the motion then sees one and the same filter.
+    tau = lowpass(smooth(recording.tau), settings.rate, settings.cutoff, settings.order)
+    fine = whole[:: settings.fine_step]
+    kept = settings.kept(len(fine))
     return ProcessedRecording(
         name=recording.name,
         role=recording.role,
-        motion=whole[kept],
-        tau=filtered(recording.tau)[kept],
+        motion=fine[kept],
+        tau=tau[:: settings.fine_step][kept],
+        fine=fine,
+        settings=settings,
         rate=settings.output_rate,
         bandwidth=settings.cutoff,
-        repetition=_repetition_at(recording, grid[kept]),
+        repetition=_repetition_at(recording, fine.t[kept]),
     )
 
 

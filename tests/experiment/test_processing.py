@@ -60,7 +60,8 @@ def test_both_sides_of_the_model_see_the_same_band():
     processed = process(recorded(np.random.default_rng(1), highest=20.0), SETTINGS)
     _, _, truth = multisine(processed.motion.t, 20.0)
     assert np.abs(processed.tau - 3 * truth).max() > 0.1 * np.abs(truth).max()
-    error = np.abs(processed.tau - 3 * processed.motion.ddq).max()
+    acceleration = processed.columns(lambda motion: motion.ddq[:, :, None])[:, :, 0]
+    error = np.abs(processed.tau - 3 * acceleration).max()
     # What remains is the gain of two central differences at 20 Hz, 1 - (w h)^2 / 3.
     assert error < 0.006 * np.abs(processed.tau).max()
 
@@ -162,3 +163,18 @@ def test_the_choice_on_measured_sets_is_near_the_one_by_hand(name, rate, by_hand
         processed = process(recording, settings)
         assert len(processed) > 50
         assert np.abs(processed.motion.dq).max() < 20  # [rad/s]
+
+
+def test_a_step_in_the_model_is_rounded_like_the_step_in_the_torque():
+    """Coulomb friction loses nothing to the filter: it is estimated at its full size."""
+    t = np.arange(0.0, 20.0, 0.002)
+    q = np.column_stack([np.sin(2.0 * t), np.cos(1.3 * t)])
+    dq = np.column_stack([2.0 * np.cos(2.0 * t), -1.3 * np.sin(1.3 * t)])
+    recording = Recording("steps", "estimation", t, q, 2.5 * np.sign(dq))
+    settings = ProcessingSettings(rate=500.0, cutoff=2.0, decimation=25, trim=1.0)
+    processed = process(recording, settings)
+    sign = processed.columns(lambda motion: np.sign(motion.dq)[:, :, None])[:, :, 0]
+    for joint in range(2):
+        coulomb = np.linalg.lstsq(sign[:, [joint]], processed.tau[:, joint], rcond=None)[0]
+        # Reversals fall between samples, by up to half of a fine one.
+        assert coulomb[0] == pytest.approx(2.5, rel=2e-3)

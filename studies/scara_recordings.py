@@ -1,0 +1,166 @@
+"""Recordings of the paper's arm with an effect that its model does not declare.
+
+    python -m studies.scara_recordings --out DIR [--hidden stribeck|cable|none] [--seed N] [--smoke]
+
+Simulates the IMI laboratory (oed.experiment.imi_laboratory) on random periodic motions within the
+paper's limits and writes a data set in the project's format. The data set says nothing of the
+hidden effect: it is for trying out what reads data sets.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from oed.design.limits import repair
+from oed.design.trajectories import FourierClass
+from oed.dynamics.effects import State
+from oed.dynamics.motion import Motion
+from oed.dynamics.scalars import Scalar, sin
+from oed.experiment.dataset import DataSet
+from oed.experiment.disturbance import Disturbance
+from oed.experiment.friction_memory import BristleFriction
+from oed.experiment.imi_laboratory import ImiLaboratory
+from oed.experiment.plant import TruePlant
+from oed.experiment.recording import Recording, Role
+from oed.experiment.simulation import Setup, simulate
+from oed.experiment.write_dataset import write_dataset
+from oed.robot import imi_scara
+from oed.robot.builtin import IMI_COULOMB
+
+HIDDEN = ("stribeck", "cable", "none")
+STATIC_RISE = 0.6  # of the Coulomb friction of joint 1, towards standstill
+STRIBECK_SPEED = 0.15  # [rad/s]
+CABLE_STIFFNESS = 1.2  # [N m/rad] of a cable that pulls joint 2 back
+CABLE_REST = 0.3  # [rad]
+# Torque that reaches the joints beside the commanded one, and the logger's own noise.
+DISTURBANCE = Disturbance((0.3, 0.08), (30.0, 30.0))  # [N m], [rad/s]
+ROLES: tuple[tuple[str, Role], ...] = (
+    ("estimation_1", "estimation"),
+    ("estimation_2", "estimation"),
+    ("validation", "validation"),
+    ("test", "test"),
+)
+HARMONICS = 5
+LOGGED = 4  # one sample in that many is written: 250 Hz of the controller's 1 kHz
+
+
+@dataclass(frozen=True)
+class Config:
+    """What to simulate.
+
+    Attributes:
+        out: Folder of the data set; it must not exist.
+        hidden: The undeclared effect.
+        period: Of each motion [s].
+        repetitions: Of each motion.
+        seed: Of motions and noise.
+    """
+
+    out: Path
+    hidden: str = "stribeck"
+    period: float = 10.0
+    repetitions: int = 6
+    seed: int = 0
+
+
+def run(config: Config) -> DataSet:
+    """Simulate all recordings."""
+    rng = np.random.default_rng(config.seed)
+    laboratory = ImiLaboratory()
+    setup = Setup(
+        _plant(laboratory, config.hidden),
+        laboratory.controller(),
+        laboratory.setup("plain", laboratory.controller(), DISTURBANCE).sensors,
+        DISTURBANCE,
+        lead_in=laboratory.settling,
+    )
+    recordings = tuple(
+        _thinned(
+            simulate(
+                setup,
+                _random_motion(config.period, setup.controller.period, rng),
+                rng,
+                repetitions=config.repetitions,
+                periodic=True,
+                name=name,
+                role=role,
+            )
+        )
+        for name, role in ROLES
+    )
+    return DataSet(
+        name="imi-scara-simulated",
+        source="simulated: studies.scara_recordings",
+        licence="BSD-3-Clause",
+        robot=imi_scara(),
+        torque="commanded",
+        recordings=recordings,
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line."""
+    parser = argparse.ArgumentParser(prog="python -m studies.scara_recordings", description=__doc__)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--hidden", choices=HIDDEN, default=Config.hidden)
+    parser.add_argument("--seed", type=int, default=Config.seed)
+    parser.add_argument("--smoke", action="store_true", help="two repetitions of each motion")
+    given = parser.parse_args(arguments)
+    repetitions = 2 if given.smoke else Config.repetitions
+    config = Config(given.out, hidden=given.hidden, seed=given.seed, repetitions=repetitions)
+    write_dataset(run(config), config.out)
+    sys.stdout.write(f"wrote {config.out}\n")
+    return 0
+
+
+def _plant(laboratory: ImiLaboratory, hidden: str) -> TruePlant:
+    plant = laboratory.plant("plain")
+    if hidden == "cable":
+        return dataclasses.replace(plant, extra=(*plant.extra, _cable))
+    if hidden == "stribeck":
+        rising = BristleFriction(
+            joint=0,
+            coulomb=IMI_COULOMB[0],
+            deflection=laboratory.presliding,
+            static_rise=STATIC_RISE * IMI_COULOMB[0],
+            stribeck_speed=STRIBECK_SPEED,
+        )
+        return dataclasses.replace(plant, memory=(rising, *plant.memory[1:]))
+    return plant
+
+
+def _cable(state: State, load: Sequence[Scalar]) -> dict[int, Scalar]:  # noqa: ARG001  # any load
+    return {1: CABLE_STIFFNESS * sin(state.q[1] - CABLE_REST)}
+
+
+def _random_motion(period: float, step: float, rng: np.random.Generator) -> Motion:
+    """One period of a random Fourier series, as large as the paper's limits allow."""
+    limits = imi_scara().limits
+    series = FourierClass(period, limits, HARMONICS)
+    start = rng.uniform(series.bounds[:, 0], series.bounds[:, 1])
+    fitted = repair(series, start, limits)
+    return series.motion(fitted, np.arange(round(period / step)) * step)
+
+
+def _thinned(recording: Recording) -> Recording:
+    kept = slice(None, None, LOGGED)
+    repetition = recording.repetition
+    return dataclasses.replace(
+        recording,
+        t=recording.t[kept],
+        q=recording.q[kept],
+        tau=recording.tau[kept],
+        dq=None,
+        repetition=None if repetition is None else repetition[kept],
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
