@@ -1,0 +1,315 @@
+"""The bound on log det Lambda: columns are generated until the dual is feasible everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi
+import numpy as np
+import scipy.linalg
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.bound.balance import Monomials
+from oed.design.bound.branch_and_bound import Boxes, ProvenMaximum, SmoothFunction, prove_maximum
+from oed.design.bound.states import ViableStates
+from oed.design.bound.weights import WeightedDesign, optimal_weights
+from oed.design.criteria import whitening
+from oed.dynamics.base_parameters import BaseParameters
+from oed.dynamics.torque_model import TorqueModel
+from oed.robot import JointLimits
+
+FIRST_CELLS = 4  # that branch and bound starts from, along each coordinate
+KEPT_SLACK = 0.3  # atoms further below the dual's maximum are dropped, relative to it
+KEPT_WEIGHT = 1e-9  # unless they have a weight
+
+
+@dataclass(frozen=True)
+class BoundSettings:
+    """How hard to work.
+
+    Attributes:
+        degree: Highest total degree of the test functions.
+        even: Whether odd total degrees are left out; see `Monomials.up_to`.
+        first_atoms: Random states to begin with.
+        rounds: Of column generation at most.
+        states_per_round: Random states looked at in each.
+        tolerance: At which generation ends: excess of the dual over its least, relative.
+        proof_tolerance: Of branch and bound, relative.
+        most_boxes: Of branch and bound.
+    """
+
+    degree: int = 6
+    even: bool = True
+    first_atoms: int = 6000
+    rounds: int = 25
+    states_per_round: int = 40_000
+    tolerance: float = 0.005
+    proof_tolerance: float = 0.005
+    most_boxes: int = 2_000_000
+
+
+@dataclass(frozen=True)
+class InformationBound:
+    """An upper bound on the information of every motion within the limits.
+
+    Attributes:
+        kind: "certified" if the dual was checked over the whole set of states, "estimated" if
+            only where a search looked.
+        log10_det: Bound on log10 det of the mean information of one instant, all joints.
+        attained: The same of the best measure found: no bound of this kind can be below.
+        excess: The dual's maximum over its least, minus 1; what tightening is left.
+        information: (b, b) of the best measure.
+        functions: Number of test functions.
+        boxes: Boxes that the proof took; 0 if estimated.
+    """
+
+    kind: Literal["certified", "estimated"]
+    log10_det: float
+    attained: float
+    excess: float
+    information: Float[ndarray, "base base"]
+    functions: int
+    boxes: int
+
+    @property
+    def size(self) -> int:
+        """Number of parameters b."""
+        return len(self.information)
+
+    def J_d(self, instants: int) -> float:  # noqa: N802 - the paper's symbol
+        """The bound on J_d of that many instants, as their mean information times them."""
+        return self.log10_det + self.size * float(np.log10(instants))
+
+    def efficiency(self, J_d: float, instants: int) -> float:
+        """D-efficiency of a design, (det Lambda / det bound)^(1/b)."""
+        return float(10 ** ((J_d - self.J_d(instants)) / self.size))
+
+
+@dataclass(frozen=True)
+class StateInformation:
+    """What one state tells, for a model: the atoms of the relaxation.
+
+    Attributes:
+        model: The torque model; its columns must be affine in the acceleration.
+        base: Its base parameters, b of them.
+        states: Admissible states.
+        functions: Test functions.
+        covariance: R_v at one instant, (n,) or (n, n); the identity if None.
+    """
+
+    model: TorqueModel
+    base: BaseParameters
+    states: ViableStates
+    functions: Monomials
+    covariance: Float[ndarray, "..."] | None = None
+
+    @property
+    def white(self) -> Float[ndarray, "joints joints"]:
+        """Factor that makes the noise of an instant white."""
+        n = self.model.robot.n
+        if self.covariance is None:
+            return np.eye(n)
+        full = np.diag(self.covariance) if self.covariance.ndim == 1 else self.covariance
+        return whitening(full)
+
+    def atoms(
+        self, x: Float[ndarray, "states coordinates"], ddq: Float[ndarray, "states joints"]
+    ) -> tuple[Float[ndarray, "states joints base"], Float[ndarray, "states functions"]]:
+        """Regressor rows and rates of the test functions."""
+        motion = self.states.motion(x, ddq)
+        rows = self.white @ self.base.reduce(self.model.columns(motion))
+        return rows, self.functions.rates(motion)
+
+    def dual(self, design: WeightedDesign) -> SmoothFunction:
+        """tr(M D' R_v^-1 D) - sum_k y_k d phi_k / dt as a function of the state."""
+        n = self.states.joints
+        x, ddq = casadi.SX.sym("x", 2 * n), casadi.SX.sym("ddq", n)
+        q, v = casadi.SX.sym("q", n), casadi.SX.sym("v", n)
+        columns = self.model.symbolic_columns(q, v, ddq, 0.0)
+        _require_affine(columns, ddq)
+        factor = np.linalg.inv(np.linalg.cholesky(design.information)).T
+        reduced = columns[:, self.base.columns.tolist()]
+        told = casadi.sumsqr(casadi.DM(self.white) @ reduced @ casadi.DM(factor))
+        phi = self.functions.symbolic_sum(design.multipliers, q, v)
+        rate = casadi.dot(casadi.gradient(phi, q), v) + casadi.dot(casadi.gradient(phi, v), ddq)
+        at_q, at_v = self.states.symbolic(x)
+        value = casadi.substitute(told - rate, casadi.vertcat(q, v), casadi.vertcat(at_q, at_v))
+        return SmoothFunction.of(value, x, ddq)
+
+    def boxes(self) -> Boxes:
+        """The whole set of states, cut at zero velocity, with every vertex of acceleration."""
+        edges = []
+        for lower, upper in self.states.box:
+            cells = np.linspace(lower, upper, FIRST_CELLS + 1)
+            edges.append(np.stack([cells[:-1], cells[1:]], axis=1))
+        grid = np.meshgrid(*[np.arange(len(e)) for e in edges], indexing="ij")
+        cells = np.stack([e[g.ravel()] for e, g in zip(edges, grid, strict=True)], axis=1)
+        vertices = self.states.vertices
+        middle = np.repeat(cells.mean(axis=2), len(vertices), axis=0)
+        half = np.repeat(np.diff(cells, axis=2)[:, :, 0] / 2, len(vertices), axis=0)
+        return Boxes(middle, half, np.tile(vertices, (len(cells), 1)))
+
+
+def information_bound(
+    model: TorqueModel,
+    base: BaseParameters,
+    limits: JointLimits,
+    rng: np.random.Generator,
+    *,
+    covariance: Float[ndarray, "..."] | None = None,
+    settings: BoundSettings | None = None,
+    certify: bool | None = None,
+) -> InformationBound:
+    """Bound log10 det of the mean information of every periodic motion within the limits.
+
+    Args:
+        model: The torque model.
+        base: Its base parameters.
+        limits: Of position, velocity and acceleration; others are left out, which keeps the
+            bound valid.
+        rng: Source of the random states; the proof does not depend on it.
+        covariance: R_v at one instant; the identity if None.
+        settings: How hard to work.
+        certify: Whether to prove the bound; by default up to two joints.
+
+    Raises:
+        ValueError: If the set of states is not bounded or the model not affine in acceleration.
+        WeightsNotFound: If the weights of the atoms cannot be found.
+    """
+    settings = settings or BoundSettings()
+    states = ViableStates(limits)
+    centre = limits.position.mean(axis=1)
+    scale = np.concatenate([np.diff(limits.position, axis=1)[:, 0] / 2, states.fastest])
+    functions = Monomials.up_to(settings.degree, centre, scale, even=settings.even)
+    source = StateInformation(model, base, states, functions, covariance)
+    certify = states.joints <= 2 if certify is None else certify
+    best: InformationBound | None = None
+    for design, highest, boxes in _tighten(source, rng, settings, certify):
+        bound = _bound(design, highest, boxes, len(functions))
+        if best is None or bound.log10_det < best.log10_det:
+            best = bound
+    return best
+
+
+def _bound(design: WeightedDesign, highest: float, boxes: int, functions: int) -> InformationBound:
+    """tr(M Lambda) <= highest for every measure, so det Lambda <= (highest / b)^b / det M."""
+    b = len(design.information)
+    attained = float(np.linalg.slogdet(design.information)[1] / np.log(10))
+    return InformationBound(
+        kind="certified" if boxes else "estimated",
+        log10_det=attained + b * float(np.log10(highest / b)),
+        attained=attained,
+        excess=highest / b - 1,
+        information=design.information,
+        functions=functions,
+        boxes=boxes,
+    )
+
+
+def _tighten(
+    source: StateInformation,
+    rng: np.random.Generator,
+    settings: BoundSettings,
+    certify: bool,
+) -> Iterator[tuple[WeightedDesign, float, int]]:
+    """Designs of ever more atoms, each with the dual's maximum and the boxes that prove it.
+
+    Where the random search finds no violation any more, branch and bound looks; what it finds
+    become atoms too. Without proof there is one design, and the maximum is the search's.
+    """
+    x, ddq = source.states.sample(settings.first_atoms, rng)
+    atoms = (x, ddq, *source.atoms(x, ddq))
+    for _ in range(settings.rounds):
+        design = optimal_weights(*atoms[2:])
+        least = design.mass_multiplier
+        value = dual_values(design, *atoms[2:])
+        kept = (value > (1 - KEPT_SLACK) * least) | (design.weights > KEPT_WEIGHT)
+        atoms = tuple(part[kept] for part in atoms)
+        more = _search(source, design, (*atoms[:2], design.weights[kept]), rng, settings)
+        highest = float(max(dual_values(design, *more[2:]).max(), least))
+        if highest <= (1 + settings.tolerance) * least:
+            if not certify:
+                break
+            proof = _prove(source, design, settings)
+            yield design, proof.upper, proof.boxes
+            if proof.attained <= (1 + settings.tolerance) * least:
+                return
+            more = _worth_adding(source, design, proof, settings)
+        atoms = tuple(np.concatenate(both) for both in zip(atoms, more, strict=True))
+    if not certify:
+        yield design, highest, 0
+
+
+def _worth_adding(
+    source: StateInformation,
+    design: WeightedDesign,
+    proof: ProvenMaximum,
+    settings: BoundSettings,
+) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """States found by branch and bound at which the dual is too large."""
+    rows, rates = source.atoms(proof.points, proof.fixed)
+    value = dual_values(design, rows, rates)
+    much = value > design.mass_multiplier * (1 + settings.tolerance / 2)
+    much[value.argmax()] = True
+    return proof.points[much], proof.fixed[much], rows[much], rates[much]
+
+
+def dual_values(
+    design: WeightedDesign,
+    rows: Float[ndarray, "states joints base"],
+    rates: Float[ndarray, "states functions"],
+) -> Float[ndarray, "states"]:
+    """tr(M A) - multipliers . rates of each state."""
+    factor = np.linalg.cholesky(design.information)
+    flat = scipy.linalg.solve_triangular(factor, rows.reshape(-1, rows.shape[2]).T, lower=True)
+    told = (flat**2).sum(axis=0).reshape(rows.shape[:2]).sum(axis=1)
+    return told - rates @ design.multipliers
+
+
+def _search(
+    source: StateInformation,
+    design: WeightedDesign,
+    support: tuple[ndarray, ndarray, ndarray],
+    rng: np.random.Generator,
+    settings: BoundSettings,
+) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """States where the dual is largest: random ones and neighbours of the support."""
+    x, ddq, weights = support
+    lower, upper = source.states.box.T
+    fresh = source.states.sample(settings.states_per_round // 2, rng)
+    count = settings.states_per_round - len(fresh[0])
+    chosen = rng.choice(len(x), size=count, p=weights / weights.sum())
+    reach = 10.0 ** rng.uniform(-3, -0.5, (count, 1))
+    moved = x[chosen] + reach * (upper - lower) * rng.standard_normal((count, len(lower)))
+    candidates = (
+        np.concatenate([fresh[0], np.clip(moved, lower, upper)]),
+        np.concatenate([fresh[1], ddq[chosen]]),
+    )
+    rows, rates = source.atoms(*candidates)
+    value = dual_values(design, rows, rates)
+    best = np.argsort(-value)[: max(200, 4 * len(source.functions))]
+    best = best[value[best] > design.mass_multiplier * (1 - settings.tolerance)]
+    if not len(best):
+        best = np.array([int(value.argmax())])
+    return candidates[0][best], candidates[1][best], rows[best], rates[best]
+
+
+def _prove(
+    source: StateInformation, design: WeightedDesign, settings: BoundSettings
+) -> ProvenMaximum:
+    return prove_maximum(
+        source.dual(design),
+        source.boxes(),
+        tolerance=settings.proof_tolerance,
+        at_least=design.mass_multiplier,
+        most_boxes=settings.most_boxes,
+    )
+
+
+def _require_affine(columns: casadi.SX, ddq: casadi.SX) -> None:
+    bend = casadi.jacobian(casadi.vec(casadi.jacobian(casadi.vec(columns), ddq)), ddq)
+    if bend.nnz():
+        raise ValueError("the bound needs torque columns that are affine in the acceleration")
