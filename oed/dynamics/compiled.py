@@ -31,11 +31,17 @@ Batch = Callable[[Float[ndarray, "inputs samples"]], Float[ndarray, "outputs sam
 
 @dataclass(frozen=True)
 class SoftState(State):
-    """A state whose smoothing of the velocity sign is itself an input of the expression."""
+    """A state whose smoothing of the velocity sign is itself an input of the expression.
+
+    Attributes:
+        symbolic_width: That input [rad/s].
+    """
+
+    symbolic_width: Scalar = 0.0
 
     def sign(self, velocity: Scalar, width: float = 0.0) -> Scalar:
         """tanh(v / widest); the exact sign where both widths are zero."""
-        return casadi.tanh(velocity / casadi.fmax(max(width, SHARPEST), self.sign_width))
+        return casadi.tanh(velocity / casadi.fmax(max(width, SHARPEST), self.symbolic_width))
 
 
 @dataclass(frozen=True)
@@ -107,7 +113,7 @@ def compile_regressor(
     x = casadi.SX.sym("x", 3 * n)
     width = casadi.SX.sym("width")
     parts = casadi.vertsplit(x)
-    state = SoftState(0.0, parts[:n], parts[n : 2 * n], parts[2 * n :], width)  # type: ignore[arg-type]
+    state = SoftState(0.0, parts[:n], parts[n : 2 * n], parts[2 * n :], symbolic_width=width)
     every = [entry for effect in model.effects for entry in effect.entries(state)]
     found = [
         (joint, column, casadi.SX(entry))

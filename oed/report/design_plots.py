@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import matplotlib as mpl
 from jaxtyping import Float
 from matplotlib.figure import Figure
 from numpy import ndarray
 
 from oed.design.limits import Certificate
 from oed.dynamics.motion import Motion
-from oed.report.style import BLUE, GREY, PAGE, VERMILION, new_figure
+from oed.report.style import BLUE, GREY, PAGE, STYLE, VERMILION, new_figure
 from oed.robot import JointLimits
 
 SIGNALS = (("position", "q", "rad"), ("velocity", "dq", "rad/s"), ("acceleration", "ddq", "rad/s²"))
@@ -36,6 +37,17 @@ def draw_motion(
         certificate: Proven bounds.
         torque: (N, n) nominal torque [N m], where there is a nominal model.
     """
+    with mpl.rc_context(STYLE):
+        return _draw(motion, joint_names, limits, certificate, torque)
+
+
+def _draw(
+    motion: Motion,
+    joint_names: Sequence[str],
+    limits: JointLimits,
+    certificate: Certificate,
+    torque: ndarray | None,
+) -> Figure:
     n = len(joint_names)
     columns = 3 if torque is None else 4
     figure = new_figure(PAGE, 0.6 + PANEL_HEIGHT * n)
@@ -51,13 +63,13 @@ def draw_motion(
             if proven is not None:
                 panel.axhspan(*proven[joint], color=BLUE, alpha=0.08, linewidth=0)
     for joint, name in enumerate(joint_names):
-        panels[joint, 0].set_ylabel(name, parse_math=False, fontsize=6.5)
+        panels[joint, 0].set_ylabel(name, parse_math=False)
     for panel in panels[-1]:
         panel.set_xlabel("t [s]")
     return figure
 
 
-def _draw_panel(panel, t: ndarray, values: ndarray, limit: ndarray) -> None:  # noqa: ANN001
+def _draw_panel(panel, t: ndarray, values: ndarray, limit: ndarray) -> None:
     panel.plot(t, values, color=BLUE)
     panel.axhline(0.0, color=GREY, linewidth=0.5)
     middle, reach = (values.max() + values.min()) / 2, (values.max() - values.min()) / 2

@@ -215,10 +215,10 @@ def _sine_and_cosine(t: bytes, omega: bytes, shape: tuple[int, int]) -> tuple[nd
 
 def _conservative(limits: JointLimits) -> tuple[ndarray, ndarray, ndarray]:
     """Middle and half width of the position range, and omega_max of (12d)."""
+    if not np.isfinite(limits.position).all():
+        raise ValueError("harmonic bounds (12) need finite position limits of every joint")
     middle = limits.position.mean(axis=1)
     reach = np.diff(limits.position, axis=1)[:, 0] / 2
-    if not np.isfinite(reach).all():
-        raise ValueError("harmonic bounds (12) need finite position limits of every joint")
     speed, acceleration = (np.abs(x).min(axis=1) for x in (limits.velocity, limits.acceleration))
     omega = np.minimum(speed / reach, np.sqrt(acceleration / reach))
     if not np.isfinite(omega).all():

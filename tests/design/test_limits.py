@@ -1,0 +1,81 @@
+"""Proof and repair: no dense check ever exceeds a certificate."""
+
+import numpy as np
+import pytest
+
+from oed.design.extrema import proven_range, quick_range
+from oed.design.limits import KINEMATIC, certify, check_limits, fill, repair
+from oed.design.torque_range import proven_torque_range, sampled_torque
+from oed.design.trajectories import HarmonicClass
+from tests.design.problems import HORIZON, classes, lopsided, scara
+
+DENSE = np.linspace(0.0, HORIZON, 100_000)
+LIMITS = lopsided()
+CLASSES = classes(LIMITS)
+
+
+@pytest.mark.parametrize("name", CLASSES)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_dense_check_never_exceeds_the_certificate(name, seed) -> None:
+    trajectory = CLASSES[name]
+    z = fill(trajectory, trajectory.draw(np.random.default_rng(seed)), LIMITS)
+    certificate = certify(trajectory, z, LIMITS)
+    for order, kind in enumerate(KINEMATIC):
+        values = trajectory.derivative(z, DENSE, order)
+        proven = getattr(certificate, kind)
+        assert (values >= proven[:, 0]).all()
+        assert (values <= proven[:, 1]).all()
+        # and the proof is tight: no more than a millionth of the motion's scale wasted
+        scale = trajectory.derivative_bound(z, order)
+        assert (proven[:, 1] - values.max(axis=0) < 1e-5 * scale).all()
+        assert (values.min(axis=0) - proven[:, 0] < 1e-5 * scale).all()
+
+
+@pytest.mark.parametrize("name", CLASSES)
+@pytest.mark.parametrize("seed", range(3))
+def test_repair_returns_a_proven_motion(name, seed) -> None:
+    trajectory = CLASSES[name]
+    wild = np.random.default_rng(seed).uniform(*(3 * trajectory.bounds.T))
+    for is_quick in (False, True):
+        z = repair(trajectory, wild, LIMITS, is_quick=is_quick)
+        assert certify(trajectory, z, LIMITS).violation <= 0
+
+
+def test_sees_a_beat_that_falls_between_samples() -> None:
+    # Two fast sines that cancel at every one of 80 samples and add up in between.
+    spacing = HORIZON / 80
+    omega = np.array([[np.pi / spacing, np.pi / spacing]])
+    trajectory = HarmonicClass(HORIZON, np.zeros(1), 2, np.ones(1), np.full(1, 2 * np.pi / spacing))
+    z = np.concatenate([[0.5, 0.5], omega[0]])
+    seen = np.abs(trajectory.derivative(z, trajectory.instants(80), 0)).max()
+    assert seen < 1e-10
+    lower, upper = proven_range(trajectory, z, 0)[0]
+    assert upper == pytest.approx(1.0, abs=1e-6)
+    assert lower == pytest.approx(-1.0, abs=1e-6)
+
+
+def test_the_quick_range_holds_the_proven_one() -> None:
+    trajectory = CLASSES["ramped"]
+    z = trajectory.draw(np.random.default_rng(5))
+    for order in range(4):
+        quick, proven = quick_range(trajectory, z, order), proven_range(trajectory, z, order)
+        slack = 1e-6 * trajectory.derivative_bound(z, order)
+        assert (quick[:, 0] <= proven[:, 0] + slack).all()
+        assert (quick[:, 1] >= proven[:, 1] - slack).all()
+
+
+def test_torque_is_proven_too() -> None:
+    robot, model, _ = scara()
+    trajectory = classes(robot.limits)["fourier"]
+    z = fill(trajectory, trajectory.draw(np.random.default_rng(0)), robot.limits)
+    parameters = np.concatenate([robot.parameters, [2.61, 7.343, 1.46, 0.787]])
+    proven = proven_torque_range(model, parameters, trajectory, z)
+    seen = sampled_torque(model, parameters, trajectory.motion(z, DENSE))
+    assert (proven[:, 0] <= seen[:, 0]).all()
+    assert (proven[:, 1] >= seen[:, 1]).all()
+    assert np.abs(proven - seen).max() < 0.02 * np.abs(seen).max()
+
+
+def test_refuses_limits_that_forbid_motion_in_one_direction() -> None:
+    with pytest.raises(ValueError, match="velocity limit of joint 1"):
+        check_limits(LIMITS.with_(velocity=np.array([[0.1, 1.0], [-1.0, 1.0]])))

@@ -1,0 +1,110 @@
+"""Every class: exact derivatives, sensitivities and bounds."""
+
+import numpy as np
+import pytest
+
+from oed.design.trajectories import FourierClass, HarmonicClass
+from tests.design.problems import HORIZON, classes, lopsided, scara
+
+LIMITS = lopsided()
+CLASSES = classes(LIMITS)
+T = np.linspace(0.2, 9.7, 37)
+
+
+@pytest.fixture(params=CLASSES)
+def case(request):
+    trajectory = CLASSES[request.param]
+    return trajectory, trajectory.draw(np.random.default_rng(3))
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_derivatives_are_those_of_position(case, order) -> None:
+    trajectory, z = case
+    h = 1e-5
+    below, above = (trajectory.derivative(z, T + s * h, order - 1) for s in (-1, 1))
+    exact = trajectory.derivative(z, T, order)
+    np.testing.assert_allclose((above - below) / (2 * h), exact, atol=1e-6 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 3])
+def test_sensitivities_are_those_of_the_motion(case, order) -> None:
+    trajectory, z = case
+    exact = trajectory.sensitivity(z, T, order)
+    for joint, own in enumerate(trajectory.variables):
+        for place, variable in enumerate(own):
+            step = np.zeros(trajectory.size)
+            step[variable] = 1e-6
+            difference = trajectory.derivative(z + step, T, order)
+            difference = (difference - trajectory.derivative(z - step, T, order)) / 2e-6
+            np.testing.assert_allclose(difference[:, joint], exact[:, joint, place], atol=1e-5)
+            others = np.delete(difference, joint, axis=1)
+            assert np.abs(others).max() < 1e-9
+
+
+def test_pull_back_is_the_product_with_the_sensitivities(case) -> None:
+    trajectory, z = case
+    rng = np.random.default_rng(0)
+    adjoints = tuple(rng.standard_normal((len(T), 2)) for _ in range(3))
+    step = 1e-6 * rng.standard_normal(trajectory.size)
+
+    def weighted(z: np.ndarray) -> float:
+        return sum((trajectory.derivative(z, T, k) * a).sum() for k, a in enumerate(adjoints))
+
+    change = weighted(z + step) - weighted(z - step)
+    assert change == pytest.approx(2 * trajectory.pull_back(z, T, adjoints) @ step, rel=1e-5)
+
+
+def test_the_bound_on_a_derivative_is_never_exceeded(case) -> None:
+    trajectory, z = case
+    t = np.linspace(0, HORIZON, 20_001)
+    for order in range(6):
+        centre = trajectory.centre(z) if order == 0 else 0.0
+        largest = np.abs(trajectory.derivative(z, t, order) - centre).max(axis=0)
+        assert (largest <= trajectory.derivative_bound(z, order) * (1 + 1e-12)).all()
+
+
+def test_shrinking_scales_the_distance_from_the_centre(case) -> None:
+    trajectory, z = case
+    smaller = trajectory.shrink(z, np.array([0.5, 0.1]))
+    centre = trajectory.centre(z)
+    before, after = (trajectory.derivative(x, T, 0) - centre for x in (z, smaller))
+    np.testing.assert_allclose(after, before * [0.5, 0.1], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["ramped", "fourier_at_rest"])
+def test_starts_and_ends_at_rest(name) -> None:
+    trajectory = CLASSES[name]
+    z = trajectory.draw(np.random.default_rng(1))
+    ends = np.array([0.0, HORIZON])
+    for order in (1, 2):
+        assert np.abs(trajectory.derivative(z, ends, order)).max() < 1e-10
+
+
+def test_harmonic_motion_is_the_papers_sum_of_sines() -> None:
+    robot, *_ = scara()
+    trajectory = HarmonicClass.conservative(robot.limits, HORIZON, terms=2)
+    z = np.array([0.1, 0.2, 0.3, -0.4, 0.5, 1.0, 1.5, 1.8])  # a_11 a_12 a_21 a_22, then omega
+    expected = np.stack(
+        [
+            0.1 * np.sin(0.5 * T) + 0.2 * np.sin(1.0 * T),
+            0.3 * np.sin(1.5 * T) - 0.4 * np.sin(1.8 * T),
+        ],
+        axis=1,
+    )
+    np.testing.assert_allclose(trajectory.derivative(z, T, 0), expected, atol=1e-14)
+
+
+def test_the_conservative_box_is_the_papers() -> None:
+    robot, *_ = scara()
+    trajectory = HarmonicClass.conservative(robot.limits, HORIZON)
+    assert trajectory.bounds[0, 1] == pytest.approx(0.5)  # q_max / W (12c)
+    assert trajectory.bounds[-1, 1] == pytest.approx(1.825, abs=1e-3)  # (12d)
+
+
+def test_refuses_a_class_without_finite_position_limits() -> None:
+    robot, *_ = scara()
+    free = robot.limits.with_(position=np.tile([-np.inf, np.inf], (2, 1)))
+    with pytest.raises(ValueError, match="finite position limits"):
+        FourierClass(HORIZON, free)
+    with pytest.raises(ValueError, match="finite position limits"):
+        HarmonicClass.exact(free, HORIZON)
