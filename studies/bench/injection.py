@@ -1,0 +1,42 @@
+"""What hiding an effect in an arm gives back: the changed arm, and the truth for the judge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from studies.bench.arm import Arm
+
+
+@dataclass(frozen=True)
+class Injected:
+    """An arm with one more thing hidden in it.
+
+    Attributes:
+        arm: The changed arm.
+        parameters: Injected values whose meaning does not hang on the formula, as
+            (value, SI unit).
+        coordinates: Where nothing in the catalogue fits: the coordinates that the torque depends
+            on, such as ("q_1", "dq_2"); several if either set says the same.
+    """
+
+    arm: Arm
+    parameters: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    coordinates: tuple[tuple[str, ...], ...] = ()
+
+
+# (arm, joint, size: 1 is realistic, draws of the details) -> arm with the effect
+Inject = Callable[[Arm, int, float, np.random.Generator], Injected]
+
+
+def either_sign(rng: np.random.Generator) -> float:
+    """+1 or -1."""
+    return float(rng.choice([-1.0, 1.0]))
+
+
+def another_joint(arm: Arm, joint: int, rng: np.random.Generator) -> int:
+    """A neighbour of a joint, where it moves enough to matter."""
+    n = arm.robot.n
+    return int(rng.choice([i for i in (joint - 1, joint + 1) if 0 <= i < n]))

@@ -1,0 +1,261 @@
+"""From the bench's lines to rates: what is found, what is invented, how large it has to be."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy import stats
+
+from oed.report.table import markdown_table
+from studies.bench.forms import FORMS, OUTSIDE
+from studies.bench.plan import GROUPS
+from studies.bench.score import AMBIGUOUS, NOTHING
+
+BenchRow = Mapping[str, str]
+NOTHING_NAMED = "nothing"
+FREE_TERM = "no name claimed"
+SIZE_EDGES = (0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, np.inf)
+LEVEL = 0.95
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A share with its interval (Clopper and Pearson 1934).
+
+    Attributes:
+        hits: Cases that count.
+        cases: All.
+    """
+
+    hits: int
+    cases: int
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Of 95 %."""
+        tail = (1 - LEVEL) / 2
+        k, n = self.hits, self.cases
+        low = float(stats.beta.ppf(tail, k, n - k + 1)) if k > 0 else 0.0
+        high = float(stats.beta.ppf(1 - tail, k + 1, n - k)) if k < n else 1.0
+        return low, high
+
+    def __str__(self) -> str:
+        if not self.cases:
+            return "–"
+        low, high = self.interval
+        return f"{self.hits} of {self.cases} ({100 * low:.0f}–{100 * high:.0f} %)"
+
+
+def done(rows: Sequence[BenchRow]) -> list[BenchRow]:
+    """The cases that ended with a diagnosis."""
+    return [row for row in rows if row["status"] == "done"]
+
+
+def rate(rows: Sequence[BenchRow], holds: Callable[[BenchRow], bool]) -> Rate:
+    """How often something holds."""
+    return Rate(sum(map(holds, rows)), len(rows))
+
+
+def is_exact(row: BenchRow) -> bool:
+    """Whether all that is hidden is named, or traced, and nothing else is named."""
+    return is_found(row) and row["extra"] == "0"
+
+
+def is_found(row: BenchRow) -> bool:
+    """Whether all that is hidden is named at its joint, or traced to its coordinates."""
+    return row["missed"] == "0" and row["nearly"] == "0" and row["coordinates_right"] != "no"
+
+
+def is_class_right(row: BenchRow) -> bool:
+    """Whether all that is hidden is named, its equal or as one of several rivals."""
+    return row["missed"] == "0" and row["coordinates_right"] != "no"
+
+
+def is_alarm(row: BenchRow) -> bool:
+    """Whether anything is named."""
+    return bool(row["claims"])
+
+
+def is_quiet(row: BenchRow) -> bool:
+    """Whether nothing is said to be missing."""
+    return row["verdict"] == NOTHING and not is_alarm(row)
+
+
+def group_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int]]:
+    """A line a group."""
+    table = []
+    for group in GROUPS:
+        all_of_it = [row for row in rows if row["group"] == group]
+        if not all_of_it:
+            continue
+        judged = done(all_of_it)
+        clean = group == "clean"
+        table.append(
+            {
+                "group": group,
+                "cases": len(all_of_it),
+                "failed": len(all_of_it) - len(judged),
+                "right, nothing else": str(rate(judged, is_quiet if clean else is_exact)),
+                "right": str(rate(judged, is_quiet if clean else is_found)),
+                "right class": str(rate(judged, is_quiet if clean else is_class_right)),
+                "a false name": str(rate(judged, lambda row: int(row["extra"]) > 0)),
+                "ambiguous": str(rate(judged, lambda row: row["verdict"] == AMBIGUOUS)),
+            }
+        )
+    return table
+
+
+def error_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int | float]]:
+    """Errors on the test recordings, a line a group."""
+    table = []
+    for group in GROUPS:
+        judged = done([row for row in rows if row["group"] == group])
+        if not judged:
+            continue
+        floor, before, removed = (
+            np.array([float(row[column]) for row in judged])
+            for column in ("after_to_floor", "after_to_before", "removed")
+        )
+        table.append(
+            {
+                "group": group,
+                "cases": len(judged),
+                "after / floor, median": float(np.median(floor)),
+                "after / floor, 90 %": float(np.quantile(floor, 0.9)),
+                "excess removed, median": float(np.nanmedian(removed))
+                if np.isfinite(removed).any()
+                else float("nan"),
+                "after / before, worst": float(before.max()),
+                "worse than before": str(Rate(int((before > 1 + 1e-6).sum()), len(before))),
+                "seconds, median": float(np.median([float(row["seconds"]) for row in judged])),
+            }
+        )
+    return table
+
+
+def clean_table(rows: Sequence[BenchRow]) -> list[dict[str, str]]:
+    """False alarms on clean data, by noise and repetition."""
+    clean = done([row for row in rows if not row["hidden"]])
+    kinds = sorted({(row["noise"], row["repeated"]) for row in clean})
+    table = []
+    for noise, repeated in kinds:
+        of_kind = [r for r in clean if (r["noise"], r["repeated"]) == (noise, repeated)]
+        table.append({"noise": noise, "repeated": repeated} | _alarms(of_kind))
+    return [*table, {"noise": "all", "repeated": ""} | _alarms(clean)] if clean else []
+
+
+def _alarms(rows: Sequence[BenchRow]) -> dict[str, str]:
+    return {
+        "something named": str(rate(rows, is_alarm)),
+        "not “nothing found”": str(rate(rows, lambda row: not is_quiet(row))),
+    }
+
+
+def confusion(rows: Sequence[BenchRow]) -> Counter[tuple[str, str]]:
+    """How often each name was claimed where each effect was hidden alone."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for row in done(rows):
+        if "+" in row["hidden"]:
+            continue
+        truth = FORMS[row["hidden"]].name if row["hidden"] else NOTHING_NAMED
+        names = sorted({claim.split("@")[0] for claim in row["claims"].split()})
+        if not names:
+            names = [NOTHING_NAMED if row["verdict"] == NOTHING else FREE_TERM]
+        counts.update((truth, name) for name in names)
+    return counts
+
+
+def form_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int]]:
+    """A line for each form that was hidden alone at its realistic size."""
+    table = []
+    single = [row for row in done(rows) if row["hidden"] and "+" not in row["hidden"]]
+    single = [row for row in single if row["group"] != "size"]
+    for key, form in FORMS.items():
+        of_form = [row for row in single if row["hidden"] == key]
+        if not of_form:
+            continue
+        table.append(
+            {
+                "hidden": form.name if form.name != OUTSIDE else f"{key} (outside)",
+                "formula": key,
+                "cases": len(of_form),
+                "right, nothing else": sum(map(is_exact, of_form)),
+                "right": sum(map(is_found, of_form)),
+                "right class": sum(map(is_class_right, of_form)),
+                "size / noise, least": min(float(row["size_in_noise"]) for row in of_form),
+            }
+        )
+    return table
+
+
+def detection(rows: Sequence[BenchRow]) -> list[dict[str, float | int]]:
+    """Share right against the size of the effect in units of the noise, one effect hidden."""
+    single = [row for row in done(rows) if row["hidden"] and "+" not in row["hidden"]]
+    single = [row for row in single if FORMS[row["hidden"]].name != OUTSIDE]
+    sizes = np.array([float(row["size_in_noise"]) for row in single])
+    table = []
+    for low, high in pairwise(SIZE_EDGES):
+        inside = [row for row, s in zip(single, sizes, strict=True) if low <= s < high]
+        if not inside:
+            continue
+        found, noticed = rate(inside, is_class_right), rate(inside, lambda r: not is_quiet(r))
+        table.append(
+            {
+                "from": low,
+                "to": high,
+                "median": float(np.median(sizes[(sizes >= low) & (sizes < high)])),
+                "cases": len(inside),
+                "noticed": noticed.hits / noticed.cases,
+                "right": found.hits / found.cases,
+                "lower": found.interval[0],
+                "upper": found.interval[1],
+            }
+        )
+    return table
+
+
+def coverage(rows: Sequence[BenchRow]) -> Rate:
+    """How many of the 95 % intervals hold the injected value."""
+    judged = done(rows)
+    return Rate(
+        sum(int(row["covered"]) for row in judged), sum(int(row["compared"]) for row in judged)
+    )
+
+
+def page(rows: Sequence[BenchRow], note: str) -> str:
+    """The summary as Markdown."""
+    failures = Counter(row["status"] for row in rows if row["status"] != "done")
+    parts = [
+        "# The undeclared-effect bench\n",
+        note,
+        f"\n{len(rows)} data sets, {len(done(rows))} judged.\n",
+        "## By question\n",
+        (
+            "“Right” is the right name at the right joint, outside the catalogue the right "
+            "coordinates; “right class” also counts delay for lag and a right rival in an ambiguous "
+            "verdict. Intervals of 95 %, Clopper–Pearson.\n"
+        ),
+        markdown_table(group_table(rows)),
+        "\n## Nothing hidden\n",
+        markdown_table(clean_table(rows)) if clean_table(rows) else "No case yet.\n",
+        "\n## Test error\n",
+        "The largest ratio over the joints, by the diagnosis' own errors and floor.\n",
+        markdown_table(error_table(rows)) if done(rows) else "No case yet.\n",
+        f"\n95 % intervals that hold the injected value: {coverage(rows)}.\n",
+        "\n## By what was hidden\n",
+        markdown_table(form_table(rows)) if form_table(rows) else "No case yet.\n",
+        "\n## Against size\n",
+        (
+            "Size: root mean square of what the base model cannot absorb, fitted without noise, "
+            "per standard deviation of the noise, at the joint where it is largest.\n"
+        ),
+        markdown_table(detection(rows), digits=3) if detection(rows) else "No case yet.\n",
+    ]
+    if failures:
+        lines = "\n".join(f"- {count} × {status}" for status, count in failures.most_common())
+        parts += ["\n## Cases without a diagnosis\n", lines + "\n"]
+    return "\n".join(parts)
