@@ -24,6 +24,10 @@ from oed.report.style import save_figure
 from oed.report.table import Row, text_table, write_csv
 
 FORMAT = 1
+VALIDATION_CAPTION = (
+    "rms: of measured less predicted torque [N m, N at a prismatic joint]; relative_rms: the same "
+    "over the rms of the measured torque."
+)
 Spectrum = tuple[Float[ndarray, "frequencies"], Float[ndarray, "frequencies joints"]]
 
 
@@ -252,7 +256,10 @@ def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Prove
         title=f"Dynamic parameters of {dataset.name}",
         verdict=_verdict(calibration, held_out),
         sections=(
-            Section("How well it predicts", (Table(validation_rows(calibration)), *by_role)),
+            Section(
+                "How well it predicts",
+                (Table(validation_rows(calibration), caption=VALIDATION_CAPTION), *by_role),
+            ),
             Section(
                 "Parameters",
                 (

@@ -1,0 +1,19 @@
+"""Which data sets there are to work on."""
+
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+# Recordings are too large to commit: they lie beside the checkout where there are any.
+SHARED = REPOSITORY.parent / "shared" / "data"
+
+
+def data_sets(data: Path | None) -> tuple[Path, ...]:
+    """The set in the folder named, else the sets in its subfolders; the shared ones if None.
+
+    A folder that holds neither is returned as it is, so that reading it says what is wrong.
+    """
+    folder = data or SHARED
+    if (folder / "dataset.toml").is_file():
+        return (folder,)
+    inside = tuple(sorted(file.parent for file in folder.glob("*/dataset.toml")))
+    return inside or ((folder,) if data else ())

@@ -1,0 +1,121 @@
+"""The main job, `make paper`: the paper's experiment, its figures, your data, and the loop closed.
+
+    python -m studies.paper [--data DIR] [--out DIR] [--smoke]
+
+1. The paper's experiment in simulation: results/paper, then paper_figures/figure_02 … 11.
+2. Every data set at hand identified: --data, else those in ../shared/data, if any.
+3. The paper's arm recorded with an effect that its model does not declare: identified, diagnosed,
+   the effect added, the error before and after: results/loop_scara.
+
+What is finished and unchanged is kept from an earlier run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from paper_figures.writing import HERE, write_all
+from studies import close_loop, identify, paper_experiment, scara_recordings
+from studies.data_folders import REPOSITORY, data_sets
+
+
+@dataclass(frozen=True)
+class Step:
+    """One part of the job.
+
+    Attributes:
+        title: What it does.
+        run: Does it; 0 if all went well.
+    """
+
+    title: str
+    run: Callable[[], int]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run all steps; the first failure ends the job with its code."""
+    given = _parser().parse_args(arguments)
+    start = time.perf_counter()
+    for number, step in enumerate(_steps(given.data, given.out, given.results, given.smoke), 1):
+        _say(f"[{number}] {step.title}")
+        begun = time.perf_counter()
+        code = step.run()
+        if code:
+            return code
+        _say(f"[{number}] done in {time.perf_counter() - begun:.0f} s")
+    _say(f"all done in {time.perf_counter() - start:.0f} s; reports in {given.out}")
+    return 0
+
+
+def _steps(data: Path | None, out: Path, results: Path, smoke: bool) -> list[Step]:
+    small = ["--smoke"] if smoke else []
+    recordings = out / "scara_recordings"
+    loop = results / "loop_scara"
+    steps = [
+        Step(
+            "the paper's experiment, rebuilt",
+            lambda: paper_experiment.main(["--out", str(results / "paper"), *small]),
+        ),
+        Step(
+            "the paper's figures",
+            lambda: _draw(results / "paper", out / "figures" if smoke else HERE),
+        ),
+    ]
+    steps += [
+        Step(
+            f"identifying {folder.name}",
+            lambda folder=folder: identify.main(
+                ["--data", str(folder), "--out", str(out / "identify" / folder.name), *small]
+            ),
+        )
+        for folder in data_sets(data)
+    ]
+    steps.append(
+        Step(
+            "recording the paper's arm with an undeclared effect",
+            lambda: _record(recordings, small),
+        )
+    )
+    steps.append(
+        Step(
+            "closing the loop: what does the model lack?",
+            lambda: close_loop.main(["--data", str(recordings), "--out", str(loop), *small]),
+        )
+    )
+    return steps
+
+
+def _draw(results: Path, out: Path) -> int:
+    for file in write_all(results, out):
+        _say(f"  {file}")
+    return 0
+
+
+def _record(folder: Path, small: list[str]) -> int:
+    if (folder / "dataset.toml").is_file():
+        _say(f"{folder} is there already")
+        return 0
+    return scara_recordings.main(["--out", str(folder), *small])
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m studies.paper", description=__doc__)
+    parser.add_argument("--data", type=Path, help="a data set, or a folder of data sets")
+    parser.add_argument("--out", type=Path, default=REPOSITORY / "out")
+    parser.add_argument("--results", type=Path, default=REPOSITORY / "results")
+    parser.add_argument("--smoke", action="store_true", help="every step, as small as can be")
+    return parser
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
