@@ -28,6 +28,7 @@ RELATIVE_GAP = 1e-9
 DECREMENT = 1e-9  # of the barrier: a centring this exact is far inside quadratic convergence
 ROUNDING = 1e-14  # of the objective: no line search can see a smaller decrease
 NEWTON_STEPS = 60
+JITTER = 1e-14  # on a unit diagonal: keeps a factor of what is definite but for rounding
 SUFFICIENT = 0.1  # Armijo's share of the predicted decrease
 LEAST_STEP = 1e-12
 
@@ -49,11 +50,11 @@ def solve_barrier(
     directions = null_space(problem.equality.matrix) if len(problem.equality) else None
     demands = 4 * problem.coordinates.links + len(problem.inequality)
     path = _Path(problem, directions)
-    mu, steps = FIRST_BARRIER * max(problem.objective(x), 1e-300) / demands, 0
+    mu, steps = FIRST_BARRIER * problem.size(x) / demands, 0
     while True:
         x, taken = path.centre(x, mu)
         steps += taken
-        if mu * demands <= RELATIVE_GAP * abs(problem.objective(x)):
+        if mu * demands <= RELATIVE_GAP * problem.size(x):
             break
         mu *= SHRINK
     slack = problem.coordinates.relative_inertias(x) - problem.margin * np.eye(4)
@@ -98,7 +99,8 @@ class _Path:
         # Unit diagonal: what is left of different scales must not cost digits.
         scale = 1 / np.sqrt(np.diag(H))
         try:
-            step = -scale * cho_solve(cho_factor(H * np.outer(scale, scale)), scale * g)
+            scaled = H * np.outer(scale, scale) + JITTER * np.eye(len(g))
+            step = -scale * cho_solve(cho_factor(scaled), scale * g)
         except np.linalg.LinAlgError as error:
             raise SolverFailed("no Newton step", (f"barrier: {error}",)) from error
         return (step if free is None else free @ step), float(-g @ step)

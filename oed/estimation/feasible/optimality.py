@@ -83,7 +83,7 @@ def check_optimality(
     return Optimality(
         primal=primal_violation(problem, x),
         stationarity=float(np.linalg.norm(rest) / max(scale, np.finfo(float).tiny)),
-        gap=abs(gap) / max(abs(problem.objective(x)), np.finfo(float).tiny),
+        gap=abs(gap) / problem.size(x),
     )
 
 

@@ -23,6 +23,9 @@ from oed.estimation.feasible.regularisation import Regularisation
 # Pull on the effects' parameters, so that those which the data cannot tell apart have a value:
 # far below what moves a residual.
 TIE_BREAK = 1e-10
+# Share of the mean squared torque below which an objective is rounding: without noise it is
+# zero, and no error is small relative to that.
+ROUNDING = 1e-8
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,10 @@ class FeasibleProblem:
         pull = 0.5 * float(np.sum(self.tie_break * x**2))
         distance = self.regularisation.value(self.coordinates, x)
         return self.misfit(x) + pull + self.regularisation.weight * distance
+
+    def size(self, x: Float[ndarray, "p"]) -> float:
+        """What an error of the objective is relative to."""
+        return self.objective(x) + ROUNDING * float(np.sum(self.target**2) + self.constant)
 
     def gradient(self, x: Float[ndarray, "p"]) -> Float[ndarray, "p"]:
         """Gradient of the objective."""
