@@ -32,6 +32,7 @@ from oed.design.optimisers.result import Budget
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.read_dataset import read_dataset
 from oed.report.design_plots import draw_motion
@@ -41,6 +42,10 @@ from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.style import save_figure
 from oed.robot import Robot, arm_joints, load_robot
 
+CANNOT_STAND = (
+    "torque is not limited: by the file's inertia the arm cannot even hold itself within its "
+    "effort limits at mid-range"
+)
 CHECKED_INSTANTS = 400  # of the clearance check
 SCALING_STARTS = 5  # random motions whose mean information gives each column its unit
 
@@ -132,16 +137,11 @@ def _nominal(
     nominal[: len(robot.parameters)] = robot.parameters
     standing = model.torque(nominal, _still(robot))[0]
     if (np.abs(standing) > 0.9 * np.abs(robot.limits.torque).min(axis=1)).any():
-        return None, (
-            "torque is not limited: by the file's inertia the arm cannot even hold itself "
-            "within its effort limits at mid-range",
-        )
+        return None, (CANNOT_STAND,)
     return nominal, ("torque is limited for the file's own inertia, friction not counted",)
 
 
-def _still(robot: Robot):  # noqa: ANN202  # Motion
-    from oed.dynamics.motion import Motion
-
+def _still(robot: Robot) -> Motion:
     middle = robot.limits.position.mean(axis=1)[None]
     return Motion(np.zeros(1), middle, np.zeros_like(middle), np.zeros_like(middle))
 
@@ -178,15 +178,17 @@ def summary(result: Result) -> str:
     """A few lines for the screen."""
     design, clearance = result.design, result.clearance
     problem = design.problem
+    sampled = f"J_k = cond Lambda  {design.J_k:.4g}"
+    elsewhere = f"continuous {design.J_k_continuous:.4g}; scaled columns {design.J_k_scaled:.4g}"
+    size = f"{problem.model.robot.n} joints, {len(problem.base)} base parameters"
+    rows = f"{len(problem.instants)} instants, {problem.rows} rows"
+    spare = -design.certificate.violation
     lines = [
-        f"{problem.model.robot.name}: {problem.model.robot.n} joints, {len(problem.base)} base "
-        f"parameters, {len(problem.instants)} instants, {problem.rows} rows",
+        f"{problem.model.robot.name}: {size}, {rows}",
         f"  status  {design.status}",
-        f"  J_k = cond Lambda  {design.J_k:.4g} (continuous {design.J_k_continuous:.4g}; with "
-        f"scaled columns {design.J_k_scaled:.4g})",
+        f"  {sampled} ({elsewhere})",
         f"  J_d = log10 det Lambda  {design.J_d:.4f} (continuous {design.J_d_continuous:.4f})",
-        f"  nearest limit  {design.certificate.worst}, proven {-design.certificate.violation:.2e} "
-        "of it to spare",
+        f"  nearest limit  {design.certificate.worst}, proven {spare:.2e} of it to spare",
         f"  self-collision  {_clearance_line(clearance)}",
         f"  {design.evaluations} evaluations in {design.cpu_s:.1f} s of CPU time",
     ]

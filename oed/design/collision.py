@@ -19,7 +19,6 @@ from oed.errors import OedError
 from oed.robot import Robot
 
 
-
 @dataclass(frozen=True)
 class ClearanceCheck:
     """What the check found.
@@ -90,13 +89,15 @@ def check_clearance(
     return ClearanceCheck(*worst, outside, len(motion), note)
 
 
-def _contacts(scene: Scene, plant_context) -> list[tuple[tuple[str, str], float]]:  # noqa: ANN001  # pydrake's Context has no stable import path
+def _contacts(
+    scene: Scene, plant_context
+) -> list[tuple[tuple[str, str], float]]:  # pydrake's Context has no stable import path
     """Pairs of bodies whose collision shapes overlap, and how deep [m]."""
     port = scene.plant.get_geometry_query_input_port()
     query = port.Eval(plant_context)
     inspector = query.inspector()
 
-    def body(geometry) -> str:  # noqa: ANN001  # a GeometryId
+    def body(geometry) -> str:  # a GeometryId
         return scene.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry)).name()
 
     return [
@@ -106,7 +107,7 @@ def _contacts(scene: Scene, plant_context) -> list[tuple[tuple[str, str], float]
     ]
 
 
-def _beyond(plant: MultibodyPlant, plant_context, box: ndarray) -> float:  # noqa: ANN001  # as above
+def _beyond(plant: MultibodyPlant, plant_context, box: ndarray) -> float:  # as above
     origins = [
         plant.EvalBodyPoseInWorld(plant_context, plant.get_body(BodyIndex(i))).translation()
         for i in range(1, plant.num_bodies())

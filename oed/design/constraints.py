@@ -22,7 +22,7 @@ class LimitConstraints:
     Rows: kind after kind, within it instant after instant, within it joint after joint; each
     is a signal less the middle of its range, in half ranges, so that it is kept within
     `lower` and `upper`, mostly -1 and 1. A limit that is infinite on both sides, or that other
-    limits imply, has no rows.
+    limits or the box imply, has no rows.
 
     Attributes:
         trajectory: The class.
@@ -92,6 +92,8 @@ class LimitConstraints:
 
     @cached_property
     def _kinds(self) -> list[_Kind]:
+        if self.trajectory.box_keeps_limits and not np.isfinite(self.limits.jerk).any():
+            return []
         implied = implied_velocity(self.limits, self.trajectory.horizon)
         kinds = []
         for order, name in enumerate(KINEMATIC):

@@ -144,7 +144,7 @@ def repair(
             fraction of a percent inside its limits, at a tenth of the time.
     """
     z = trajectory.clip(z)
-    if getattr(trajectory, "box_keeps_limits", False) and not np.isfinite(limits.jerk).any():
+    if trajectory.box_keeps_limits and not np.isfinite(limits.jerk).any():
         return z
     bound = quick_range if is_quick else proven_range
     limited = [k for k in KINEMATIC if k == "position" or np.isfinite(getattr(limits, k)).any()]

@@ -45,7 +45,7 @@ class NominalTorque:
     def torque(
         self, entries: Float[ndarray, "entries samples"]
     ) -> Float[ndarray, "joints samples"]:
-        """[N m]"""
+        """Torque of every joint [N m]."""
         weighted = entries * self.weights[:, None]
         joints = range(self.regressor.joints)
         return np.stack([weighted[self.regressor.of_joint(j)].sum(axis=0) for j in joints])

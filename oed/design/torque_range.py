@@ -51,7 +51,9 @@ def proven_torque_range(
         centre = model.torque(parameters, trajectory.motion(z, middle))
         attained[0] = np.minimum(attained[0], centre.min(axis=0))
         attained[1] = np.maximum(attained[1], centre.max(axis=0))
-        lower, upper = _torque_on(model, parameters, trajectory, z, middle, half)
+        signals = [_signal_on(trajectory, z, order, middle, half) for order in range(3)]
+        state = State(Interval(middle - half, middle + half), *signals)
+        lower, upper = _torque_on(model, parameters, state)
         gap = TOLERANCE * np.abs(attained).max(axis=0)
         is_open = ((lower < attained[0] - gap) | (upper > attained[1] + gap)).any(axis=1)
         if level == LEVELS - 1:
@@ -65,18 +67,9 @@ def proven_torque_range(
     return proven.T.copy()
 
 
-def _torque_on(
-    model: TorqueModel,
-    parameters: ndarray,
-    trajectory: TrajectoryClass,
-    z: ndarray,
-    middle: ndarray,
-    half: ndarray,
-) -> tuple[ndarray, ndarray]:
-    """Lower and upper torque (N, n) on each stretch of time."""
-    signals = [_signal_on(trajectory, z, order, middle, half) for order in range(3)]
-    state = State(Interval(middle - half, middle + half), *signals)
-    lower, upper = (np.zeros((len(middle), trajectory.joints)) for _ in range(2))
+def _torque_on(model: TorqueModel, parameters: ndarray, state: State) -> tuple[ndarray, ndarray]:
+    """Lower and upper torque (N, n) of intervals of motion."""
+    lower, upper = (np.zeros((len(state.t.lower), model.robot.n)) for _ in range(2))
     columns = (entry for effect in model.effects for entry in effect.entries(state))
     for parameter, by_joint in zip(parameters, columns, strict=True):
         if parameter == 0.0:

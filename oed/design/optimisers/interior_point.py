@@ -21,6 +21,8 @@ from oed.design.optimisers.result import Budget, EvaluationLog, OptimiserResult
 from oed.design.optimisers.starts import structured_start
 from oed.design.problem import DesignProblem
 
+UNBOUNDED = 1_000_000  # iterations, where a budget does not bound them
+
 
 @dataclass(frozen=True)
 class Stage:
@@ -156,17 +158,30 @@ class _Smooth:
     def solve(
         self, z: Float[ndarray, "size"], log: EvaluationLog, *, is_warm: bool
     ) -> tuple[Float[ndarray, "size"], bool]:
-        most = log.budget.cpu_seconds
+        iterations, seconds = _left(log)
         solution = solve_program(
             self.cost_and_gradient,
             LimitConstraints(self.problem.trajectory, self.problem.limits, self.instants),
             z,
-            iterations=self.iterations,
-            cpu_seconds=None if most is None else most - log.cpu_s,
+            iterations=min(self.iterations, iterations),
+            cpu_seconds=seconds,
             is_warm=is_warm,
         )
         log.count(solution.evaluations)
         return solution.z, solution.is_converged
+
+
+def _left(log: EvaluationLog) -> tuple[int, float]:
+    """Iterations and CPU seconds that the budget leaves to one run of IPOPT."""
+    budget = log.budget
+    seconds = budget.longest - log.cpu_s
+    if budget.needs_both:  # either alone may be overspent
+        return UNBOUNDED, seconds
+    if budget.cpu_seconds is not None:
+        seconds = min(seconds, budget.cpu_seconds - log.cpu_s)
+    if budget.evaluations is None:
+        return UNBOUNDED, seconds
+    return max(1, budget.evaluations - log.evaluations), seconds
 
 
 def _violated(problem: DesignProblem, z: Float[ndarray, "size"]) -> Float[ndarray, "samples"]:

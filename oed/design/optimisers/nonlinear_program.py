@@ -49,7 +49,7 @@ def solve_program(
     start: Float[ndarray, "size"],
     *,
     iterations: int,
-    cpu_seconds: float | None = None,
+    cpu_seconds: float = np.inf,
     is_warm: bool = False,
     tolerance: float = 1e-5,
 ) -> LocalSolution:
@@ -60,21 +60,22 @@ def solve_program(
         constraints: The limits.
         start: First point.
         iterations: Most to make.
-        cpu_seconds: Most to spend [s]; None for no bound.
+        cpu_seconds: Most to spend [s].
         is_warm: Whether the start is close to a solution, and should stay so.
         tolerance: IPOPT's, on optimality and limits, with variables scaled to the box.
     """
     bounds = constraints.trajectory.bounds
     scaled = _Scaled(objective, constraints, bounds.mean(axis=1), np.diff(bounds)[:, 0] / 2)
-    callbacks = (_Objective(scaled), _Limits(scaled), _Hessian(scaled))
+    cost, hessian = _Objective(scaled), _Hessian(scaled)
+    limits = _Limits(scaled) if constraints.count else None
     u = casadi.MX.sym("u", len(start))
-    program = {"x": u, "f": callbacks[0](u), "g": callbacks[1](u)}
+    program = {"x": u, "f": cost(u), "g": casadi.MX(0, 1) if limits is None else limits(u)}
     options = {
         "ipopt.print_level": 0,
         "ipopt.sb": "yes",
         "print_time": False,
         "show_eval_warnings": False,
-        "hess_lag": callbacks[2],
+        "hess_lag": hessian,
         "ipopt.max_iter": iterations,
         "ipopt.tol": tolerance,
         "ipopt.acceptable_tol": 10 * tolerance,
@@ -83,7 +84,7 @@ def solve_program(
     if is_warm:
         options |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": WARM_BARRIER}
         options |= {"ipopt.bound_push": WARM_BARRIER, "ipopt.bound_frac": WARM_BARRIER}
-    if cpu_seconds is not None:
+    if np.isfinite(cpu_seconds):
         options["ipopt.max_cpu_time"] = max(cpu_seconds, 1e-3)
     solver = casadi.nlpsol("design", "ipopt", program, options)
     answer = solver(

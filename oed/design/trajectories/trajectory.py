@@ -24,6 +24,8 @@ class TrajectoryClass(ABC):
         name: For reports and design files.
         is_linear: Whether position is affine in z, so that limits are linear.
         has_offset: Whether the mean of each joint is free.
+        box_keeps_limits: Whether every point of the box keeps position, velocity and
+            acceleration limits.
     """
 
     name: ClassVar[str]
@@ -31,6 +33,7 @@ class TrajectoryClass(ABC):
     has_offset: ClassVar[bool]
 
     horizon: float
+    box_keeps_limits: bool = False
 
     @property
     @abstractmethod
