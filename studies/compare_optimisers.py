@@ -220,9 +220,11 @@ def run(config: Config, out: Path, *, workers: int = 1, scheduler: str | None = 
 
 
 def write(config: Config, rows: RowFile, out: Path) -> None:
-    """Sort the lines, and leave summary, figures and provenance beside them."""
+    """Leave summary, figure and provenance beside the rows."""
     wanted = {case.key for case in config.cases()}
-    write_summary([r for r in rows.rows() if tuple(r[c] for c in KEY) in wanted], out)
+    sizes = {problem: len(_model(problem)[1]) for problem, _ in config.problems}
+    chosen = [row for row in rows.rows() if tuple(row[c] for c in KEY) in wanted]
+    write_summary(chosen, sizes, LONGEST, out)
     Provenance.collect(config, seed=None).write(out / "provenance.json")
 
 

@@ -1,0 +1,122 @@
+"""How optimisers compare: target hits against what they cost, and a genetic search's progress.
+
+Every function draws the arrays that it is given, computes nothing, and returns the figure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import matplotlib as mpl
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy import ndarray
+
+from oed.report.style import (
+    BLACK,
+    BLUE,
+    COLUMN,
+    GREEN,
+    ORANGE,
+    PAGE,
+    PAGE_HEIGHT,
+    PURPLE,
+    STYLE,
+    VERMILION,
+    new_figure,
+)
+
+_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BLACK)
+_DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), "-")
+
+
+@dataclass(frozen=True)
+class HitPanel:
+    """One panel of hit curves.
+
+    Attributes:
+        title: Problem, class and criterion.
+        amounts: (P,) evaluations or seconds.
+        curves: Fraction (P,) of the runs that had hit the target, by optimiser.
+        budget: Where runs are read; drawn as a line.
+        xlabel: What `amounts` are.
+    """
+
+    title: str
+    amounts: Float[ndarray, "points"]
+    curves: Mapping[str, Float[ndarray, "points"]]
+    budget: float
+    xlabel: str
+
+
+@mpl.rc_context(STYLE)
+def plot_target_hits(panels: Sequence[HitPanel], *, columns: int = 2) -> Figure:
+    """Fraction of the runs that have come within the target, against what they spent.
+
+    Args:
+        panels: Row by row; those of one row share a problem.
+        columns: Panels a row.
+
+    Raises:
+        ValueError: If there is no panel.
+    """
+    if not panels:
+        raise ValueError("no panel to draw")
+    rows = -(-len(panels) // columns)
+    figure = new_figure(PAGE, min(0.5 + 1.45 * rows, PAGE_HEIGHT))
+    grid = figure.subplots(rows, columns, sharey=True, squeeze=False).ravel()
+    for spare in grid[len(panels) :]:
+        spare.remove()
+    names = list(dict.fromkeys(name for panel in panels for name in panel.curves))
+    for axes, panel in zip(grid, panels, strict=False):
+        _draw_hits(axes, panel, names)
+    lines, labels = grid[0].get_legend_handles_labels()
+    figure.legend(lines, labels, loc="outside upper center", ncols=len(labels))
+    figure.supylabel("fraction of runs that hit the target", fontsize=8.0)
+    return figure
+
+
+def _draw_hits(axes: Axes, panel: HitPanel, names: Sequence[str]) -> None:
+    for index, name in enumerate(names):
+        if name in panel.curves:
+            axes.step(
+                panel.amounts,
+                panel.curves[name],
+                where="post",
+                color=_COLOURS[index % len(_COLOURS)],
+                linestyle=_DASHES[index % len(_DASHES)],
+                label=name,
+            )
+    axes.axvline(panel.budget, color="#9A9A9A", linewidth=0.7)
+    axes.set_xscale("log")
+    axes.set_xlim(panel.amounts[0], panel.amounts[-1])
+    axes.set_ylim(-0.03, 1.03)
+    axes.set_title(panel.title, parse_math=False)
+    axes.set_xlabel(panel.xlabel)
+
+
+@mpl.rc_context(STYLE)
+def plot_generations(
+    best: Float[ndarray, "generations"],
+    mean: Float[ndarray, "generations"],
+    *,
+    ylabel: str,
+) -> Figure:
+    """Best and mean fitness by generation (Calafiore 2001, figure 3).
+
+    Args:
+        best: (G,) of each generation.
+        mean: (G,) of each generation.
+        ylabel: What fitness is.
+    """
+    figure = new_figure(COLUMN, 2.2)
+    axes = figure.subplots()
+    axes.plot(best, color=BLUE, label="best")
+    axes.plot(mean, color=VERMILION, linestyle="--", label="mean")
+    axes.set_xlabel("generation")
+    axes.set_ylabel(ylabel)
+    axes.margins(x=0)
+    axes.legend(loc="best")
+    return figure
