@@ -12,7 +12,7 @@ from scipy import stats
 
 from studies.paper_campaign import FRICTIONS, JOINTS, SETS
 from studies.paper_designs import DesignSet, HorizonTable
-from studies.paper_monte_carlo import PROCESSINGS, MonteCarlo, infeasible
+from studies.paper_monte_carlo import MonteCarlo, infeasible
 from studies.paper_values import GENERATIONS, PARAMETERS
 
 LEVEL = 0.95
@@ -56,7 +56,7 @@ def find_claims(
     findings += _more_terms(table)
     findings += _speed(table)
     for f, friction in enumerate(FRICTIONS):
-        for r, processing in enumerate(PROCESSINGS):
+        for r, processing in enumerate(runs.processings.tolist()):
             where = (friction, processing)
             findings += _prediction_error(runs, f, r, where)
             findings += _measured_variance(runs, f, r, where)
@@ -225,7 +225,7 @@ def _covariance(runs: MonteCarlo, f: int, r: int, where: tuple[str, str]) -> lis
 def _richer_friction(runs: MonteCarlo) -> list[Finding]:
     found = []
     plain, rich = FRICTIONS.index("plain"), FRICTIONS.index("rich")
-    for r, processing in enumerate(PROCESSINGS):
+    for r, processing in enumerate(runs.processings.tolist()):
         for j in range(JOINTS):
             excess = 100 * (
                 runs.relative[rich, J_K_GA, r, :, 2, j] - runs.relative[plain, J_K_GA, r, :, 2, j]

@@ -20,6 +20,7 @@ import numpy as np
 from oed.dynamics.motion import Motion
 from oed.experiment.drake_experiment import run_on_drake
 from oed.experiment.imi_laboratory import Friction
+from oed.experiment.paper_signals import PROCESSINGS, Processing
 from oed.experiment.sensors import Sensors
 from oed.experiment.simulation import run as run_fast
 from oed.report.json_file import write_atomically, write_json
@@ -67,6 +68,7 @@ class Config:
         designs: How trajectories are designed.
         campaign: How experiments are made.
         experiments: Of the Monte Carlo, a cell.
+        processings: Of the signals in the Monte Carlo.
         comparisons: Experiments behind the tables of processing and energy.
         drake_seconds: How much of the J_k trajectory is run on Drake too [s].
         workers: Processes.
@@ -77,6 +79,7 @@ class Config:
     designs: DesignConfig = field(default_factory=DesignConfig)
     campaign: CampaignConfig = field(default_factory=CampaignConfig)
     experiments: int = 200
+    processings: tuple[Processing, ...] = ("online", "parallel")
     comparisons: int = 40
     drake_seconds: float = 2.0
     workers: int = 2
@@ -162,9 +165,16 @@ def run(config: Config) -> Result:
     source = ["studies/paper_monte_carlo.py"]
     monte_carlo = cache.get(
         "monte_carlo",
-        cache.key("monte_carlo", [key, config.experiments], source),
+        cache.key("monte_carlo", [key, config.experiments, config.processings], source),
         MonteCarlo,
-        lambda: run_monte_carlo(campaign, bench, designs, config.experiments, config.workers),
+        lambda: run_monte_carlo(
+            campaign,
+            bench,
+            designs,
+            config.processings,
+            experiments=config.experiments,
+            workers=config.workers,
+        ),
     )
     return Result(horizons, designs, bench, single, processing, energy, monte_carlo, drake)
 
@@ -305,6 +315,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, default=Config.out)
     parser.add_argument("--cache", type=Path, default=Config.cache)
     parser.add_argument("--experiments", type=int, default=Config.experiments)
+    parser.add_argument(
+        "--processings", nargs="+", choices=PROCESSINGS[:-1], default=Config.processings
+    )
     parser.add_argument("--workers", type=int, default=Config.workers)
     parser.add_argument("--seed", type=int, default=CampaignConfig.seed)
     parser.add_argument("--smoke", action="store_true", help="as small as can be")
@@ -313,6 +326,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         out=given.out,
         cache=given.cache,
         experiments=given.experiments,
+        processings=tuple(given.processings),
         workers=given.workers,
         campaign=CampaignConfig(seed=given.seed),
     )

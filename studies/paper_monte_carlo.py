@@ -21,7 +21,7 @@ from studies.paper_designs import NAMES, DesignSet
 
 TEST = NAMES.index("test")
 DESIGNS = tuple(range(4))  # the harmonic designs: GA and exact limits, J_k and J_d
-PROCESSINGS: tuple[Processing, ...] = ("online", "parallel")
+MEASURED = ("parameters", "predicted", "variances", "rms", "relative")
 # Runs simulated side by side: as many as fit the memory comfortably.
 RUNS_AT_ONCE = 240
 
@@ -31,6 +31,7 @@ class MonteCarlo:
     """E experiments a cell: friction F, design D, processing R.
 
     Attributes:
+        processings: (R,) names.
         parameters: (F, D, R, E, 8) xi-hat.
         predicted: (F, D, R, E, 8) diagonal of P (8).
         variances: (F, D, R, E, n) by the paper's formula [N^2 m^2].
@@ -38,6 +39,7 @@ class MonteCarlo:
         relative: (F, D, R, E, 3, n) the same over the rms torque.
     """
 
+    processings: ndarray
     parameters: Float[ndarray, "F D R E 8"]
     predicted: Float[ndarray, "F D R E 8"]
     variances: Float[ndarray, "F D R E n"]
@@ -51,6 +53,7 @@ class _Piece:
 
     config: CampaignConfig
     bench: Bench
+    processings: tuple[Processing, ...]
     references: tuple[Motion, ...]
     test: Motion
     friction: Friction
@@ -59,7 +62,13 @@ class _Piece:
 
 
 def run_monte_carlo(
-    config: CampaignConfig, bench: Bench, designs: DesignSet, experiments: int, workers: int
+    config: CampaignConfig,
+    bench: Bench,
+    designs: DesignSet,
+    processings: tuple[Processing, ...],
+    *,
+    experiments: int,
+    workers: int,
 ) -> MonteCarlo:
     """All cells; the same experiment number has the same noise in every design's test set."""
     period = 0.001
@@ -67,12 +76,22 @@ def run_monte_carlo(
     test = designs.motion(TEST, period)
     size = max(1, RUNS_AT_ONCE // (2 * config.repetitions))
     pieces = [
-        _Piece(config, bench, references, test, friction, first, min(size, experiments - first))
+        _Piece(
+            config,
+            bench,
+            processings,
+            references,
+            test,
+            friction,
+            first,
+            min(size, experiments - first),
+        )
         for friction in FRICTIONS
         for first in range(0, experiments, size)
     ]
-    shape = (len(FRICTIONS), len(DESIGNS), len(PROCESSINGS), experiments)
+    shape = (len(FRICTIONS), len(DESIGNS), len(processings), experiments)
     result = MonteCarlo(
+        np.array(processings),
         np.empty((*shape, XI)),
         np.empty((*shape, XI)),
         np.empty((*shape, JOINTS)),
@@ -88,7 +107,7 @@ def run_monte_carlo(
     for piece, arrays in zip(pieces, done, strict=True):
         f = FRICTIONS.index(piece.friction)
         where = slice(piece.first, piece.first + piece.count)
-        for name, values in zip(MonteCarlo.__dataclass_fields__, arrays, strict=True):
+        for name, values in zip(MEASURED, arrays, strict=True):
             getattr(result, name)[f, :, :, where] = values
     return result
 
@@ -107,19 +126,19 @@ def infeasible(parameters: Float[ndarray, "*cells 8"]) -> Bool[ndarray, "*cells"
 
 
 def _work(piece: _Piece) -> tuple[ndarray, ...]:
-    """(D, R, e, ...) arrays in the order of `MonteCarlo`."""
+    """(D, R, e, ...) arrays in the order of `MEASURED`."""
     config, M = piece.config, piece.config.repetitions
     setup = piece.bench.setup(config, piece.friction)
     period = setup.controller.period
     seed = [config.seed, 1000 + FRICTIONS.index(piece.friction), piece.first]
     log = run(setup, piece.test, np.random.default_rng([*seed, TEST]), runs=piece.count * M)
-    tests = [sample_runs(log, period, config.samples, p) for p in PROCESSINGS]
+    tests = [sample_runs(log, period, config.samples, p) for p in piece.processings]
     cells = []
     for design, reference in enumerate(piece.references):
         rng = np.random.default_rng([*seed, design])
         log = run(setup, reference, rng, runs=piece.count * 2 * M)
         by_processing = []
-        for test, processing in zip(tests, PROCESSINGS, strict=True):
+        for test, processing in zip(tests, piece.processings, strict=True):
             runs = sample_runs(log, period, config.samples, processing)
             by_processing.append([_experiment(runs, test, M, e) for e in range(piece.count)])
         cells.append(by_processing)

@@ -25,7 +25,7 @@ from studies.paper_campaign import (
     controller_of,
 )
 from studies.paper_designs import CRITERIA, NAMES, DesignConfig, DesignSet, HorizonTable
-from studies.paper_monte_carlo import DESIGNS, PROCESSINGS, MonteCarlo
+from studies.paper_monte_carlo import DESIGNS, MonteCarlo
 
 DRAWN_EVERY = 20  # [samples of 1 ms]: 50 points a second draw these slow motions smoothly
 BODE_FREQUENCIES = np.geomspace(1.0, 1000.0, 200)  # [rad/s]
@@ -356,7 +356,7 @@ def monte_carlo(runs: MonteCarlo, truth: Float[ndarray, "8"]) -> list[Row]:
     rows: list[Row] = []
     for f, friction in enumerate(FRICTIONS):
         for d in DESIGNS:
-            for r, way in enumerate(PROCESSINGS):
+            for r, way in enumerate(runs.processings.tolist()):
                 estimates = runs.parameters[f, d, r]
                 row: dict[str, Cell] = {
                     "friction": friction,

@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 from oed.errors import OedError
 from oed.experiment.observer import HighGainObserver
 
-
 GRID_POINTS = 600  # two decades below the bandwidth to well above it, a percent apart
 DAMPING_TOLERANCE = 1e-4  # of the damping ratio
 PEAK_TOLERANCE = 0.01  # [dB] kept in hand for the grid
@@ -91,7 +90,7 @@ class Specification:
     peak_db: float = 4.0
 
 
-def closed_loop_response(
+def closed_loop_response(  # noqa: PLR0917  # the loop's elements, in order
     frequency: Float[ndarray, "points"],
     inertia: float,
     viscous: float,
@@ -123,7 +122,7 @@ def closed_loop_response(
     return arm * (stiffness + damping * 1j * frequency) / (1 + arm * feedback)
 
 
-def closed_loop_poles(
+def closed_loop_poles(  # noqa: PLR0917  # as closed_loop_response
     inertia: float,
     viscous: float,
     stiffness: float,

@@ -23,7 +23,8 @@ from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
 from oed.experiment.simulation import Log, Setup, loop_inputs, observer_at_rest
 
-INTEGRATION_STEP = 5e-4  # [s]: two steps a control period, third order
+INTEGRATION_STEP = 2.5e-4  # [s]: four steps a control period, third order
+STABLE_STEP = 1.5  # decay times a step; third-order Runge-Kutta is stable to 2.5
 
 
 class Feedback(LeafSystem):
@@ -47,10 +48,10 @@ class Feedback(LeafSystem):
         self.DeclareVectorOutputPort("applied", n, self._applied, {self.all_state_ticket()})
         self.DeclarePeriodicDiscreteUpdateEvent(controller.period, 0.0, self._update)
 
-    def _applied(self, context, output: BasicVector) -> None:  # noqa: ANN001  # pydrake's Context
+    def _applied(self, context, output: BasicVector) -> None:  # pydrake's Context
         output.SetFromVector(context.get_discrete_state_vector().value()[5 * self.n :])
 
-    def _update(self, context, updated) -> None:  # noqa: ANN001  # Context, DiscreteValues
+    def _update(self, context, updated) -> None:  # Context, DiscreteValues
         n, controller = self.n, self.controller
         k = round(context.get_time() / controller.period)
         _, q_d, dq_d, forward, push = _split(self.inputs[min(k, len(self.inputs) - 1)], n)
@@ -80,18 +81,18 @@ class Drive(LeafSystem):
         self.DeclareContinuousState(self.memory)
         self.DeclareVectorOutputPort("torque", self.n, self._torque)
 
-    def _state(self, context) -> tuple[State, list[float]]:  # noqa: ANN001  # pydrake's Context
+    def _state(self, context) -> tuple[State, list[float]]:  # pydrake's Context
         x = self.joints.Eval(context).tolist()
         n = self.n
         memory = context.get_continuous_state_vector().CopyToVector().tolist()
         return State(context.get_time(), x[:n], x[n:], [0.0] * n), memory
 
-    def _torque(self, context, output: BasicVector) -> None:  # noqa: ANN001  # pydrake's Context
+    def _torque(self, context, output: BasicVector) -> None:  # pydrake's Context
         state, memory = self._state(context)
         hidden = self.setup.plant.add_hidden_torque(state, memory, [0.0] * self.n)
         output.SetFromVector(self.applied.Eval(context) - np.array(hidden))
 
-    def DoCalcTimeDerivatives(self, context, derivatives) -> None:  # noqa: ANN001, N802  # Drake
+    def DoCalcTimeDerivatives(self, context, derivatives) -> None:  # noqa: N802  # Drake
         """Rates of the bristles."""
         state, memory = self._state(context)
         rate = self.setup.plant.memory_rate(state, memory)
@@ -152,12 +153,15 @@ def _single_run(
 ) -> tuple[Float[ndarray, "samples joint_states"], Float[ndarray, "samples feedback_states"]]:
     diagram, plant, _, joint_log, feedback_log = build_diagram(setup, inputs)
     simulator = Simulator(diagram)
+    n = setup.plant.robot.n
+    fastest = setup.plant.fastest_memory() * np.abs(inputs[:, 1 + n : 1 + 2 * n]).max()
     config = SimulatorConfig(
-        integration_scheme="runge_kutta3", max_step_size=INTEGRATION_STEP, use_error_control=False
+        integration_scheme="runge_kutta3",
+        max_step_size=min(INTEGRATION_STEP, STABLE_STEP / max(fastest, 1.0)),
+        use_error_control=False,
     )
     ApplySimulatorConfig(config, simulator)
     context = simulator.get_mutable_context()
-    n = setup.plant.robot.n
     plant.SetPositions(plant.GetMyMutableContextFromRoot(context), inputs[0, 1 : 1 + n])
     simulator.Initialize()
     simulator.AdvanceTo(len(inputs) * setup.controller.period)

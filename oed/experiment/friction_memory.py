@@ -21,7 +21,7 @@ class MemoryTorque(ABC):
     @property
     @abstractmethod
     def fastest(self) -> float:
-        """Greatest decay rate per unit of joint speed [1/rad], for the choice of step."""
+        """Greatest decay rate per unit of joint speed [1/rad], for Drake's choice of step."""
 
     @abstractmethod
     def rate(self, state: State, memory: Sequence[Scalar]) -> Sequence[Scalar]:

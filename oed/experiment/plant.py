@@ -79,22 +79,25 @@ class TruePlant:
         """Time derivative of all memory states."""
         return [r for piece, own in self._by_memory(memory) for r in piece.rate(state, own)]
 
-    def rates(self) -> casadi.Function:
-        """(t, q, dq, memory, applied torque) -> (ddq, memory rate), compiled."""
+    def acceleration(self) -> casadi.Function:
+        """(t, q, dq, memory, applied torque) -> ddq, as a function of symbols."""
         n = self.robot.n
-        t, q, dq = casadi.SX.sym("t"), casadi.SX.sym("q", n), casadi.SX.sym("dq", n)
-        ddq, applied = casadi.SX.sym("ddq", n), casadi.SX.sym("u", n)
-        memory = casadi.SX.sym("z", self.memory_states)
-        own = casadi.vertsplit(memory) if self.memory_states else []
-        state = State(t, *(casadi.vertsplit(x) for x in (q, dq, ddq)))
-        torque = casadi.vertcat(*self.torque(state, own))
+        t, q, dq, memory, state = self._symbols()
+        ddq, applied = casadi.vertcat(*state.ddq), casadi.SX.sym("u", n)
+        torque = casadi.vertcat(*self.torque(state, casadi.vertsplit(memory)))
         inertia = casadi.jacobian(torque, ddq)
         found = casadi.DM.zeros(n)
         for _ in range(NEWTON_STEPS if casadi.depends_on(inertia, ddq) else 1):
             rest = casadi.substitute(torque, ddq, found)
             found = found + _solve(casadi.substitute(inertia, ddq, found), applied - rest)
-        rate = casadi.vertcat(*self.memory_rate(state, own)) if own else casadi.SX(0, 1)
-        return casadi.Function("rates", [t, q, dq, memory, applied], [found, rate], {"cse": True})
+        return casadi.Function("acceleration", [t, q, dq, memory, applied], [found], {"cse": True})
+
+    def memory_rates(self) -> casadi.Function:
+        """(t, q, dq, memory) -> rate of the memory and its own derivative by each state."""
+        t, q, dq, memory, state = self._symbols()
+        rate = casadi.vertcat(casadi.SX(0, 1), *self.memory_rate(state, casadi.vertsplit(memory)))
+        decay = casadi.diag(casadi.jacobian(rate, memory))
+        return casadi.Function("memory_rates", [t, q, dq, memory], [rate, decay], {"cse": True})
 
     def fastest_memory(self) -> float:
         """Greatest decay rate of a memory state per unit of speed [1/rad]."""
@@ -109,6 +112,13 @@ class TruePlant:
             for j in range(n)
         ]
         return np.array(columns, dtype=float).T
+
+    def _symbols(self) -> tuple[casadi.SX, casadi.SX, casadi.SX, casadi.SX, State]:
+        n = self.robot.n
+        t, q, dq = casadi.SX.sym("t"), casadi.SX.sym("q", n), casadi.SX.sym("dq", n)
+        ddq, memory = casadi.SX.sym("ddq", n), casadi.SX.sym("z", self.memory_states)
+        state = State(t, *(casadi.vertsplit(x) for x in (q, dq, ddq)))
+        return t, q, dq, memory, state
 
     def _by_memory(self, memory: Sequence[Scalar]) -> list[tuple[MemoryTorque, Sequence[Scalar]]]:
         pairs, start = [], 0
