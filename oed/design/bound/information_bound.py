@@ -64,6 +64,7 @@ class InformationBound:
         information: (b, b) of the best measure.
         functions: Number of test functions.
         boxes: Boxes that the proof took; 0 if estimated.
+        longest_return: Time from any admissible state to any other [s].
     """
 
     kind: Literal["certified", "estimated"]
@@ -73,19 +74,28 @@ class InformationBound:
     information: Float[ndarray, "base base"]
     functions: int
     boxes: int
+    longest_return: float
 
     @property
     def size(self) -> int:
         """Number of parameters b."""
         return len(self.information)
 
-    def J_d(self, instants: int) -> float:  # noqa: N802 - the paper's symbol
-        """The bound on J_d of that many instants, as their mean information times them."""
-        return self.log10_det + self.size * float(np.log10(instants))
+    def J_d(self, instants: int, horizon: float | None = None) -> float:  # noqa: N802 - the paper's symbol
+        """The bound on J_d of that many instants, as their mean information times them.
 
-    def efficiency(self, J_d: float, instants: int) -> float:
-        """D-efficiency of a design, (det Lambda / det bound)^(1/b)."""
-        return float(10 ** ((J_d - self.J_d(instants)) / self.size))
+        Args:
+            instants: N of the criterion.
+            horizon: None for a periodic motion. For one of that length [s] that is not, but
+                that the arm can come to from rest and stop after: then a way back of
+                `longest_return` makes it periodic, and can only add information.
+        """
+        longer = 1.0 if horizon is None else 1.0 + self.longest_return / horizon
+        return self.log10_det + self.size * float(np.log10(instants * longer))
+
+    def efficiency(self, J_d: float, instants: int, horizon: float | None = None) -> float:
+        """D-efficiency of a design, (det Lambda / det bound)^(1/b); arguments as for `J_d`."""
+        return float(10 ** ((J_d - self.J_d(instants, horizon)) / self.size))
 
 
 @dataclass(frozen=True)
@@ -188,13 +198,15 @@ def information_bound(
     certify = states.joints <= 2 if certify is None else certify
     best: InformationBound | None = None
     for design, highest, boxes in _tighten(source, rng, settings, certify):
-        bound = _bound(design, highest, boxes, len(functions))
+        bound = _bound(design, highest, boxes, source)
         if best is None or bound.log10_det < best.log10_det:
             best = bound
     return best
 
 
-def _bound(design: WeightedDesign, highest: float, boxes: int, functions: int) -> InformationBound:
+def _bound(
+    design: WeightedDesign, highest: float, boxes: int, source: StateInformation
+) -> InformationBound:
     """tr(M Lambda) <= highest for every measure, so det Lambda <= (highest / b)^b / det M."""
     b = len(design.information)
     attained = float(np.linalg.slogdet(design.information)[1] / np.log(10))
@@ -204,8 +216,9 @@ def _bound(design: WeightedDesign, highest: float, boxes: int, functions: int) -
         attained=attained,
         excess=highest / b - 1,
         information=design.information,
-        functions=functions,
+        functions=len(source.functions),
         boxes=boxes,
+        longest_return=source.states.longest_return,
     )
 
 

@@ -56,6 +56,21 @@ class ViableStates:
         return np.minimum(self.limits.velocity[:, 1], np.sqrt(2 * room / (1 / up + 1 / down)))
 
     @cached_property
+    def longest_return(self) -> float:
+        """Time within which the arm gets from any of these states to any other [s].
+
+        Every joint brakes to rest, moves from rest to rest through at most its whole range, and
+        speeds up to where it is wanted; a joint that is early waits at rest.
+        """
+        room = np.diff(self.limits.position, axis=1)[:, 0]
+        down, up = np.abs(self.limits.acceleration).T
+        both = 1 / up + 1 / down  # seconds of speeding up and of braking for each rad/s
+        speed = np.minimum(self.limits.velocity[:, 1], np.sqrt(2 * room / both))
+        transfer = room / speed + speed * both / 2
+        change = self.fastest / np.minimum(down, up)
+        return float((2 * change + transfer).max())
+
+    @cached_property
     def box(self) -> Float[ndarray, "coordinates 2"]:
         """Bounds of the coordinates x."""
         speed = np.stack([-self.fastest, self.fastest], axis=1)

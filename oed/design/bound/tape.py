@@ -16,7 +16,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 ROUNDING = 1e-9  # relative to the largest value found
-Interval = tuple[ndarray, ndarray]
+Value = ndarray | np.floating  # one a point or box, or a constant
+Interval = tuple[Value, Value]
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Tape:
         shape = (len(points), self.function.numel_out(0))
         results = np.zeros(shape)
 
-        def store(output: int, value: ndarray) -> None:
+        def store(output: int, value: Value) -> None:
             results[:, output] = value
 
         self._walk(lambda i: points[:, i], np.float64, POINT, store)

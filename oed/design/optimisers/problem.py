@@ -9,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 
+@runtime_checkable
 class Box(Protocol):
     """Where the decision variables live."""
 

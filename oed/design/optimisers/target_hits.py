@@ -29,16 +29,16 @@ def compress(history: Sequence[HistoryPoint]) -> tuple[HistoryPoint, ...]:
     if not finite:
         return ()
     first, last = finite[0].cost, finite[-1].cost
-    kept: dict[int, HistoryPoint] = {}
+    kept = {0: finite[0]}
     index = 0
-    for level in last + (first - last) * KEPT_LEVELS:
+    for level in last + (first - last) * KEPT_LEVELS[1:]:
         while finite[index].cost > level:
             index += 1
         kept[index] = finite[index]
     return tuple(kept.values())
 
 
-def cost_at(history: Sequence[HistoryPoint], resource: Resource, amount: float) -> float:
+def cost_at(history: Sequence[HistoryPoint], resource: Resource, amount: float | int) -> float:
     """The best cost after an amount of a resource; infinite before the first point."""
     spent = [point.cost for point in history if getattr(point, resource) <= amount]
     return min(spent, default=float("inf"))
