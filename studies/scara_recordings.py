@@ -1,6 +1,6 @@
 """Recordings of the paper's arm with an effect that its model does not declare.
 
-    python -m studies.scara_recordings --out DIR [--hidden stribeck|cable|none] [--seed N] [--smoke]
+    python -m studies.scara_recordings --out DIR [--hidden cable|stribeck|none] [--seed N] [--smoke]
 
 Simulates the IMI laboratory (oed.experiment.imi_laboratory) on random periodic motions within the
 paper's limits and writes a data set in the project's format. The data set says nothing of the
@@ -22,7 +22,7 @@ from oed.design.limits import repair
 from oed.design.trajectories import FourierClass
 from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
-from oed.dynamics.scalars import Scalar, sin
+from oed.dynamics.scalars import Scalar
 from oed.experiment.dataset import DataSet
 from oed.experiment.disturbance import Disturbance
 from oed.experiment.friction_memory import BristleFriction
@@ -34,7 +34,7 @@ from oed.experiment.write_dataset import write_dataset
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB
 
-HIDDEN = ("stribeck", "cable", "none")
+HIDDEN = ("cable", "stribeck", "none")
 STATIC_RISE = 0.6  # of the Coulomb friction of joint 1, towards standstill
 STRIBECK_SPEED = 0.15  # [rad/s]
 CABLE_STIFFNESS = 1.2  # [N m/rad] of a cable that pulls joint 2 back
@@ -64,7 +64,7 @@ class Config:
     """
 
     out: Path
-    hidden: str = "stribeck"
+    hidden: str = "cable"
     period: float = 10.0
     repetitions: int = 6
     seed: int = 0
@@ -137,7 +137,7 @@ def _plant(laboratory: ImiLaboratory, hidden: str) -> TruePlant:
 
 
 def _cable(state: State, load: Sequence[Scalar]) -> dict[int, Scalar]:  # noqa: ARG001  # any load
-    return {1: CABLE_STIFFNESS * sin(state.q[1] - CABLE_REST)}
+    return {1: CABLE_STIFFNESS * (state.q[1] - CABLE_REST)}
 
 
 def _random_motion(period: float, step: float, rng: np.random.Generator) -> Motion:
