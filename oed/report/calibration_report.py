@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,15 +13,20 @@ from numpy import ndarray
 from oed.estimation.calibration import Calibration
 from oed.estimation.recursive import RecursiveEstimate
 from oed.experiment.processing import ProcessedRecording
+from oed.report.calibration_record import (
+    condition,
+    estimate_record,
+    parameter_rows,
+    validation_rows,
+)
 from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
 from oed.report.json_file import write_json
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict, write_page
 from oed.report.parameter_plots import plot_parameter_convergence, plot_parameter_intervals
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
-from oed.report.table import Row, text_table, write_csv
+from oed.report.table import text_table, write_csv
 
-FORMAT = 1
 VALIDATION_CAPTION = (
     "rms: of measured less predicted torque [N m, N at a prismatic joint]; relative_rms: the same "
     "over the rms of the measured torque."
@@ -57,113 +60,6 @@ def write_calibration(
     write_page(out / "report.html", _page(calibration, pictures, provenance))
     # Last: whoever finds this file finds the rest complete.
     write_json(out / "estimate.json", estimate_record(calibration, provenance))
-
-
-def estimate_record(calibration: Calibration, provenance: Provenance) -> dict[str, object]:
-    """The content of estimate.json; its fields are documented in README.md."""
-    estimate, validation = calibration.estimate, calibration.validation
-    recordings = calibration.recordings
-    return {
-        "format": FORMAT,
-        "data": calibration.dataset.name,
-        "joints": list(calibration.dataset.robot.joint_names),
-        "samples": {
-            role: sum(len(r) for r in recordings.get(role, ())) for role in _roles(recordings)
-        },
-        "parameters": [
-            {
-                "name": row["name"],
-                "expression": row["expression"],
-                "unit": row["unit"],
-                "value": row["value"],
-                "std": row["std"],
-                "interval95": [row["lower95"], row["upper95"]],
-            }
-            for row in parameter_rows(calibration)
-        ],
-        "unidentifiable": list(estimate.unidentifiable),
-        "unidentifiable_because": dict(zip(estimate.unidentifiable, estimate.reasons, strict=True)),
-        "condition": condition(calibration),
-        "rms": {role: result.rms for role, result in validation.items()},
-        "relative_rms": {role: result.relative_rms for role, result in validation.items()},
-        "overall_relative_rms": {
-            role: result.overall_relative_rms for role, result in validation.items()
-        },
-        # All columns that predict torque, the badly excited too: their sum is determined
-        # where they were excited together, their single values are not.
-        "prediction": {
-            "names": list(estimate.names),
-            "values": estimate.parameters,
-            "covariance": estimate.covariance,
-        },
-        "method": estimate.method,
-        "settings": {
-            "model": [effect.name for effect in calibration.model.effects],
-            "processing": dataclasses.asdict(calibration.settings),
-            "configuration": provenance.configuration,
-        },
-        "base_parameters": {
-            "count": len(calibration.base),
-            "note": calibration.base.note,
-        },
-        "versions": provenance.versions,
-        "commit": provenance.commit,
-        "date": provenance.date,
-        "seed": provenance.seed,
-    }
-
-
-def condition(calibration: Calibration) -> dict[str, float | int]:
-    """J_k = cond Lambda and J_d = log10 det Lambda of the weighted estimation data."""
-    factor = calibration.estimate.information_factor
-    return {
-        "J_k": float(np.linalg.cond(factor) ** 2),
-        "J_d_log10": float(2 * np.log10(np.abs(np.diag(factor))).sum()),
-        "rows": int(calibration.estimate.residual.size),
-    }
-
-
-def parameter_rows(calibration: Calibration) -> list[Row]:
-    """One row for each parameter that the data determine."""
-    estimate = calibration.estimate
-    interval = estimate.interval(0.95)
-    return [
-        {
-            "name": name,
-            "expression": calibration.base.expressions[estimate.columns[k]],
-            "unit": estimate.units[k],
-            "value": float(estimate.parameters[k]),
-            "std": float(estimate.std[k]),
-            "lower95": float(interval[k, 0]),
-            "upper95": float(interval[k, 1]),
-        }
-        for k, name in enumerate(estimate.names)
-        if estimate.determined[k]
-    ]
-
-
-def validation_rows(calibration: Calibration) -> list[Row]:
-    """One row a role and joint, and one for all joints together."""
-    rows: list[Row] = []
-    for role, result in calibration.validation.items():
-        for j, joint in enumerate(calibration.dataset.robot.joint_names):
-            rows.append(
-                {
-                    "recordings": role,
-                    "joint": joint,
-                    "rms": float(result.rms[j]),
-                    "relative_rms": float(result.relative_rms[j]),
-                }
-            )
-        rows.append(
-            {
-                "recordings": role,
-                "joint": "all",
-                "rms": result.overall_rms,
-                "relative_rms": result.overall_relative_rms,
-            }
-        )
-    return rows
 
 
 def draw_figures(
@@ -211,10 +107,6 @@ def print_summary(calibration: Calibration) -> None:
     )
     if calibration.base.note:
         say(f"note: {calibration.base.note}\n")
-
-
-def _roles(recordings: Mapping) -> tuple[str, ...]:
-    return ("estimation", *(r for r in ("validation", "test") if r in recordings))
 
 
 def _joined_time(recordings: tuple[ProcessedRecording, ...]) -> Float[ndarray, "samples"]:
