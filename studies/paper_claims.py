@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,12 +11,13 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import stats
 
-from studies.paper_campaign import FRICTIONS, JOINTS, SETS
+from studies.paper_campaign import FRICTIONS, JOINTS, SETS, ProcessingComparison
 from studies.paper_designs import DesignSet, HorizonTable
 from studies.paper_monte_carlo import MonteCarlo, infeasible
 from studies.paper_values import GENERATIONS, PARAMETERS
 
 LEVEL = 0.95
+STATIC_FRICTION = "the static friction of joint 1 depends on the trajectory"
 J_K_GA, J_D_GA, J_K_EXACT, J_D_EXACT = range(4)
 Verdict = Literal["confirmed", "refuted", "undecided"]
 
@@ -48,7 +50,11 @@ class Finding:
 
 
 def find_claims(
-    table: HorizonTable, designs: DesignSet, runs: MonteCarlo, truth: Float[ndarray, "8"]
+    table: HorizonTable,
+    designs: DesignSet,
+    runs: MonteCarlo,
+    comparisons: Mapping[tuple[str, str], ProcessingComparison],
+    truth: Float[ndarray, "8"],
 ) -> list[Finding]:
     """All findings, claim by claim."""
     findings: list[Finding] = []
@@ -66,7 +72,8 @@ def find_claims(
                 findings += _exact_limits(runs, f, r, where, truth)
                 findings += _covariance(runs, f, r, where)
     findings += _richer_friction(runs)
-    return findings
+    findings += _static_friction_by_processing(comparisons)
+    return sorted(findings, key=lambda f: [g.claim for g in findings].index(f.claim))
 
 
 def _prediction_error(runs: MonteCarlo, f: int, r: int, where: tuple[str, str]) -> list[Finding]:
@@ -112,7 +119,7 @@ def _static_friction(runs: MonteCarlo, f: int, r: int, where: tuple[str, str]) -
     difference = runs.parameters[f, J_K_GA, r, :, 4] - runs.parameters[f, J_D_GA, r, :, 4]
     return [
         _judged(
-            "the static friction of joint 1 depends on the trajectory",
+            STATIC_FRICTION,
             "gamma_s1 estimated with J_k less that with J_d",
             where,
             _mean_interval(difference),
@@ -120,6 +127,30 @@ def _static_friction(runs: MonteCarlo, f: int, r: int, where: tuple[str, str]) -
             expected="away",
         )
     ]
+
+
+def _static_friction_by_processing(
+    processing: Mapping[tuple[str, str], ProcessingComparison],
+) -> list[Finding]:
+    """The same with every processing, over fewer experiments of their own noise."""
+    found = []
+    for friction in FRICTIONS:
+        pair = [processing[design, friction] for design in ("J_k, GA", "J_d, GA")]
+        for w, way in enumerate(pair[0].ways.tolist()):
+            first, second = (p.parameters[w, :, 4] for p in pair)
+            test = stats.ttest_ind(first, second, equal_var=False)
+            interval = test.confidence_interval(LEVEL)
+            found.append(
+                _judged(
+                    STATIC_FRICTION,
+                    f"gamma_s1 estimated with J_k less that with J_d, {len(first)} experiments",
+                    (friction, way),
+                    (float(first.mean() - second.mean()), interval.low, interval.high),
+                    "N m",
+                    expected="away",
+                )
+            )
+    return found
 
 
 def _infeasible(runs: MonteCarlo, f: int, r: int, where: tuple[str, str]) -> list[Finding]:

@@ -149,7 +149,7 @@ def run(config: Config) -> Result:
     bench = cache.get("laboratory", key, Bench, lambda: prepare(campaign, reference))
     drake = cache.get(
         "drake",
-        cache.key("drake", [key, config.drake_seconds], ["studies/paper_experiment.py"]),
+        cache.key("drake", [key, config.drake_seconds], []),
         DrakeCheck,
         lambda: check_drake(config, bench, reference),
     )
@@ -200,7 +200,9 @@ def write(result: Result, config: Config) -> None:
     """Tables, figure data, claims, summary and provenance."""
     out, truth = config.out, config.campaign.laboratory.truth()
     horizon = float(result.horizons.chosen)
-    claims = find_claims(result.horizons, result.designs, result.monte_carlo, truth)
+    claims = find_claims(
+        result.horizons, result.designs, result.monte_carlo, result.processing, truth
+    )
     rows = PaperRows(
         comparison=tables.comparison(
             config.designs, config.campaign, result.designs, result.bench, result.single

@@ -89,11 +89,16 @@ def _errors(rows: PaperRows) -> list[str]:
     ]
     if floor:
         row = floor[0]
+        is_noise = all(
+            float(row[f"rms residual {j} [N m]"]) < 1.05 * float(row[f"noise floor {j} [N m]"])
+            for j in (1, 2)
+        )
         lines.append(
             "- With plain friction and both sides of the equation filtered alike, the residual is "
             f"{_number(row['rms residual 1 [N m]'])} and {_number(row['rms residual 2 [N m]'])} N m, "
             f"the noise between repetitions {_number(row['noise floor 1 [N m]'])} and "
-            f"{_number(row['noise floor 2 [N m]'])} N m: what is left is noise."
+            f"{_number(row['noise floor 2 [N m]'])} N m (part of which the measured motion explains): "
+            + ("what is left is noise." if is_noise else "more than noise is left.")
         )
     lines += [
         _distance(find["J_d", "relative rms, estimation set, joint 1"]),
@@ -153,7 +158,7 @@ def _claims(rows: PaperRows) -> list[str]:
 
 
 _VERDICTS = ("confirmed", "refuted", "undecided")
-_MOST_SENTENCES = 8
+_MOST_SENTENCES = 12
 
 
 def overall(findings: Sequence[Finding]) -> str:
