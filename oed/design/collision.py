@@ -43,8 +43,8 @@ class ClearanceCheck:
 
     @property
     def is_clear(self) -> bool:
-        """Whether nothing checked speaks against the motion."""
-        return not self.deepest and not (self.outside is not None and self.outside > 0)
+        """Whether the check was made and found nothing; False where there was no geometry."""
+        return self.deepest == 0.0 and not (self.outside is not None and self.outside > 0)
 
 
 def check_clearance(
