@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.free_terms import coordinate
 from oed.diagnosis.free_form import FreeForm
+from oed.diagnosis.free_terms import coordinate
 from oed.diagnosis.linear_fit import LinearFit, fit_regressor, whitened_regressor
 from oed.diagnosis.model_columns import WIDTH_PER_SIGMA, effect_columns, with_uncertain_sign
 from oed.diagnosis.noise_floor import (

@@ -39,7 +39,7 @@ class Projection:
         return np.einsum("jrb,jr->b", self.basis, y, optimize=True)
 
     def residual(self, y: Float[ndarray, "joints rows"]) -> Float[ndarray, "joints rows"]:
-        """y less its projection."""
+        """Y less its projection."""
         return y - self.basis @ self.coordinates(y)
 
     @property

@@ -32,7 +32,7 @@ def prediction_errors(
         error = recording.torque - columns @ base
         for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
             error = error - addition_torque(trial, coefficients, recording)
-        errors.append(error)
+        errors.append(error[recording.valid])
     return errors
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.band import Band, choose_band, position_noise
@@ -18,6 +18,7 @@ from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample, uniform_grid
 
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
+GAP = 10.0  # sampling steps without a row that make a gap
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 
 
@@ -36,6 +37,7 @@ class Prepared:
         repetition: (R,) repetition of each row, -1 where there is none.
         period: Of the motion, None without repetitions [s].
         sign_noise: (n,) standard deviation of the velocity on the fine grid [rad/s].
+        recorded: (N,) whether a fine sample lies between logged ones, not in a gap of the log.
     """
 
     name: str
@@ -48,6 +50,15 @@ class Prepared:
     repetition: Int[ndarray, "rows"]
     period: float | None
     sign_noise: Float[ndarray, "joints"]
+    recorded: Bool[ndarray, "samples"]
+
+    @property
+    def valid(self) -> Bool[ndarray, "rows"]:
+        """Rows whose whole filter window was recorded."""
+        missing = np.concatenate([[0], np.cumsum(~self.recorded)])
+        window = len(self.band.taps)
+        start = np.arange(self.rows) * self.band.factor
+        return missing[start + window] == missing[start]
 
     @property
     def rows(self) -> int:
@@ -141,7 +152,21 @@ def _prepare_one(
         repetition=_repetition(recording, rows_t),
         period=_period(recording),
         sign_noise=noise,
+        recorded=_recorded(recording, t[inner], band.rate),
     )
+
+
+def _recorded(
+    recording: Recording, t: Float[ndarray, "samples"], rate: float
+) -> Bool[ndarray, "samples"]:
+    """False in gaps of the log, such as between runs, and where smoothing feels them."""
+    steps = np.diff(recording.t)
+    longest = GAP * max(float(np.median(steps)), 1 / rate)
+    recorded = np.ones(len(t), dtype=bool)
+    for k in np.flatnonzero(steps > longest):
+        before, after = recording.t[k], recording.t[k + 1]
+        recorded &= (t < before - EDGE) | (t > after + EDGE)
+    return recorded
 
 
 def _repetition(

@@ -51,6 +51,7 @@ def mean_of_repetitions(prepared: Prepared) -> tuple[Prepared, int]:
         repetition=np.full(len(t), -1),
         period=None,
         sign_noise=prepared.sign_noise / np.sqrt(count),
+        recorded=prepared.recorded[index].all(axis=0),
     )
     return averaged, count
 

@@ -118,7 +118,7 @@ def trusted_samples(
     for turn in turns[harmful]:
         trusted[max(0, turn - reach) : turn + reach + 2] = False
     sigma = max(float(recording.sign_noise[joint]), 1e-12)
-    return trusted & ~_standing(recording.motion.dq[:, joint], sigma, reach)
+    return trusted & recording.recorded & ~_standing(recording.motion.dq[:, joint], sigma, reach)
 
 
 def reversal_shapes(recording: Prepared, joint: int) -> Float[ndarray, "samples 2"]:
@@ -167,6 +167,9 @@ def _weights_of(
     still = _standing(velocity, sigma, band.rate / band.cutoff)
     share = band.apply(still.astype(float)[:, None])[:, 0]
     weights[share > 0.05] = 0.0
+    # A row is as good as the past that whitening reads.
+    lacking = np.convolve(~recording.valid, np.ones(noise.order + 1))[: len(weights)]
+    weights[lacking > 0.5] = 0.0
     weights[: noise.order] = 0.0
     return weights
 

@@ -36,7 +36,7 @@ class Autoregression:
 
     @property
     def order(self) -> int:
-        """p."""
+        """P."""
         return len(self.coefficients) - 1
 
     def whiten(self, x: Float[ndarray, "rows *columns"]) -> Float[ndarray, "rows *columns"]:

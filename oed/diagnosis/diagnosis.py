@@ -1,0 +1,217 @@
+"""The whole diagnosis of a data set: residual, search, verdict, proof."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline import find_baseline
+from oed.diagnosis.dependence import Dependence, Spectrum, dependences, spectrum
+from oed.diagnosis.encoder_steps import encoder_steps, rounding_squares
+from oed.diagnosis.final_model import FinalModel, errors_of, fit_final, install, rms_of
+from oed.diagnosis.lack_of_fit import LackOfFit, lack_of_fit
+from oed.diagnosis.prepare import Prepared, prepare
+from oed.diagnosis.proof import RoleProof, prove
+from oed.diagnosis.selection import Refused, Selection, search
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.trials import Trial
+from oed.diagnosis.verdict import (
+    FoundEffect,
+    Outcome,
+    Unexplained,
+    decide,
+    describe_effects,
+    describe_unexplained,
+)
+from oed.diagnosis.workshop import Workshop
+from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.dataset import DataSet
+
+ROLES = ("estimation", "validation", "test")
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What a base model lacks on a data set.
+
+    Attributes:
+        verdict: In the interface's words.
+        effects: What was found and named.
+        unexplained: What is there and has no name.
+        before: The base model, fitted.
+        after: The augmented model, fitted: an ordinary torque model.
+        proof: Errors before and after, one entry a role that has recordings.
+        noise_floor: (n,) standard deviation of the noise in the analysis band [N m].
+        noise_source: Where that was read off.
+        lack_before: Of the base model.
+        lack_after: Of the augmented model.
+        dependences: Residual of the base model over every coordinate.
+        dependences_after: Residual of the augmented model.
+        spectrum: Of both residuals.
+        refused: Candidates that were turned down, and why.
+        cutoff: Of the analysis band [Hz].
+        sign_width: (n,) velocity below which the direction is uncertain [rad/s].
+        shop: The laid-out data, for whoever designs the next experiment.
+    """
+
+    verdict: Outcome
+    effects: tuple[FoundEffect, ...]
+    unexplained: tuple[Unexplained, ...]
+    before: FinalModel
+    after: FinalModel
+    proof: tuple[RoleProof, ...]
+    noise_floor: Float[ndarray, "joints"]
+    noise_source: str
+    lack_before: LackOfFit
+    lack_after: LackOfFit
+    dependences: tuple[Dependence, ...]
+    dependences_after: tuple[Dependence, ...]
+    spectrum: Spectrum
+    refused: tuple[Refused, ...]
+    cutoff: float
+    sign_width: Float[ndarray, "joints"]
+    shop: Workshop = field(repr=False, compare=False)
+
+    def rival_pairs(
+        self, decisive: float
+    ) -> list[tuple[Trial, Float[ndarray, "columns"], Trial]]:
+        """Found effects, their coefficients, and the rivals that the data cannot exclude."""
+        chosen = self.shop.fit([e.trial for e in self.effects]) if self.effects else None
+        pairs = []
+        for k, effect in enumerate(self.effects):
+            for rival in effect.rivals:
+                if rival.contender and rival.evidence < decisive and chosen is not None:
+                    pairs.append((effect.trial, chosen.coefficients[k], rival.trial))
+        return pairs
+
+
+def diagnose(
+    dataset: DataSet,
+    model: TorqueModel,
+    settings: DiagnosisSettings,
+    say: Callable[[str], None] = lambda _: None,
+) -> Diagnosis:
+    """Find what a torque model lacks, from a data set alone.
+
+    Args:
+        dataset: Recordings with roles; "test" is looked at last, and only to report.
+        model: The base model.
+        settings: How to look.
+        say: Receives a line of progress now and then.
+
+    Raises:
+        ValueError: If there is no estimation recording, or one is too short.
+    """
+    if not dataset.estimation:
+        raise ValueError(f"data set {dataset.name!r} has no recording with role estimation")
+    prepared = prepare(dataset.recordings, settings)
+    by_role = {role: tuple(p for p in prepared if p.role == role) for role in ROLES}
+    estimation = by_role["estimation"]
+    say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
+    baseline = find_baseline(model, estimation)
+    say(f"noise from {baseline.floor.source}: {np.round(baseline.floor.deviation, 4)} N m")
+    ratio = dataset.drive.gear_ratio
+    gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
+    shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio)
+    selection = search(shop)
+    say(f"{len(selection.accepted)} additions, {len(selection.refused)} candidates refused")
+    steps = encoder_steps(dataset.estimation)
+    return _conclude(shop, selection, by_role, steps, settings)
+
+
+def _conclude(
+    shop: Workshop,
+    selection: Selection,
+    by_role: dict[str, tuple[Prepared, ...]],
+    steps: Float[ndarray, "joints"],
+    settings: DiagnosisSettings,
+) -> Diagnosis:
+    baseline = shop.baseline
+    layout = shop.layout_for(selection.trials)
+    before = fit_final(baseline, layout, baseline.model)
+    selection, after = _never_worse(shop, selection, by_role["validation"], before)
+    effects = describe_effects(shop, selection)
+    unexplained = describe_unexplained(shop, selection)
+    freedom = float(sum(p.rows for p in by_role["estimation"]))
+    rounding = rounding_squares(before.model, before.parameters, layout.rows, steps)
+    left = lack_of_fit(after.fit, freedom, rounding)
+    estimation = by_role["estimation"]
+    old, new = errors_of(before, estimation), errors_of(after, estimation)
+    return Diagnosis(
+        verdict=decide(effects, unexplained, left, baseline.floor.source, settings),
+        effects=effects,
+        unexplained=unexplained,
+        before=before,
+        after=after,
+        proof=_proof(before, after, by_role, settings),
+        noise_floor=baseline.floor.deviation,
+        noise_source=baseline.floor.source,
+        lack_before=lack_of_fit(before.fit, freedom, rounding),
+        lack_after=left,
+        dependences=dependences(estimation, old),
+        dependences_after=dependences(estimation, new),
+        spectrum=spectrum(old, new, estimation[0].band.analysis_rate),
+        refused=selection.refused,
+        cutoff=estimation[0].band.cutoff,
+        sign_width=estimation[0].sign_noise,
+        shop=shop,
+    )
+
+
+def _never_worse(
+    shop: Workshop,
+    selection: Selection,
+    validation: tuple[Prepared, ...],
+    before: FinalModel,
+) -> tuple[Selection, FinalModel]:
+    """The augmented model in its exact form; additions that then raise the held-out error go.
+
+    The search judges columns of first order where an effect acts on the whole model. Only the
+    exact form, all parameters refitted together, can prove that nothing got worse.
+    """
+    old = rms_of(before, validation) if validation else None
+    kept = selection
+    while kept.trials:
+        layout = shop.layout_for(kept.trials)
+        found = shop.fit(kept.trials, layout)
+        final = fit_final(shop.baseline, layout, install(shop.baseline, found, shop.context))
+        if old is None or np.mean((rms_of(final, validation) / old) ** 2) < 1:
+            return Selection(kept.accepted, found, kept.refused), final
+        last = [a for a in kept.accepted if a.stands_in][-1]
+        gone = Refused(
+            str(last.trial.key[0]),
+            last.trial.joint,
+            last.gain,
+            "in its exact form it raises the validation error",
+        )
+        rest = tuple(a for a in kept.accepted if a is not last)
+        trials = [a.trial for a in rest if a.stands_in]
+        found = shop.fit(trials, shop.layout_for(trials))
+        kept = Selection(rest, found, (*kept.refused, gone))
+    return kept, before
+
+
+def _proof(
+    before: FinalModel,
+    after: FinalModel,
+    by_role: dict[str, tuple[Prepared, ...]],
+    settings: DiagnosisSettings,
+) -> tuple[RoleProof, ...]:
+    rng = np.random.default_rng(settings.seed)
+    return tuple(
+        prove(
+            role,
+            errors_of(before, prepared),
+            errors_of(after, prepared),
+            [p.torque[p.valid] for p in prepared],
+            prepared[0].band.analysis_rate,
+            settings.bootstrap,
+            rng,
+        )
+        for role, prepared in by_role.items()
+        if prepared
+    )

@@ -1,0 +1,91 @@
+"""Errors before and after on every kind of recording, with block-bootstrap intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+BLOCK = 0.5  # [s] resampled together: residuals are correlated over the band's inverse
+INTERVAL = (2.5, 97.5)  # [%]
+
+
+@dataclass(frozen=True)
+class RoleProof:
+    """Errors on the recordings of one role, joint by joint.
+
+    Attributes:
+        role: "estimation", "validation" or "test".
+        before: (n,) rms of the base model's error [N m].
+        after: (n,) rms with the additions [N m].
+        torque: (n,) rms of the torque [N m].
+        before_interval: (n, 2) 95 % block-bootstrap interval [N m].
+        after_interval: (n, 2) the same after [N m].
+        change_interval: (n, 2) of after less before, from the same blocks [N m].
+    """
+
+    role: str
+    before: Float[ndarray, "joints"]
+    after: Float[ndarray, "joints"]
+    torque: Float[ndarray, "joints"]
+    before_interval: Float[ndarray, "joints 2"]
+    after_interval: Float[ndarray, "joints 2"]
+    change_interval: Float[ndarray, "joints 2"]
+
+
+def prove(
+    role: str,
+    before: Sequence[Float[ndarray, "_ joints"]],
+    after: Sequence[Float[ndarray, "_ joints"]],
+    torque: Sequence[Float[ndarray, "_ joints"]],
+    rate: float,
+    replicates: int,
+    rng: np.random.Generator,
+) -> RoleProof:
+    """Errors before and after with intervals; blocks of both are drawn together.
+
+    Args:
+        role: Of the recordings.
+        before: Errors of the base model, one array a recording [N m].
+        after: Errors with the additions [N m].
+        torque: Measured torque [N m].
+        rate: Rows a second [Hz].
+        replicates: Of the bootstrap.
+        rng: Draws blocks.
+    """
+    old, new = (_block_squares(x, rate) for x in (before, after))
+    lengths = _block_lengths(before, rate)
+    draws = rng.integers(0, len(lengths), (replicates, len(lengths)))
+    counts = lengths[draws].sum(axis=1)[:, None]
+    old_rms = np.sqrt(old[draws].sum(axis=1) / counts)
+    new_rms = np.sqrt(new[draws].sum(axis=1) / counts)
+    return RoleProof(
+        role=role,
+        before=np.sqrt(old.sum(axis=0) / lengths.sum()),
+        after=np.sqrt(new.sum(axis=0) / lengths.sum()),
+        torque=np.sqrt(np.mean(np.concatenate(list(torque)) ** 2, axis=0)),
+        before_interval=np.percentile(old_rms, INTERVAL, axis=0).T,
+        after_interval=np.percentile(new_rms, INTERVAL, axis=0).T,
+        change_interval=np.percentile(new_rms - old_rms, INTERVAL, axis=0).T,
+    )
+
+
+def _block_squares(
+    errors: Sequence[Float[ndarray, "_ joints"]], rate: float
+) -> Float[ndarray, "blocks joints"]:
+    length = max(1, int(round(BLOCK * rate)))
+    return np.concatenate(
+        [np.add.reduceat(e**2, np.arange(0, len(e), length), axis=0) for e in errors]
+    )
+
+
+def _block_lengths(
+    errors: Sequence[Float[ndarray, "_ joints"]], rate: float
+) -> Float[ndarray, "blocks"]:
+    length = max(1, int(round(BLOCK * rate)))
+    return np.concatenate(
+        [np.diff(np.append(np.arange(0, len(e), length), len(e))) for e in errors]
+    ).astype(float)

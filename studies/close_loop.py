@@ -1,0 +1,169 @@
+"""What does the torque model lack, what is it, and what does adding it gain?
+
+    python -m studies.close_loop --data DIR --out DIR [--model NAME] [--max-effects K]
+                                 [--smoke] [--seed N]
+
+Reads a data set and a base model, traces the residual to missing effects or says honestly that
+it cannot, and leaves diagnosis.json, report.html, figures and, if rivals remain, next_experiment/.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from oed.diagnosis.diagnosis import Diagnosis, diagnose
+from oed.diagnosis.discrimination import NextExperiment, design_discriminating
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.models import MODELS, build_model
+from oed.errors import OedError
+from oed.experiment.dataset import DataSet
+from oed.experiment.read_dataset import read_dataset
+from oed.report.diagnosis_report import write_diagnosis
+from oed.report.provenance import Provenance
+
+SMOKE_SURROGATES = 39
+SMOKE_BOOTSTRAP = 40
+SMOKE_MOTIONS = 6
+MOTIONS = 48  # random motions of which the most discriminating is proposed
+
+
+@dataclass(frozen=True)
+class Config:
+    """What to diagnose, and how.
+
+    Attributes:
+        data: Folder of the data set.
+        out: Folder to leave results in.
+        model: Name of the base model.
+        max_effects: Most effects that may be added.
+        smoke: Whether to use few surrogates and motions.
+        seed: Of surrogates, bootstrap and motions.
+    """
+
+    data: Path
+    out: Path
+    model: str = "standard"
+    max_effects: int = 4
+    smoke: bool = False
+    seed: int = 0
+
+    @property
+    def settings(self) -> DiagnosisSettings:
+        """The diagnosis's settings."""
+        settings = DiagnosisSettings(max_effects=self.max_effects, seed=self.seed)
+        if not self.smoke:
+            return settings
+        return dataclasses.replace(
+            settings, surrogates=SMOKE_SURROGATES, bootstrap=SMOKE_BOOTSTRAP
+        )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A diagnosis and what to do next.
+
+    Attributes:
+        dataset: What was diagnosed.
+        found: The diagnosis.
+        following: The motion that tells rivals apart; None without rivals.
+    """
+
+    dataset: DataSet
+    found: Diagnosis
+    following: NextExperiment | None
+
+
+def run(config: Config) -> Outcome:
+    """Read, diagnose, and design the next experiment where rivals remain."""
+    dataset = read_dataset(config.data)
+    for file, column in dataset.unused:
+        _say(f"note: {file}: column {column!r} is not used")
+    model = build_model(config.model, dataset.robot)
+    settings = config.settings
+    found = diagnose(dataset, model, settings, _say)
+    pairs = found.rival_pairs(settings.decisive)
+    following = None
+    if found.verdict == "ambiguous" and pairs:
+        _say(f"designing a motion that tells {len(pairs)} pair(s) of rivals apart")
+        following = design_discriminating(
+            found.shop,
+            pairs,
+            np.random.default_rng(config.seed),
+            candidates=SMOKE_MOTIONS if config.smoke else MOTIONS,
+        )
+    return Outcome(dataset, found, following)
+
+
+def write(outcome: Outcome, config: Config) -> None:
+    """Leave the results in the folder."""
+    write_diagnosis(
+        outcome.found,
+        outcome.following,
+        outcome.dataset.name,
+        outcome.dataset.robot.joint_names,
+        config.settings,
+        Provenance.collect(config, seed=config.seed),
+        config.out,
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
+    config = _parse(arguments)
+    try:
+        outcome = run(config)
+        write(outcome, config)
+    except (OedError, ValueError) as error:
+        _say(f"error: {error}")
+        return 2
+    _summarise(outcome, config)
+    return 0
+
+
+def _summarise(outcome: Outcome, config: Config) -> None:
+    found = outcome.found
+    _say(f"verdict: {found.verdict}")
+    for effect in found.effects:
+        place = "arm" if effect.joint is None else f"joint {effect.joint + 1}"
+        values = ", ".join(f"{p.name} = {p.value:.4g} ± {p.std:.2g}" for p in effect.parameters)
+        _say(f"  {effect.name} ({place}): {values}; p = {effect.p_value:.1e}")
+    for item in found.unexplained:
+        _say(f"  unexplained on joint {item.joint + 1}: {item.label}")
+    for proof in found.proof:
+        old, new = (float(np.sqrt(np.sum(x**2))) for x in (proof.before, proof.after))
+        _say(f"  {proof.role}: {old:.4g} -> {new:.4g} N m")
+    _say(f"written to {config.out}")
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _parse(arguments: Sequence[str] | None) -> Config:
+    parser = argparse.ArgumentParser(prog="studies.close_loop", description=__doc__.split("\n")[0])
+    parser.add_argument("--data", type=Path, required=True, help="folder of the data set")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--model", default="standard", choices=sorted(MODELS), help="base model")
+    parser.add_argument("--max-effects", type=int, default=4, help="most effects to add")
+    parser.add_argument("--smoke", action="store_true", help="few surrogates and motions")
+    parser.add_argument("--seed", type=int, default=0, help="of surrogates and bootstrap")
+    given = parser.parse_args(arguments)
+    return Config(
+        data=given.data,
+        out=given.out,
+        model=given.model,
+        max_effects=given.max_effects,
+        smoke=given.smoke,
+        seed=given.seed,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,233 @@
+"""How many experiments does it take to find an effect that the model was not told of?
+
+    python -m studies.loop --out DIR [--hidden NAME] [--rounds R] [--smoke] [--seed N]
+
+A simulated arm hides an effect. Each round designs a motion, runs it, estimates and diagnoses;
+what is doubtful decides the next design. The loop ends when the data explain themselves or the
+budget is spent; rounds.csv says what each round bought.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from oed.design.limits import fill
+from oed.design.problem import DesignProblem
+from oed.design.trajectories import FourierClass
+from oed.diagnosis.diagnosis import Diagnosis, diagnose
+from oed.diagnosis.discrimination import design_discriminating
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.effects import Effect
+from oed.dynamics.effects.position import JointSpring, PositionFriction
+from oed.dynamics.effects.stribeck import Stribeck
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.motion import Motion
+from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.dataset import DataSet
+from oed.experiment.imi_laboratory import ImiLaboratory
+from oed.experiment.recording import Recording, Role
+from oed.experiment.simulation import Setup, simulate
+from oed.report.provenance import Provenance
+from oed.report.table import Row, text_table, write_csv
+
+PERIOD = 10.0  # [s] of every motion
+REPETITIONS = 4
+STEP = 0.001  # [s] of the controller
+DESIGNS = 48  # random motions of which the most informative is run
+# What may be hidden: an effect of the plant and the sizes of its parameters.
+HIDDEN: dict[str, tuple[Callable[[], Effect], tuple[float, ...]]] = {
+    "stribeck": (lambda: Stribeck(0, 0.1, 2.0), (0.9,)),
+    "position_dependent_friction": (lambda: PositionFriction(1, (2.0,)), (0.4, 0.2)),
+    "joint_spring": (lambda: JointSpring(1), (0.8, 0.2)),
+}
+
+
+@dataclass(frozen=True)
+class Config:
+    """What to hide, and how long to look.
+
+    Attributes:
+        out: Folder for the table.
+        hidden: Key of `HIDDEN`, or "nothing".
+        rounds: Most experiments.
+        smoke: Whether to look fast.
+        seed: Of everything random.
+    """
+
+    out: Path
+    hidden: str = "stribeck"
+    rounds: int = 4
+    smoke: bool = False
+    seed: int = 0
+
+    @property
+    def settings(self) -> DiagnosisSettings:
+        """Of each round's diagnosis."""
+        settings = DiagnosisSettings(seed=self.seed)
+        return dataclasses.replace(settings, surrogates=39, bootstrap=40) if self.smoke else settings
+
+
+def run(config: Config) -> list[Row]:
+    """Design, run, estimate, diagnose, redesign; one row a round."""
+    rng = np.random.default_rng(config.seed)
+    setup = laboratory(config.hidden)
+    model = TorqueModel.standard(setup.plant.robot)
+    count = 6 if config.smoke else DESIGNS
+    held = [_record(setup, informative_motion(model, rng, 1), rng, role) for role in HELD_OUT]
+    recordings: list[Recording] = []
+    rows: list[Row] = []
+    motion, purpose = informative_motion(model, rng, count), "J_d: all base parameters"
+    for number in range(1, config.rounds + 1):
+        recordings.append(_record(setup, motion, rng, "estimation", number))
+        robot = setup.plant.robot
+        dataset = DataSet(
+            "loop", "simulation", "none", robot, "measured", recordings=(*recordings, *held)
+        )
+        found = diagnose(dataset, model, config.settings)
+        rows.append(_row(number, purpose, found))
+        _say(text_table(rows[-1:]))
+        if found.verdict in ("explained", "nothing found"):
+            break
+        motion, purpose = _next_motion(found, model, config, rng, count)
+    return rows
+
+
+HELD_OUT: tuple[Role, ...] = ("validation", "test")
+
+
+def laboratory(hidden: str) -> Setup:
+    """The virtual IMI laboratory, its arm with one more effect.
+
+    Raises:
+        ValueError: If nothing of that name can be hidden.
+    """
+    lab = ImiLaboratory()
+    setup = lab.setup("plain", lab.controller(), lab.quiet())
+    if hidden == "nothing":
+        return setup
+    if hidden not in HIDDEN:
+        raise ValueError(f"cannot hide {hidden!r}; there are {sorted(HIDDEN)} and 'nothing'")
+    build, sizes = HIDDEN[hidden]
+    plant = dataclasses.replace(
+        setup.plant,
+        effects=(*setup.plant.effects, build()),
+        parameters=(*setup.plant.parameters, *sizes),
+    )
+    return dataclasses.replace(setup, plant=plant)
+
+
+def informative_motion(model: TorqueModel, rng: np.random.Generator, count: int) -> Motion:
+    """The most informative (J_d) of some random motions within the limits."""
+    cycle = FourierClass(PERIOD, model.robot.limits, harmonics=5)
+    problem = DesignProblem(
+        model=model,
+        base=base_parameters(model),
+        trajectory=cycle,
+        limits=model.robot.limits,
+        instants=np.linspace(0.0, PERIOD, 200, endpoint=False),
+    )
+    starts = [fill(cycle, cycle.draw(rng), model.robot.limits) for _ in range(count)]
+    best = min(starts, key=problem.cost) if count > 1 else starts[0]
+    return cycle.motion(best, np.arange(int(round(PERIOD / STEP))) * STEP)
+
+
+def write(rows: list[Row], config: Config) -> None:
+    """The table of rounds and its provenance."""
+    config.out.mkdir(parents=True, exist_ok=True)
+    write_csv(config.out / "rounds.csv", rows)
+    Provenance.collect(config, seed=config.seed).write(config.out / "provenance.json")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line."""
+    config = _parse(arguments)
+    rows = run(config)
+    write(rows, config)
+    _say(text_table(rows))
+    return 0
+
+
+def _next_motion(
+    found: Diagnosis, model: TorqueModel, config: Config, rng: np.random.Generator, count: int
+) -> tuple[Motion, str]:
+    """Between rivals the motion that tells them apart; without a name, one that covers more."""
+    pairs = found.rival_pairs(config.settings.decisive)
+    if found.verdict == "ambiguous" and pairs:
+        following = design_discriminating(found.shop, pairs, rng, candidates=count)
+        return _whole_period(following.motion), "; ".join(following.pairs)
+    return informative_motion(model, rng, count), "coverage: another motion"
+
+
+def _whole_period(motion: Motion) -> Motion:
+    """Brought to the control period, as a period that closes."""
+    samples = int(round(PERIOD / STEP))
+    t = np.arange(samples) * STEP
+    share = t / PERIOD * (motion.t[-1] - motion.t[0] + (motion.t[1] - motion.t[0])) + motion.t[0]
+    pace = share[1] / STEP if share[0] == 0 else (share[1] - share[0]) / STEP
+    q, dq, ddq = (
+        np.stack([np.interp(share, motion.t, column) for column in x.T], axis=1)
+        for x in (motion.q, motion.dq, motion.ddq)
+    )
+    return Motion(t, q, dq * pace, ddq * pace**2)
+
+
+def _record(
+    setup: Setup, motion: Motion, rng: np.random.Generator, role: Role, number: int = 0
+) -> Recording:
+    return simulate(
+        setup,
+        motion,
+        rng,
+        repetitions=REPETITIONS,
+        periodic=True,
+        name=f"{role}_{number}",
+        role=role,
+    )
+
+
+def _row(number: int, purpose: str, found: Diagnosis) -> Row:
+    errors = {
+        p.role: (float(np.linalg.norm(p.before)), float(np.linalg.norm(p.after)))
+        for p in found.proof
+    }
+    rival = min((r.evidence for e in found.effects for r in e.rivals), default=float("nan"))
+    return {
+        "round": number,
+        "designed for": purpose,
+        "verdict": found.verdict,
+        "effects": ", ".join(
+            e.name + ("" if e.joint is None else f"_{e.joint + 1}") for e in found.effects
+        ),
+        "evidence over best rival": rival if np.isfinite(rival) else "",
+        "validation before [N m]": errors["validation"][0],
+        "validation after [N m]": errors["validation"][1],
+        "test before [N m]": errors["test"][0],
+        "test after [N m]": errors["test"][1],
+        "noise floor [N m]": float(np.linalg.norm(found.noise_floor)),
+    }
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _parse(arguments: Sequence[str] | None) -> Config:
+    parser = argparse.ArgumentParser(prog="studies.loop", description=__doc__.split("\n")[0])
+    parser.add_argument("--out", type=Path, required=True, help="folder for the table")
+    parser.add_argument("--hidden", default="stribeck", choices=[*sorted(HIDDEN), "nothing"])
+    parser.add_argument("--rounds", type=int, default=4, help="most experiments")
+    parser.add_argument("--smoke", action="store_true", help="few designs and surrogates")
+    parser.add_argument("--seed", type=int, default=0, help="of everything random")
+    given = parser.parse_args(arguments)
+    return Config(given.out, given.hidden, given.rounds, given.smoke, given.seed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
