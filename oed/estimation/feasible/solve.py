@@ -105,7 +105,7 @@ def solve_problem(
         optimality = check_optimality(problem, x, result.multipliers)
         attempts.append(
             f"{name}: {result.status}, {result.iterations} steps, demands missed by "
-            f"{optimality.primal:.1e}, stationarity {optimality.stationarity:.1e}, "
+            f"{optimality.primal:.1e}, decrement {optimality.decrement:.1e}, "
             f"gap {optimality.gap:.1e}"
         )
         if optimality.holds(tolerance):

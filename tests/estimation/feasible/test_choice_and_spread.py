@@ -1,0 +1,85 @@
+"""Weight of the pull by cross-validation, and intervals by resampling blocks."""
+
+import numpy as np
+import pytest
+
+from oed.estimation.feasible.bootstrap import bootstrap
+from oed.estimation.feasible.cross_validation import cross_validate
+from oed.estimation.feasible.data_factor import DataFactor
+from oed.estimation.feasible.estimate import estimate_feasible
+from oed.estimation.feasible.regularisation import Regularisation
+from tests.estimation.feasible.cases import data_of, small_model, true_parameters
+
+NOISE = 3.0
+WEIGHTS = (1e-6, 1e-3, 1.0)
+
+
+def blocks_and_estimate(prior_of, blocks=6, samples=8):
+    rng = np.random.default_rng(21)
+    model = small_model()
+    truth = true_parameters(model, rng)
+    pieces = [data_of(model, truth, rng, samples=samples, noise=NOISE) for _ in range(blocks)]
+    estimate = estimate_feasible(
+        model,
+        DataFactor.join(pieces),
+        prior=prior_of(model.robot.parameters),
+        regularisation=Regularisation(1e-3),
+    )
+    return pieces, estimate, truth
+
+
+def test_a_true_prior_is_trusted_and_a_wrong_one_is_not():
+    pieces, estimate, _ = blocks_and_estimate(lambda true: true)
+    trusted = cross_validate(estimate.problem, pieces, weights=WEIGHTS, folds=3)
+    assert trusted.weight == 1.0
+    # With more data, because from little it cannot be told that a prior is wrong.
+    pieces, estimate, _ = blocks_and_estimate(lambda true: 5 * true, samples=60)
+    doubted = cross_validate(estimate.problem, pieces, weights=WEIGHTS, folds=3)
+    assert doubted.weight < 1.0
+    assert doubted.mean[-1] > doubted.mean[doubted.best]
+
+
+def test_the_chosen_weight_is_no_smaller_than_the_best():
+    pieces, estimate, _ = blocks_and_estimate(lambda true: true)
+    curve = cross_validate(estimate.problem, pieces, weights=WEIGHTS, folds=3)
+    assert curve.chosen >= curve.best
+    assert curve.held_out.shape == (3, 3)
+    assert np.all(curve.mean >= curve.mean[curve.best])
+    # With little data, demands and pull predict better than least squares alone.
+    assert curve.mean[curve.best] < curve.least_squares.mean()
+
+
+def test_refuses_more_folds_than_blocks():
+    pieces, estimate, _ = blocks_and_estimate(lambda true: true, blocks=2)
+    with pytest.raises(ValueError, match="2 blocks"):
+        cross_validate(estimate.problem, pieces, folds=3)
+
+
+def test_resamples_are_feasible_and_repeatable():
+    pieces, estimate, _ = blocks_and_estimate(lambda true: 1.2 * true)
+    first, again = (
+        bootstrap(estimate, pieces, np.random.default_rng(5), resamples=6) for _ in range(2)
+    )
+    assert np.array_equal(first.samples, again.samples)
+    assert first.failures == 0
+    for sample in first.samples:
+        x = estimate.problem.coordinates.unknowns(sample)
+        assert estimate.problem.link_margins(x).min() > estimate.problem.margin - 1e-7
+        assert estimate.problem.slack(x).min() > -1e-7
+    interval = first.interval()
+    assert np.all(interval[:, 0] <= interval[:, 1])
+
+
+def test_intervals_cover_well_determined_parameters():
+    pieces, estimate, truth = blocks_and_estimate(lambda true: true, blocks=12, samples=40)
+    spread = bootstrap(estimate, pieces, np.random.default_rng(6), resamples=12)
+    names = list(estimate.names)
+    viscous = [names.index(f"Fv_{j}") for j in (1, 2, 3)]
+    assert np.all(np.abs(estimate.parameters - truth)[viscous] < 4 * spread.std[viscous])
+    assert np.all(estimate.from_data[viscous] > 0.99)
+
+
+def test_refuses_to_resample_one_block():
+    pieces, estimate, _ = blocks_and_estimate(lambda true: true)
+    with pytest.raises(ValueError, match="1 block"):
+        bootstrap(estimate, pieces[:1], np.random.default_rng(0))
