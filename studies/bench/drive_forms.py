@@ -54,7 +54,7 @@ def gain(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injecte
         changed[:, joint] *= 1 + error
         return changed
 
-    return Injected(arm.change_torque(change), {"error": (error, "-")})
+    return Injected(arm.change_torque(change), {"error": (error, "1")})
 
 
 def rising_current(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:

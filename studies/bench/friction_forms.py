@@ -105,7 +105,7 @@ def load_friction(arm: Arm, joint: int, size: float, rng: np.random.Generator) -
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
         return {joint: share * magnitude(rigid[joint]) * direction(arm, state, joint)}
 
-    return Injected(arm.add(torque), {"share": (share, "-")})
+    return Injected(arm.add(torque), {"share": (share, "1")})
 
 
 def total_load_friction(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 import subprocess
 import sys
@@ -33,7 +34,11 @@ VALUE_COLUMNS = (
     "after_to_before",
     "removed",
     "seconds",
+    "code",
 )
+# What decides a diagnosis; a line says on which state of it it was made.
+CODE = ("oed/diagnosis", "oed/dynamics/effects", "studies/close_loop.py")
+REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 class DiagnosisFailed(OedError):
@@ -68,6 +73,7 @@ class Judge:
         """A line of the table."""
         truth = self.prepare(case)
         out = self.folder / "diagnosis" / case.label
+        code = code_digest()
         start = time.perf_counter()
         self._diagnose(self._data(case), out)
         seconds = time.perf_counter() - start
@@ -93,6 +99,7 @@ class Judge:
             "after_to_before": _rounded(errors.after_to_before),
             "removed": _rounded(errors.removed),
             "seconds": round(seconds, 1),
+            "code": code,
         }
 
     def prepare(self, case: Case) -> Truth:
@@ -120,6 +127,16 @@ class Judge:
         if done.returncode != 0 and not (out / "diagnosis.json").is_file():
             last = done.stderr.strip().splitlines()[-1:] or ["no message"]
             raise DiagnosisFailed(f"exit code {done.returncode}: {last[0]}", done.returncode)
+
+
+def code_digest() -> str:
+    """Eight hexadecimal digits that change with the code of the diagnosis."""
+    digest = hashlib.sha256()
+    for name in CODE:
+        path = REPOSITORY / name
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:8]
 
 
 def _word(value: bool | None) -> str:

@@ -26,7 +26,9 @@ BANDWIDTH = 40.0  # [rad/s] of position control
 # A motor on a spring is lighter than the arm: the gains that it bears are lower.
 SOFT_BANDWIDTH = 18.0  # [rad/s]
 SUBSTEPS = 4
-RESOLUTIONS = tuple(2 * np.pi / 2**bits for bits in (17, 18, 19))  # [rad]
+RESOLUTIONS = tuple(2 * np.pi / 2**bits for bits in (18, 19, 20))  # [rad]
+# Without jitter the steps of an encoder would fall alike in all repetitions, and look like torque.
+JITTER = 0.4  # rms of the reading before it is rounded, in steps
 # Feedforward knows the arm about this well.
 FEEDFORWARD_ERROR = 0.05
 FEEDFORWARD_FRICTION = 0.85
@@ -66,6 +68,10 @@ class Noise:
             return cls(kind, std, (coloured, little), None)
         return cls(kind, std, (little,), coloured)
 
+    def silent(self) -> Noise:
+        """None of it."""
+        return dataclasses.replace(self, signal=(), felt=None)
+
 
 @dataclass(frozen=True)
 class Laboratory:
@@ -87,10 +93,8 @@ class Laboratory:
     noise: Noise
     decimation: int
 
-    def log(
-        self, reference: Motion, rng: np.random.Generator, runs: int, start: float
-    ) -> tuple[Log, Log]:
-        """Raw signals of the joints, and the same with the torque as an ideal sensor sees it.
+    def log(self, reference: Motion, rng: np.random.Generator, runs: int, start: float) -> Log:
+        """Signals of the joints, the torque as an ideal sensor sees it.
 
         The command holds for a period, so that the torque at a sampling instant is the mean of
         the commands on either side of it.
@@ -108,7 +112,7 @@ class Laboratory:
             },
         )
         earlier = np.concatenate([log.command[:1], log.command[:-1]])
-        return log, dataclasses.replace(log, command=(earlier + log.command) / 2)
+        return dataclasses.replace(log, command=(earlier + log.command) / 2)
 
     def recording(
         self, log: Log, rng: np.random.Generator, *, name: str, role: Role
@@ -117,7 +121,7 @@ class Laboratory:
 
         Args:
             log: With the torque as an ideal sensor sees it.
-            rng: Source of the noise of the torque signal.
+            rng: Source of the noise of the torque signal and the jitter of the encoders.
             name: Of the recording.
             role: Of the recording.
         """
@@ -127,7 +131,8 @@ class Laboratory:
         for change in self.arm.position_changes:
             position = change(position, PERIOD)
         step = np.array(self.resolution)[:, None]
-        position = (np.floor(position / step) + 0.5) * step
+        jitter = JITTER * rng.standard_normal(position.shape)
+        position = (np.floor(position / step + jitter) + 0.5) * step
         noisy = torque.copy()
         for noise in self.noise.signal:
             noisy += noise.sample(len(torque), torque.shape[2], PERIOD, rng)

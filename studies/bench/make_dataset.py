@@ -115,13 +115,14 @@ def _record(
     """All recordings; and of those for estimation the log and the torque without noise."""
     recordings, logs = [], []
     start = 0.0
-    every_period = dataclasses.replace(laboratory, decimation=1)
+    undisturbed = dataclasses.replace(laboratory, decimation=1, noise=laboratory.noise.silent())
     for (name, role), reference in zip(RECORDINGS, references, strict=True):
-        _, log = laboratory.log(reference, rng, runs, start)
+        log = laboratory.log(reference, rng, runs, start)
         recordings.append(laboratory.recording(log, rng, name=name, role=role)[0])
         if role == "estimation":
-            quiet = every_period.recording(log, rng, name=name, role=role)[1]
-            logs.append((log, quiet))
+            if laboratory.noise.felt is not None:
+                log = undisturbed.log(reference, rng, runs, start)
+            logs.append((log, undisturbed.recording(log, rng, name=name, role=role)[1]))
         if laboratory.arm.session:
             start += runs * (LEAD_IN + len(reference) * PERIOD)
     return recordings, logs

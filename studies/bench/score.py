@@ -25,7 +25,7 @@ class Claim:
     Attributes:
         name: The catalogue's.
         joint: From 0; None for the whole arm.
-        rivals: (name, joint) of the alternatives that it lists.
+        rivals: (name, joint) of the alternatives that it leaves open.
         parameters: Name -> (value, standard deviation, unit).
     """
 
@@ -40,7 +40,12 @@ class Claim:
         return cls(
             raw["name"],
             raw["joint"],
-            tuple((rival["name"], rival["joint"]) for rival in raw.get("alternatives", ())),
+            # Runners-up that are clearly worse are listed as well: they are no rivals.
+            tuple(
+                (rival["name"], rival["joint"])
+                for rival in raw.get("alternatives", ())
+                if rival.get("contender", True)
+            ),
             {
                 name: (p["value"], p["std"], p["unit"])
                 for name, p in raw["parameters"].items()
