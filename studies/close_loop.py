@@ -60,9 +60,7 @@ class Config:
         settings = DiagnosisSettings(max_effects=self.max_effects, seed=self.seed)
         if not self.smoke:
             return settings
-        return dataclasses.replace(
-            settings, surrogates=SMOKE_SURROGATES, bootstrap=SMOKE_BOOTSTRAP
-        )
+        return dataclasses.replace(settings, surrogates=SMOKE_SURROGATES, bootstrap=SMOKE_BOOTSTRAP)
 
 
 @dataclass(frozen=True)

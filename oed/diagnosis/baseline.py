@@ -27,7 +27,6 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 
 ROWS_PER_FREE_COLUMN = 8  # least rows for each column of the rich fit
-ORDER_WITHOUT_REPETITIONS = 20
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class Baseline:
 
     def rows(self, prepared: tuple[Prepared, ...], scales: tuple[float, ...] | None = None) -> Rows:
         """White rows of any recordings of the same robot."""
-        return weigh(prepared, self.floor.noise, self.coulomb, scales)
+        return weigh(prepared, self.floor.noise, self.coulomb, scales, self.floor.dilution)
 
 
 def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baseline:
@@ -154,37 +153,34 @@ def rich_columns(
 
 
 def _free_form_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:
-    """Fit each joint richly with white noise, then once more with the colour that this shows."""
+    """What a rich fit of each joint leaves."""
     joints = rough.model.robot.n
     rows = sum(p.rows for p in prepared)
     most = max(10, rows // ROWS_PER_FREE_COLUMN - len(rough.columns) // joints)
     own = [p.band.apply(rough.model.columns(p.motion)[:, :, rough.columns]) for p in prepared]
     rich = [rich_columns(prepared, rough, j, most) for j in range(joints)]
-    noise, floor, coulomb = rough.rows.noise, None, coulomb_of(rough)
-    for _ in range(2):
-        found, freedom = [], np.ones(joints)
-        for j in range(joints):
-            blocks = [np.concatenate([o[:, j], r], axis=1) for o, r in zip(own, rich[j], strict=True)]
-            left, rank = _rich_residual(blocks, [p.torque[:, j] for p in prepared], noise[j])
-            freedom[j] = max(0.2, 1 - rank / rows)
-            found.append(left)
-        residuals = [np.stack(joint_wise, axis=1) for joint_wise in zip(*found, strict=True)]
-        deviation = np.std(np.concatenate(residuals), axis=0)
-        trusted = [
-            np.stack(
-                [
-                    trusted_samples(p, j, coulomb[j], deviation[j])[
-                        p.band.reach : len(p.motion) - p.band.reach : p.band.factor
-                    ]
-                    for j in range(joints)
-                ],
-                axis=1,
-            )
-            for p in prepared
-        ]
-        floor = floor_from_free_form(residuals, trusted, freedom, ORDER_WITHOUT_REPETITIONS)
-        noise = floor.noise
-    return floor
+    noise, coulomb = rough.rows.noise, coulomb_of(rough)
+    found, freedom = [], np.ones(joints)
+    for j in range(joints):
+        blocks = [np.concatenate([o[:, j], r], axis=1) for o, r in zip(own, rich[j], strict=True)]
+        left, rank = _rich_residual(blocks, [p.torque[:, j] for p in prepared], noise[j])
+        freedom[j] = max(0.2, 1 - rank / rows)
+        found.append(left)
+    residuals = [np.stack(joint_wise, axis=1) for joint_wise in zip(*found, strict=True)]
+    deviation = np.std(np.concatenate(residuals), axis=0)
+    trusted = [
+        np.stack(
+            [
+                trusted_samples(p, j, coulomb[j], deviation[j])[
+                    p.band.reach : len(p.motion) - p.band.reach : p.band.factor
+                ]
+                for j in range(joints)
+            ],
+            axis=1,
+        )
+        for p in prepared
+    ]
+    return floor_from_free_form(residuals, trusted, freedom)
 
 
 def _rich_residual(

@@ -76,9 +76,7 @@ class Diagnosis:
     sign_width: Float[ndarray, "joints"]
     shop: Workshop = field(repr=False, compare=False)
 
-    def rival_pairs(
-        self, decisive: float
-    ) -> list[tuple[Trial, Float[ndarray, "columns"], Trial]]:
+    def rival_pairs(self, decisive: float) -> list[tuple[Trial, Float[ndarray, "columns"], Trial]]:
         """Found effects, their coefficients, and the rivals that the data cannot exclude."""
         chosen = self.shop.fit([e.trial for e in self.effects]) if self.effects else None
         pairs = []

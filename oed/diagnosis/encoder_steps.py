@@ -56,7 +56,9 @@ def rounding_squares(
     for p in rows.prepared:
         rounded = p.motion.q.copy()
         has_steps = steps > 0
-        rounded[:, has_steps] = np.round(rounded[:, has_steps] / steps[has_steps]) * steps[has_steps]
+        rounded[:, has_steps] = (
+            np.round(rounded[:, has_steps] / steps[has_steps]) * steps[has_steps]
+        )
         change = lowpass(rounded - p.motion.q, p.band.rate, p.band.smoothing)
         rate = central_difference(change, p.band.rate)
         there = Motion(

@@ -106,9 +106,7 @@ def whitened_regressor(
     model: TorqueModel, columns: Int[ndarray, "parameters"], rows: Rows
 ) -> Float[ndarray, "joints rows parameters"]:
     """White columns of a model, joint by joint."""
-    filtered = [
-        p.band.apply(model.columns(p.motion)[:, :, columns]) for p in rows.prepared
-    ]
+    filtered = [p.band.apply(model.columns(p.motion)[:, :, columns]) for p in rows.prepared]
     joints = model.robot.n
     return np.stack([rows.whiten([f[:, j] for f in filtered], j) for j in range(joints)])
 

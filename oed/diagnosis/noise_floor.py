@@ -31,11 +31,14 @@ class NoiseFloor:
         source: Where it was read off.
         noise: Autoregression of each joint.
         deviation: (n,) standard deviation [N m].
+        dilution: (n,) rows that count as one because their noise is correlated; 1 where the
+            noise is whitened.
     """
 
     source: NoiseSource
     noise: tuple[Autoregression, ...]
     deviation: Float[ndarray, "joints"]
+    dilution: Float[ndarray, "joints"]
 
 
 def repetition_series(
@@ -88,35 +91,43 @@ def floor_from_repetitions(
         for j in range(joints)
     )
     deviation = _deviation(differences, masks, np.ones(joints))
-    return NoiseFloor("repetitions", noise, deviation)
+    return NoiseFloor("repetitions", noise, deviation, np.ones(joints))
 
 
 def floor_from_free_form(
     residuals: Sequence[Float[ndarray, "_ joints"]],
     trusted: Sequence[Bool[ndarray, "_ joints"]],
     freedom: Float[ndarray, "joints"],
-    largest_order: int,
 ) -> NoiseFloor:
     """Noise floor from what a rich free-form fit leaves.
+
+    What is left holds model error too, and whitening by its colour would fit the model to
+    the frequencies where it is least wrong, not to the torque. So rows keep their colour,
+    and correlated ones count less: 1 + 2 sum of the autocorrelation of them as one.
 
     Args:
         residuals: One array a recording [N m].
         trusted: Rows that show nothing but noise.
         freedom: (n,) share of the degrees of freedom that the fit left to each joint.
-        largest_order: Most lags of the autoregression.
     """
-    joints = residuals[0].shape[1]
-    noise = tuple(
-        fit_autoregression(
-            [r[:, j] for r in residuals],
-            trusted=[m[:, j] for m in trusted],
-            largest_order=largest_order,
-            freedom=float(freedom[j]),
-        )
-        for j in range(joints)
-    )
     deviation = _deviation(residuals, trusted, freedom)
-    return NoiseFloor("free-form fit", noise, deviation)
+    noise = tuple(Autoregression(np.ones(1), max(float(d), 1e-9)) for d in deviation)
+    dilution = np.array(
+        [_correlated_rows([r[:, j] for r in residuals]) for j in range(len(deviation))]
+    )
+    return NoiseFloor("free-form fit", noise, deviation, dilution)
+
+
+def _correlated_rows(series: Sequence[Float[ndarray, "_"]]) -> float:
+    """1 + 2 sum of the autocorrelation up to its first zero."""
+    power = sum(float(x @ x) for x in series)
+    total = 1.0
+    for lag in range(1, min(len(x) for x in series) // 4):
+        correlation = sum(float(x[lag:] @ x[:-lag]) for x in series) / max(power, 1e-300)
+        if correlation <= 0:
+            break
+        total += 2 * correlation
+    return total
 
 
 def _deviation(

@@ -16,7 +16,9 @@ from oed.diagnosis.workbench import Augmented
 
 
 def prediction_errors(
-    found: Augmented, prepared: Sequence[Prepared], base_torque: Sequence[Float[ndarray, "_ n base"]]
+    found: Augmented,
+    prepared: Sequence[Prepared],
+    base_torque: Sequence[Float[ndarray, "_ n base"]],
 ) -> list[Float[ndarray, "_ joints"]]:
     """Torque less prediction in the analysis band [N m], one array a recording.
 

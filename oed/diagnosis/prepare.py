@@ -11,6 +11,7 @@ from numpy import ndarray
 from oed.diagnosis.band import Band, choose_band, position_noise
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.motion import Motion
+from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.processing import fresh_samples
 from oed.experiment.recording import Recording, Role
 from oed.experiment.signals.differentiation import central_difference
@@ -18,6 +19,7 @@ from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample, uniform_grid
 
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
+LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
 GAP = 10.0  # sampling steps without a row that make a gap
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 
@@ -86,12 +88,25 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     rate = fine_rate(recordings)
     raw = [_uniform(recording, rate) for recording in recordings]
     positions = [q for _, q, _ in raw]
-    band = choose_band(positions, rate, settings.lowest_cutoff, settings.highest_cutoff)
+    highest = settings.highest_cutoff
+    if all(recording.repetitions < 2 for recording in recordings):
+        highest = min(highest, _motion_band(recordings, rate))
+    band = choose_band(positions, rate, settings.lowest_cutoff, highest)
     noise = velocity_noise(position_noise(positions, rate)[0], band)
     return tuple(
         _prepare_one(recording, *signals, band, noise)
         for recording, signals in zip(recordings, raw, strict=True)
     )
+
+
+def _motion_band(recordings: tuple[Recording, ...], rate: float) -> float:
+    """Twice the frequency below which motion lies [Hz], at least `LEAST_BAND`.
+
+    Without repetitions nothing tells noise from what drives and loops add above the motion.
+    """
+    estimation = tuple(r for r in recordings if r.role == "estimation")
+    shortest = min(recording.duration for recording in recordings)
+    return max(LEAST_BAND, 2 * search_cutoff(estimation, rate, shortest).band_edge)
 
 
 def velocity_noise(density: Float[ndarray, "joints"], band: Band) -> Float[ndarray, "joints"]:
@@ -169,9 +184,7 @@ def _recorded(
     return recorded
 
 
-def _repetition(
-    recording: Recording, instants: Float[ndarray, "rows"]
-) -> Int[ndarray, "rows"]:
+def _repetition(recording: Recording, instants: Float[ndarray, "rows"]) -> Int[ndarray, "rows"]:
     if recording.repetition is None or recording.repetitions < 2:
         return np.full(len(instants), -1)
     before = np.searchsorted(recording.t, instants + 1e-9, side="right") - 1

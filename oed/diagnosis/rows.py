@@ -76,6 +76,7 @@ def weigh(
     noise: tuple[Autoregression, ...],
     coulomb: Float[ndarray, "joints"],
     scales: tuple[float, ...] | None = None,
+    dilution: Float[ndarray, "joints"] | None = None,
 ) -> Rows:
     """Rows whose weights know how badly each reversal is timed.
 
@@ -87,6 +88,7 @@ def weigh(
         noise: Autoregression of each joint.
         coulomb: (n,) height of the torque step at a reversal, one side [N m].
         scales: As in `Rows`; all 1 if None.
+        dilution: (n,) correlated rows that count as one, where noise is not whitened.
     """
     scales = (1.0,) * len(prepared) if scales is None else scales
     weights = []
@@ -96,7 +98,10 @@ def weigh(
             for joint in range(len(noise))
         ]
         weights.append(np.stack(column, axis=1))
-    return Rows(prepared, noise, scales, np.concatenate(weights))
+    stacked = np.concatenate(weights)
+    if dilution is not None:
+        stacked = stacked / np.sqrt(dilution)
+    return Rows(prepared, noise, scales, stacked)
 
 
 def trusted_samples(
@@ -174,9 +179,7 @@ def _weights_of(
     return weights
 
 
-def _standing(
-    velocity: Float[ndarray, "samples"], sigma: float, shortest: float
-) -> ndarray:
+def _standing(velocity: Float[ndarray, "samples"], sigma: float, shortest: float) -> ndarray:
     """Samples of stretches of at least `shortest` samples in which the velocity has no sign."""
     slow = np.abs(velocity) < STANDSTILL * sigma
     edges = np.flatnonzero(np.diff(slow, prepend=False, append=False))

@@ -47,9 +47,7 @@ class Score:
         return float(minus_log_chance(gains, max(self.freedom, 1))[0])
 
 
-def minus_log_chance(
-    gains: Float[ndarray, "count"], freedom: int
-) -> Float[ndarray, "count"]:
+def minus_log_chance(gains: Float[ndarray, "count"], freedom: int) -> Float[ndarray, "count"]:
     """-log of a chi-square's upper tail, by its leading terms where it underflows."""
     exact = -chi2.logsf(np.minimum(gains, 400.0), freedom)
     half = np.maximum(gains, 1.0) / 2

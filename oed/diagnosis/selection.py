@@ -135,7 +135,9 @@ def _next_physical(
             break
         better = _outdone_by(shop, candidate, rivals)
         if better is not None:
-            reason = f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
+            reason = (
+                f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
+            )
             refused.append(_refusal(candidate, reason))
             continue
         passed = _judge(shop, candidate, accepted, shop.physical, refused)
@@ -323,9 +325,7 @@ def _review_names(
             ):
                 kept = [a for a in kept if a is not item]
                 reason = f"free form explains its part: {alone / together:.0%} of what both do"
-                refused.append(
-                    Refused(item.trial.name, item.trial.joint, item.gain, reason)
-                )
+                refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
     return kept
 
 

@@ -180,9 +180,7 @@ def _estimates(
     if not trial.fixed:
         estimates = [
             Estimated(p.name, float(v), float(s), p.unit)
-            for p, v, s in zip(
-                parameters, coefficients, deviations[: len(parameters)], strict=True
-            )
+            for p, v, s in zip(parameters, coefficients, deviations[: len(parameters)], strict=True)
         ]
         deviations = deviations[len(parameters) :]
     shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
@@ -221,7 +219,9 @@ def _rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, 
         if found.trial.key == own.trial.key or len(rivals) == RIVALS:
             continue
         behind = here.evidence(rows) - found.evidence(rows)
-        contender = bool(behind < shop.settings.decisive) and _contends(shop, found, here, others, fit)
+        contender = bool(behind < shop.settings.decisive) and _contends(
+            shop, found, here, others, fit
+        )
         rivals.append(
             Rival(found.trial.name, found.trial.joint, float(behind), found.trial, contender)
         )

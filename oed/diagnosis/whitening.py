@@ -73,7 +73,9 @@ def fit_autoregression(
         return Autoregression(np.ones(1), np.finfo(float).tiny ** 0.5)
     best, best_value = np.ones(1), np.inf
     for order in range(longest + 1):
-        lags = solve_toeplitz(covariance[:order], -covariance[1 : order + 1]) if order else np.zeros(0)
+        lags = (
+            solve_toeplitz(covariance[:order], -covariance[1 : order + 1]) if order else np.zeros(0)
+        )
         innovation = covariance[0] + float(lags @ covariance[1 : order + 1])
         if innovation <= 0:
             break

@@ -18,9 +18,7 @@ MOST_PANELS = 16  # strongest dependences that a page can show
 
 
 @mpl.rc_context(STYLE)
-def plot_dependences(
-    curves: Sequence[tuple[str, Curve, Curve]], floors: Sequence[float]
-) -> Figure:
+def plot_dependences(curves: Sequence[tuple[str, Curve, Curve]], floors: Sequence[float]) -> Figure:
     """Mean residual over coordinates, before and after, with two standard errors.
 
     Args:

@@ -200,9 +200,8 @@ def diagnosis_page(
         verdict=_verdict(found),
         sections=sections,
         subtitle=provenance.date,
-        footer=f"commit {provenance.commit}; " + ", ".join(
-            f"{name} {number}" for name, number in provenance.versions.items()
-        ),
+        footer=f"commit {provenance.commit}; "
+        + ", ".join(f"{name} {number}" for name, number in provenance.versions.items()),
     )
 
 
@@ -233,8 +232,7 @@ def _strength(dependence, found: Diagnosis) -> float:  # noqa: ANN001
 def _verdict(found: Diagnosis) -> Verdict:
     level = {"nothing found": "good", "explained": "good"}.get(found.verdict, "warning")
     named = [
-        f"{e.name}" + ("" if e.joint is None else f" on joint {e.joint + 1}")
-        for e in found.effects
+        f"{e.name}" + ("" if e.joint is None else f" on joint {e.joint + 1}") for e in found.effects
     ]
     headline = found.verdict[0].upper() + found.verdict[1:]
     if named:
