@@ -90,16 +90,16 @@ class Config:
             self,
             designs=dataclasses.replace(
                 self.designs,
-                horizons=(2.0, 3.0),
-                population=20,
+                horizons=(2.0,),
+                population=16,
                 generations=6,
                 runs=2,
                 more_terms=(5,),
-                exact_seconds=0.5,
+                exact_seconds=0.2,
             ),
             experiments=3,
-            comparisons=3,
-            drake_seconds=0.1,
+            comparisons=2,
+            drake_seconds=0.05,
             workers=1,
         )
 
@@ -183,7 +183,7 @@ def check_drake(config: Config, bench: Bench, reference: Motion) -> DrakeCheck:
     """The start of the J_k trajectory on Drake and on the compiled loop, with one noise."""
     setup = bench.setup(config.campaign, "rich")
     # Which side of a resolver's step a rounding error falls on is chaos: without resolvers.
-    setup = dataclasses.replace(setup, sensors=Sensors(), lead_out=0.0)
+    setup = dataclasses.replace(setup, sensors=Sensors(), lead_in=0.2, lead_out=0.0)
     part = reference[: max(2, round(config.drake_seconds / PERIOD))]
     fast, drake = (
         runner(setup, part, np.random.default_rng(config.campaign.seed), runs=1)

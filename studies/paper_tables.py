@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.experiment.control import bandwidth_and_peak, closed_loop_response
+from oed.experiment.control import JointLoad, bandwidth_and_peak, closed_loop_response
 from oed.experiment.paper_signals import PAPER_FILTER
 from oed.report.table import Cell, Row
 from oed.robot.builtin import imi_scara
@@ -134,10 +134,9 @@ def _loop_rows(campaign: CampaignConfig, bench: Bench) -> list[Row]:
     rows.append(_row("-", "half power of the filter", "rad/s", paper.FILTER_CUTOFF, cutoff, cutoff))
     grid = np.geomspace(1.0, 2000.0, 4000)
     for j, load in enumerate(campaign.laboratory.loads()):
-        bandwidth, _ = bandwidth_and_peak(grid, _response(grid, bench, campaign, j, load.inertia))
+        bandwidth, _ = bandwidth_and_peak(grid, _response(grid, bench, load, j, load.inertia))
         peak = max(
-            bandwidth_and_peak(grid, _response(grid, bench, campaign, j, m))[1]
-            for m in load.extremes
+            bandwidth_and_peak(grid, _response(grid, bench, load, j, m))[1] for m in load.extremes
         )
         rows.append(
             _row("-", f"bandwidth, joint {j + 1}", "rad/s", paper.BANDWIDTH, bandwidth, bandwidth)
@@ -149,7 +148,7 @@ def _loop_rows(campaign: CampaignConfig, bench: Bench) -> list[Row]:
 def _response(
     grid: Float[ndarray, "points"],
     bench: Bench,
-    campaign: CampaignConfig,
+    load: JointLoad,
     joint: int,
     inertia: float,
 ) -> ndarray:
@@ -157,7 +156,7 @@ def _response(
     return closed_loop_response(
         grid,
         inertia,
-        campaign.laboratory.loads()[joint].viscous,
+        load.viscous,
         controller.stiffness[joint],
         controller.damping[joint],
         controller.observer,
@@ -175,7 +174,7 @@ def bode(campaign: CampaignConfig, bench: Bench) -> list[Row]:
             ("typical", load.inertia),
             ("greatest", load.extremes[1]),
         ):
-            response = _response(BODE_FREQUENCIES, bench, campaign, j, inertia)
+            response = _response(BODE_FREQUENCIES, bench, load, j, inertia)
             columns[f"gain_{j + 1}_{name}"] = 20 * np.log10(np.abs(response))
             columns[f"phase_{j + 1}_{name}"] = np.degrees(np.unwrap(np.angle(response)))
     return table_rows(columns)

@@ -92,7 +92,8 @@ class ImiLaboratory:
         """What each joint's loop sees, from the truth: diagonal of the mass matrix."""
         plant = self.plant("plain")
         elbow = np.linspace(*plant.robot.limits.position[1], 61)
-        diagonals = np.array([np.diag(plant.mass_matrix(np.array([0.0, q]))) for q in elbow])
+        positions = np.stack([np.zeros_like(elbow), elbow], axis=1)
+        diagonals = np.diagonal(plant.mass_matrix(positions), axis1=1, axis2=2)
         first, second = (
             JointLoad(float(d.mean()), (float(d.min()), float(d.max())), viscous)
             for d, viscous in zip(diagonals.T, IMI_VISCOUS, strict=True)

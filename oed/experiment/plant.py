@@ -103,15 +103,19 @@ class TruePlant:
         """Greatest decay rate of a memory state per unit of speed [1/rad]."""
         return max((piece.fastest for piece in self.memory), default=0.0)
 
-    def mass_matrix(self, q: Float[ndarray, "joints"]) -> Float[ndarray, "joints joints"]:
-        """Of the rigid body at a position [kg m^2]."""
-        n = self.robot.n
+    def mass_matrix(
+        self, q: Float[ndarray, "points joints"]
+    ) -> Float[ndarray, "points joints joints"]:
+        """Of the rigid body at many positions [kg m^2 and the like]."""
+        n, points = self.robot.n, len(q)
         rest = self.robot.with_gravity(np.zeros(3))
-        columns = [
-            inverse_dynamics(rest, list(q), [0.0] * n, [float(i == j) for i in range(n)])
-            for j in range(n)
-        ]
-        return np.array(columns, dtype=float).T
+        position = list(np.ascontiguousarray(q.T))
+        matrix = np.empty((points, n, n))
+        for j in range(n):
+            unit = [float(i == j) for i in range(n)]
+            for i, torque in enumerate(inverse_dynamics(rest, position, [0.0] * n, unit)):
+                matrix[:, i, j] = torque
+        return matrix
 
     def _symbols(self) -> tuple[casadi.SX, casadi.SX, casadi.SX, casadi.SX, State]:
         n = self.robot.n
