@@ -25,6 +25,7 @@ LEAD_IN = 1.5  # [s]
 BANDWIDTH = 40.0  # [rad/s] of position control
 # A motor on a spring is lighter than the arm: the gains that it bears are lower.
 SOFT_BANDWIDTH = 18.0  # [rad/s]
+MOST_STIFFENED = 4.0  # times the least inertia that a joint's gains may be made for
 SUBSTEPS = 4
 RESOLUTIONS = tuple(2 * np.pi / 2**bits for bits in (18, 19, 20))  # [rad]
 # Without jitter the steps of an encoder would fall alike in all repetitions, and look like torque.
@@ -182,7 +183,9 @@ def build_laboratory(
         decimation: Control periods a logged sample.
         rng: Source of every draw.
     """
-    _, inertia = least_inertia(known.robot, rng)
+    least, mean = least_inertia(known.robot, rng)
+    # A light wrist gives way behind a heavy elbow: gains for the elbow alone would shake both.
+    inertia = np.minimum(mean, MOST_STIFFENED * least)
     bandwidth = BANDWIDTH if arm.transmission is None else SOFT_BANDWIDTH
     gains = Controller(
         tuple((inertia * bandwidth**2).tolist()),

@@ -226,13 +226,20 @@ def coverage(rows: Sequence[BenchRow]) -> Rate:
     )
 
 
+def _states(rows: Sequence[BenchRow]) -> str:
+    """On which states of the diagnosis' code the lines were made."""
+    counts = Counter(row["code"] for row in done(rows))
+    each = ", ".join(f"`{code}` ({count})" for code, count in counts.items())
+    return f"{len(counts)} state(s) of the diagnosis' code: {each}" if counts else "none judged yet"
+
+
 def page(rows: Sequence[BenchRow], note: str) -> str:
     """The summary as Markdown."""
     failures = Counter(row["status"] for row in rows if row["status"] != "done")
     parts = [
         "# The undeclared-effect bench\n",
         note,
-        f"\n{len(rows)} data sets, {len(done(rows))} judged.\n",
+        f"\n{len(rows)} data sets, {len(done(rows))} judged; {_states(rows)}.\n",
         "## By question\n",
         (
             "“Right” is the right name at the right joint, outside the catalogue the right "

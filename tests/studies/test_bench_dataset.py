@@ -87,8 +87,9 @@ def test_each_form_changes_the_arm_and_can_be_simulated(key):
     assert np.isfinite(np.array(acceleration(*values))).all()
 
 
-def test_a_clean_arm_is_explained_by_the_standard_model_to_the_last_bit_of_noise(short, tmp_path):
-    truth = make_dataset(Case("clean", "scara", (), 1.0, "white", True, 3), tmp_path / "data")
+@pytest.mark.parametrize("noise", ["white", "felt"])
+def test_a_clean_arm_is_explained_by_the_standard_model_whatever_the_noise(short, tmp_path, noise):
+    truth = make_dataset(Case("clean", "scara", (), 1.0, noise, True, 3), tmp_path / "data")
     assert truth.size_in_noise < 0.005
 
 
