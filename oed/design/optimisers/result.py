@@ -96,14 +96,6 @@ class EvaluationLog:
         is_used = all(is_reached) if budget.needs_both else any(is_reached)
         return is_used or self.cpu_s >= budget.longest
 
-    @property
-    def seconds_left(self) -> float | None:
-        """CPU time after which the budget is spent in any case [s]; None if there is no such."""
-        seconds = self.budget.cpu_seconds
-        is_binding = seconds is not None and not self.budget.needs_both
-        most = min(seconds, self.budget.longest) if is_binding else self.budget.longest
-        return None if np.isinf(most) else most - self.cpu_s
-
     def count(self, evaluations: int = 1) -> None:
         """Record evaluations that are offered to no one."""
         self.evaluations += evaluations
