@@ -26,6 +26,7 @@ from oed.experiment.simulation import run as run_fast
 from oed.report.json_file import write_atomically, write_json
 from oed.report.provenance import Provenance
 from oed.report.table import write_csv
+from studies import paper_figure_data as data
 from studies import paper_tables as tables
 from studies.paper_campaign import (
     FRICTIONS,
@@ -229,16 +230,16 @@ def write(result: Result, config: Config) -> None:
         ("runs", rows.monte_carlo),
         ("claims", claim_rows(claims)),
         ("drake", rows.drake),
-        ("figures/trajectories", tables.trajectories(result.designs, PERIOD)),
-        ("figures/designs", tables.designs(result.designs)),
-        ("figures/generations", tables.generations(result.designs)),
-        ("figures/torques", tables.torques(result.single, horizon)),
-        ("figures/recursion", tables.recursion(result.single)),
-        ("figures/bode", tables.bode(config.campaign, result.bench)),
+        ("figures/trajectories", data.trajectories(result.designs, PERIOD)),
+        ("figures/designs", data.designs(result.designs)),
+        ("figures/generations", data.generations(result.designs)),
+        ("figures/torques", data.torques(result.single, horizon)),
+        ("figures/recursion", data.recursion(result.single)),
+        ("figures/bode", data.bode(config.campaign, result.bench)),
     ):
         write_csv(out / f"{name}.csv", listed)
     write_json(
-        out / "figures/settings.json", tables.settings(config.designs, config.campaign, horizon)
+        out / "figures/settings.json", data.settings(config.designs, config.campaign, horizon)
     )
     write_atomically(out / "summary.md", summarise(rows))
     Provenance.collect(config, seed=config.campaign.seed).write(out / "provenance.json")

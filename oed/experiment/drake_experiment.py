@@ -21,7 +21,9 @@ from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 from oed.dynamics.drake_plant import add_robot, coordinate_order
 from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
-from oed.experiment.simulation import Log, Setup, loop_inputs, observer_at_rest
+from oed.experiment.control_loop import observer_at_rest
+from oed.experiment.setup import Setup
+from oed.experiment.simulation import Log, loop_inputs
 
 INTEGRATION_STEP = 2.5e-4  # [s]: four steps a control period, third order
 STABLE_STEP = 1.5  # decay times a step; third-order Runge-Kutta is stable to 2.5
