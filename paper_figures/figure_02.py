@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from oed.report.experiment_plots import draw_trajectories
-from paper_figures.reading import design_values, settings, trajectory
+from paper_figures.reading import design_value, settings, trajectory
 from paper_figures.writing import write
 
 CAPTION = (
@@ -28,7 +28,7 @@ def draw(results: Path) -> Figure:
     limits = [np.array(given[f"{kind}_limit"]) for kind in ("position", "velocity", "acceleration")]
     for values, limit in zip((q, dq, ddq), limits, strict=True):
         assert (np.abs(values) <= limit * (1 + 1e-6)).all(), "a limit is left"
-    assert design_values(results, "J_k, GA")["J_k"] < design_values(results, "J_d, GA")["J_k"]
+    assert design_value(results, "J_k, GA", "J_k") < design_value(results, "J_d, GA", "J_k")
     return draw_trajectories(t, q, dq, ddq, limits)
 
 

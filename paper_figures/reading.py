@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 from oed.report.json_file import read_json
-from oed.report.table import Row, read_csv
+from oed.report.table import read_csv
 
 
 def columns(file: Path) -> dict[str, ndarray]:
@@ -50,11 +50,12 @@ def torque(results: Path, design: str, part: str) -> tuple[ndarray, ndarray, nda
     return t, measured, predicted
 
 
-def design_values(results: Path, design: str) -> Row:
-    """Criteria of a design."""
-    return next(
-        row for row in read_csv(results / "figures" / "designs.csv") if row["design"] == design
-    )
+def design_value(results: Path, design: str, criterion: str) -> float:
+    """J_k or J_d of a design."""
+    rows = read_csv(results / "figures" / "designs.csv")
+    value = next(row[criterion] for row in rows if row["design"] == design)
+    assert isinstance(value, int | float)
+    return float(value)
 
 
 def reproduced(results: Path, design: str, quantity: str) -> float:

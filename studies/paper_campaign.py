@@ -235,7 +235,9 @@ def compare_processing(
     log = run(setup, played, rng, runs=experiments * M)
     if periodic:
         log = dataclasses.replace(log, lead=log.lead + N, samples=N)
-    ways = PROCESSINGS if periodic else tuple(p for p in PROCESSINGS if p != "spectral")
+    ways: tuple[Processing, ...] = (
+        PROCESSINGS if periodic else tuple(p for p in PROCESSINGS if p != "spectral")
+    )
     parameters, rms, variances = [], [], []
     for way in ways:
         runs = sample_runs(log, period, config.samples, way)

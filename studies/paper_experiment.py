@@ -313,7 +313,7 @@ def _comparisons(
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="The paper's experiment, in simulation.")
     parser.add_argument("--data", type=Path, help="ignored: this experiment is simulated")
     parser.add_argument("--out", type=Path, default=Config.out)
     parser.add_argument("--cache", type=Path, default=Config.cache)

@@ -90,7 +90,7 @@ def _errors(rows: PaperRows) -> list[str]:
     if floor:
         row = floor[0]
         is_noise = all(
-            float(row[f"rms residual {j} [N m]"]) < 1.05 * float(row[f"noise floor {j} [N m]"])
+            _float(row[f"rms residual {j} [N m]"]) < 1.05 * _float(row[f"noise floor {j} [N m]"])
             for j in (1, 2)
         )
         lines.append(
@@ -115,7 +115,7 @@ def _errors(rows: PaperRows) -> list[str]:
 
 def _distance(row: Row) -> str:
     """Whether the paper's error of joint 1 on the J_d trajectory comes back."""
-    ratio = float(row["paper"]) / float(row["reproduced"])
+    ratio = _float(row["paper"]) / _float(row["reproduced"])
     squared_torque = (paper.RMS[1][0][0] / paper.RELATIVE[1][0][0]) ** 2
     share = paper.VARIANCES[1][0] / squared_torque
     came = "comes" if 0.5 < ratio < 2 else "does not come"
@@ -205,7 +205,7 @@ def _energy(rows: PaperRows) -> list[str]:
             cell = [r for r in rows.energy if (r["friction"], r["processing"]) == (friction, way)]
             agree = sum(bool(r["agree"]) for r in cell)
             bias = [
-                sum(((float(r[k]) - float(r["truth"])) / float(r["truth"])) ** 2 for r in cell)
+                sum(((_float(r[k]) - _float(r["truth"])) / _float(r["truth"])) ** 2 for r in cell)
                 for k in ("Newton-Euler", "energy")
             ]
             torque, energy = ((100 * (b / len(cell)) ** 0.5) for b in bias)
@@ -245,4 +245,10 @@ def claim_rows(claims: Sequence[Finding]) -> list[Row]:
 
 
 def _number(value: Cell) -> str:
-    return f"{float(value):.3g}"
+    return f"{_float(value):.3g}"
+
+
+def _float(value: Cell) -> float:
+    if not isinstance(value, int | float):
+        raise TypeError(f"{value!r} is no number")
+    return float(value)

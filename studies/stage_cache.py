@@ -9,20 +9,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
-class Stage(Protocol):
-    """The result of a stage: a frozen dataclass whose fields are all arrays."""
-
-    __dataclass_fields__: dict[str, dataclasses.Field]
-
-
-T = TypeVar("T", bound=Stage)
+T = TypeVar("T")  # a frozen dataclass whose fields are all arrays
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,9 @@
 """A Drake plant of any of our robots: an independent second opinion on the dynamics."""
 
+# pydrake's stubs want float64 arrays where ndarray is given, and lose the types of systems.
+# pyright: reportArgumentType=false, reportCallIssue=false, reportReturnType=false
+# pyright: reportIncompatibleMethodOverride=false, reportIndexIssue=false
+
 from __future__ import annotations
 
 import numpy as np

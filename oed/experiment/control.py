@@ -203,7 +203,7 @@ def _joint_gains(
             found, _ = bandwidth_and_peak(grid, response(load.inertia, zeta, w))
             return np.log(min(found, grid[-1]) / target)
 
-        return brentq(excess, target / 20, 2 * target, rtol=1e-6)
+        return float(brentq(excess, target / 20, 2 * target, xtol=1e-5))  # pyright: ignore[reportArgumentType]
 
     def margin(zeta: float) -> float:
         w = tuned(zeta)

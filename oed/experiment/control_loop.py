@@ -146,8 +146,8 @@ def _batch(step: casadi.Function, runs: int) -> Batch:
         x[:] = values.T
         # The trigger is a bare pointer: naming the buffer and its function keeps them alive.
         _ = many
-        buffer.set_arg(0, memoryview(x))
-        buffer.set_res(0, memoryview(y))
+        buffer.set_arg(0, memoryview(x))  # pyright: ignore[reportArgumentType, reportCallIssue]
+        buffer.set_res(0, memoryview(y))  # pyright: ignore[reportArgumentType, reportCallIssue]
         trigger()
         return y.T.copy()
 

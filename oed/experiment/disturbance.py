@@ -12,7 +12,6 @@ from scipy.signal import lfilter
 
 from oed.errors import OedError
 
-
 TRACE = 0.01  # of the first guess
 
 
@@ -67,7 +66,7 @@ class Disturbance:
             memory = float(np.exp(-corner * period))
             scaled = white[:, j] * np.sqrt(1 - memory**2)
             scaled[0] = white[0, j]  # starts in the stationary distribution
-            result[:, j] = std * lfilter([1.0], [1.0, -memory], scaled, axis=0)
+            result[:, j] = std * np.asarray(lfilter([1.0], [1.0, -memory], scaled, axis=0))
         return result
 
 

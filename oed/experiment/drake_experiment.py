@@ -8,6 +8,10 @@ The drive takes off every torque that is not the rigid body's: viscous friction,
 bristles of stick and slip as continuous states.
 """
 
+# pydrake's stubs want float64 arrays where ndarray is given, and lose the types of systems.
+# pyright: reportArgumentType=false, reportCallIssue=false, reportReturnType=false
+# pyright: reportIncompatibleMethodOverride=false, reportIndexIssue=false
+
 from __future__ import annotations
 
 import numpy as np

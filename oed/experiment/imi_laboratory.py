@@ -91,7 +91,8 @@ class ImiLaboratory:
     def loads(self) -> tuple[JointLoad, JointLoad]:
         """What each joint's loop sees, from the truth: diagonal of the mass matrix."""
         plant = self.plant("plain")
-        elbow = np.linspace(*plant.robot.limits.position[1], 61)
+        lower, upper = plant.robot.limits.position[1]
+        elbow = np.linspace(lower, upper, 61)
         positions = np.stack([np.zeros_like(elbow), elbow], axis=1)
         diagonals = np.diagonal(plant.mass_matrix(positions), axis1=1, axis2=2)
         first, second = (

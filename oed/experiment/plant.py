@@ -121,7 +121,7 @@ class TruePlant:
         n = self.robot.n
         t, q, dq = casadi.SX.sym("t"), casadi.SX.sym("q", n), casadi.SX.sym("dq", n)
         ddq, memory = casadi.SX.sym("ddq", n), casadi.SX.sym("z", self.memory_states)
-        state = State(t, *(casadi.vertsplit(x) for x in (q, dq, ddq)))
+        state = State(t, casadi.vertsplit(q), casadi.vertsplit(dq), casadi.vertsplit(ddq))
         return t, q, dq, memory, state
 
     def _by_memory(self, memory: Sequence[Scalar]) -> list[tuple[MemoryTorque, Sequence[Scalar]]]:
