@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from studies.bench.case import Case, NoiseKind
-from studies.bench.forms import forms_of
+from studies.bench.forms import Kind, forms_of
 
 TWO_JOINTS = ("scara", "vertical")
 MANY_JOINTS = ("ur5", "panda")
@@ -21,6 +21,12 @@ CLEAN_KINDS: tuple[tuple[NoiseKind, bool], ...] = (
     ("felt", True),
     ("coloured", False),
 )
+ONE_EFFECT: tuple[tuple[Kind, str], ...] = (
+    ("plain", "single"),
+    ("other_formula", "other_formula"),
+    ("outside", "outside"),
+)
+SPRUNG = {"loose_gear", "elastic"}  # an arm of the bench has one joint with a spring at most
 PAIRS_A_ROUND = 5
 MANY_JOINT_FORMS = (
     "",
@@ -72,11 +78,7 @@ def _round(seed: int) -> Iterator[Case]:
     for robot in TWO_JOINTS:
         for noise, repeated in CLEAN_KINDS:
             yield Case("clean", robot, (), 1.0, noise, repeated, seed)
-    for kind, group in (
-        ("plain", "single"),
-        ("other_formula", "other_formula"),
-        ("outside", "outside"),
-    ):
+    for kind, group in ONE_EFFECT:
         for index, form in enumerate(
             sorted({f.key for r in TWO_JOINTS for f in forms_of(kind, r)})
         ):
@@ -95,13 +97,14 @@ def _round(seed: int) -> Iterator[Case]:
 
 
 def _pairs(seed: int, rng: np.random.Generator) -> Iterator[Case]:
-    """Two effects that do not both change the whole arm."""
+    """Two effects that do not both change the whole arm, or put a spring in it."""
     for number in range(PAIRS_A_ROUND):
         robot = TWO_JOINTS[(seed + number) % 2]
         forms = forms_of("plain", robot)
         of_a_joint = [f.key for f in forms if not f.whole_arm]
         first = str(rng.choice(of_a_joint))
-        second = str(rng.choice([f.key for f in forms if f.key != first]))
+        excluded = SPRUNG if first in SPRUNG else {first}
+        second = str(rng.choice([f.key for f in forms if f.key not in excluded]))
         yield Case("pair", robot, (first, second), 1.0, *_setting(rng), seed)
 
 

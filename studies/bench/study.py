@@ -86,7 +86,9 @@ def write(rows: Sequence[BenchRow], config: Config, out: Path) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(prog="studies.bench", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m studies.bench", description="A blind test of the diagnosis."
+    )
     parser.add_argument("--out", type=Path, default=Path("results/bench"))
     parser.add_argument("--cases", nargs="+", choices=GROUPS, default=list(GROUPS))
     parser.add_argument("--seeds", type=int, default=Config.seeds, help="rounds")

@@ -130,7 +130,7 @@ def seen_motion(log: Log, arm: Arm) -> Motion:
 
     The acceleration at an instant is the mean of those on either side, as the torque is.
     """
-    h = log.t[1, 0] - log.t[0, 0]
+    h = float(np.diff(log.t[:2, 0])[0])
     q, dq = log.q, log.dq
     ddq = np.gradient(dq, h, axis=0)
     for change in arm.position_changes:
@@ -138,5 +138,6 @@ def seen_motion(log: Log, arm: Arm) -> Motion:
         rate = np.gradient(error, h, axis=0)
         q, dq, ddq = q + error, dq + rate, ddq + np.gradient(rate, h, axis=0)
     inner = slice(log.lead, log.lead + log.samples)
-    parts = (x[inner].transpose(2, 0, 1).reshape(-1, x.shape[1]) for x in (q, dq, ddq))
+    n = q.shape[1]
+    parts = (x[inner].transpose(2, 0, 1).reshape(-1, n) for x in (q, dq, np.asarray(ddq)))
     return Motion(log.t[inner].T.ravel(), *(np.ascontiguousarray(x) for x in parts))

@@ -65,6 +65,7 @@ def test_all_cases_are_told_apart():
     cases = plan(6)
     assert len({case.label for case in cases}) == len({case.key for case in cases}) == len(cases)
     assert {case.group for case in cases} == set(GROUPS)
+    assert not any({"loose_gear", "elastic"} <= set(case.hidden) for case in cases)
 
 
 def test_an_unknown_arm_or_form_is_refused():
@@ -98,6 +99,7 @@ def test_a_ripple_leaves_its_own_size(short, tmp_path):
     truth = make_dataset(case, tmp_path / "data")
     (hidden,) = truth.hidden
     wave, unit = hidden.parameters["wave"]
+    assert hidden.joint is not None
     share = truth.excess[hidden.joint] / (wave / np.sqrt(2))
     assert unit == "N m"
     assert 0.7 < share < 1.1
@@ -144,7 +146,7 @@ def test_repetitions_differ_by_noise_alone_that_is_as_stated(short, tmp_path):
 def test_the_noise_has_the_stated_variance(kind):
     rng = np.random.default_rng(0)
     noise = Noise.draw(kind, (0.5, 0.1), rng)
-    drawn = sum(part.sample(200_000, 4, PERIOD, rng) for part in noise.signal)
+    drawn = np.sum([part.sample(200_000, 4, PERIOD, rng) for part in noise.signal], axis=0)
     np.testing.assert_allclose(drawn.std(axis=(0, 2)), (0.5, 0.1), rtol=0.06)
 
 

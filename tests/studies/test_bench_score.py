@@ -154,10 +154,10 @@ def test_what_was_hidden_is_counted_against_what_was_said():
     assert counts["joint_spring", "joint_spring"] == counts["joint_spring", "torque_offset"] == 1
     assert counts["outside", "no name claimed"] == 1
     table = {row["group"]: row for row in group_table(rows)}
-    assert table["clean"]["right"].startswith("1 of 2")
-    assert table["single"]["right"].startswith("1 of 1")
-    assert table["single"]["right, nothing else"].startswith("0 of 1")
-    assert clean_table(rows)[-1]["something named"].startswith("1 of 2")
+    assert str(table["clean"]["right"]).startswith("1 of 2")
+    assert str(table["single"]["right"]).startswith("1 of 1")
+    assert str(table["single"]["right, nothing else"]).startswith("0 of 1")
+    assert str(clean_table(rows)[-1]["something named"]).startswith("1 of 2")
 
 
 def test_a_failed_case_is_a_line_and_no_rate():
@@ -209,7 +209,7 @@ def test_a_diagnosis_that_fails_is_a_line(tmp_path, monkeypatch):
     case = Case("clean", "scara", (), 1.0, "white", True, 0)
     config = Config(("clean",), 1, module="no_such_module_anywhere")
     (row,) = run(config, [case], tmp_path / "results", tmp_path / "work", 1)
-    assert row["status"].startswith("failed: DiagnosisFailed")
+    assert str(row["status"]).startswith("failed: DiagnosisFailed")
 
 
 def test_the_judge_keeps_truth_away_from_the_data(tmp_path, monkeypatch):
