@@ -39,10 +39,11 @@ from oed.estimation.feasible.mass_matrix import (
 from oed.estimation.feasible.regularisation import Regularisation
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
-from oed.report.table import Row, markdown_table, write_csv
+from oed.report.table import Row, write_csv
 from oed.robot import Robot
 from oed.robot.inertia import parameters_from_pseudo_inertia, pseudo_inertia
 from studies.elbow_arm import COULOMB, VISCOUS, elbow_arm
+from studies.feasibility_summary import summarise
 
 
 @dataclass(frozen=True)
@@ -257,60 +258,13 @@ def parameter_error(arm: Arm, parameters: Float[ndarray, "p"]) -> float:
     return float(np.linalg.norm(error * arm.scales) / np.linalg.norm(true * arm.scales))
 
 
-def summarise(rows: list[Row], config: Config) -> str:
-    """Medians over draws as a page."""
-    return (
-        "# What physical constraints cost and buy\n\n"
-        "Six-joint elbow arm with known parameters; every number is the median over "
-        f"{config.repeats} draws of motion, noise and prior. `condition`: of the regressor with unit "
-        "columns. `estimation`: rms residual per noise deviation, of the data that were fitted. "
-        "`validation`: relative rms error of the noise-free torque on another, good motion. "
-        "`parameters`: relative error of the base parameters, each in the torque that it makes. "
-        f"`PD`: least share of {config.poses} poses with a positive definite mass matrix. "
-        "`robot`: share of draws whose base parameters some feasible robot has.\n\n"
-        + markdown_table(_medians(rows), digits=3)
-    )
-
-
-def _medians(rows: list[Row]) -> list[Row]:
-    groups: dict[tuple, list[Row]] = {}
-    for row in rows:
-        key = tuple(row[k] for k in ("excitation", "noise", "samples", "estimator"))
-        groups.setdefault(key, []).append(row)
-    table = []
-    for (excitation, noise, samples, estimator), group in groups.items():
-        solved = [row for row in group if row["failure"] is None]
-
-        def median(column: str, solved: list[Row] = solved) -> float:
-            values = [float(row[column]) for row in solved]  # type: ignore[arg-type]
-            return float(np.median(values)) if values else np.nan
-
-        table.append(
-            {
-                "excitation": excitation,
-                "noise": noise,
-                "samples": samples,
-                "estimator": estimator,
-                "condition": median("condition"),
-                "estimation": median("estimation_rms"),
-                "validation": median("validation_error"),
-                "parameters": median("parameter_error"),
-                "PD": min((float(row["positive_definite"]) for row in solved), default=np.nan),  # type: ignore[arg-type]
-                "robot": float(
-                    np.mean([bool(row["feasible_robot"]) for row in solved] or [np.nan])
-                ),
-                "seconds": median("seconds"),
-                "failed": len(group) - len(solved),
-            }
-        )
-    return table
-
-
 def write(rows: list[Row], config: Config, out: Path) -> None:
     """Save runs.csv, summary.md and provenance.json."""
     out.mkdir(parents=True, exist_ok=True)
     write_csv(out / "runs.csv", rows)
-    (out / "summary.md").write_text(summarise(rows, config), encoding="utf-8")
+    (out / "summary.md").write_text(
+        summarise(rows, repeats=config.repeats, poses=config.poses), encoding="utf-8"
+    )
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
@@ -327,7 +281,7 @@ def main(arguments: list[str] | None = None) -> None:
     config = Config(**{**vars(chosen), "seed": options.seed})
     rows = run(config)
     write(rows, config, options.out)
-    sys.stdout.write(summarise(rows, config))
+    sys.stdout.write(summarise(rows, repeats=config.repeats, poses=config.poses))
 
 
 if __name__ == "__main__":

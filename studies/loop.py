@@ -137,7 +137,7 @@ def informative_motion(model: TorqueModel, rng: np.random.Generator, count: int)
     )
     starts = [fill(cycle, cycle.draw(rng), model.robot.limits) for _ in range(count)]
     best = min(starts, key=problem.cost) if count > 1 else starts[0]
-    return cycle.motion(best, np.arange(int(round(PERIOD / STEP))) * STEP)
+    return cycle.motion(best, np.arange(round(PERIOD / STEP)) * STEP)
 
 
 def write(rows: list[Row], config: Config) -> None:
@@ -169,7 +169,7 @@ def _next_motion(
 
 def _whole_period(motion: Motion) -> Motion:
     """Brought to the control period, as a period that closes."""
-    samples = int(round(PERIOD / STEP))
+    samples = round(PERIOD / STEP)
     t = np.arange(samples) * STEP
     share = t / PERIOD * (motion.t[-1] - motion.t[0] + (motion.t[1] - motion.t[0])) + motion.t[0]
     pace = share[1] / STEP if share[0] == 0 else (share[1] - share[0]) / STEP

@@ -20,8 +20,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from paper_figures.writing import HERE, write_all
-from studies import close_loop, identify, paper_experiment, scara_recordings
+from studies import close_loop, identify, scara_recordings
 from studies.data_folders import REPOSITORY, data_sets
+from studies.paper_experiment import experiment
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def _steps(data: Path | None, out: Path, results: Path, smoke: bool) -> list[Ste
     steps = [
         Step(
             "the paper's experiment, rebuilt",
-            lambda: paper_experiment.main(["--out", str(results / "paper"), *small]),
+            lambda: experiment.main(["--out", str(results / "paper"), *small]),
         ),
         Step(
             "the paper's figures",

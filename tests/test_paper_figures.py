@@ -6,9 +6,9 @@ import pytest
 from oed.report.table import read_csv, write_csv
 from paper_figures import figure_02, figure_05
 from paper_figures.writing import NAMES, write_all
-from studies import paper_values as paper
-from studies.paper_experiment import main
-from studies.paper_monte_carlo import infeasible
+from studies.paper_experiment import values as paper
+from studies.paper_experiment.experiment import main
+from studies.paper_experiment.monte_carlo import infeasible
 
 
 @pytest.fixture(scope="module")

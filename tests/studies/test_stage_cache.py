@@ -3,7 +3,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from studies.stage_cache import StageCache, code_hash
+from studies.paper_experiment.stage_cache import StageCache, code_hash
 
 
 @dataclass(frozen=True)
@@ -34,13 +34,13 @@ def test_another_setting_or_other_code_is_another_key(tmp_path):
         cache.key("numbers", [3], []),
         cache.key("numbers", [4], []),
         cache.key("others", [3], []),
-        cache.key("numbers", [3], ["studies/stage_cache.py"]),
+        cache.key("numbers", [3], ["studies/paper_experiment/stage_cache.py"]),
     }
     assert len(keys) == 4
 
 
 def test_code_is_hashed_by_content(tmp_path, monkeypatch):
-    monkeypatch.setattr("studies.stage_cache.ROOT", tmp_path)
+    monkeypatch.setattr("studies.paper_experiment.stage_cache.ROOT", tmp_path)
     file = tmp_path / "a.py"
     hashes = []
     for text in ("x = 1", "x = 2", "x = 1"):

@@ -26,9 +26,9 @@ from oed.experiment.simulation import run as run_fast
 from oed.report.json_file import write_atomically, write_json
 from oed.report.provenance import Provenance
 from oed.report.table import write_csv
-from studies import paper_figure_data as data
-from studies import paper_tables as tables
-from studies.paper_campaign import (
+from studies.paper_experiment import figure_data as data
+from studies.paper_experiment import tables
+from studies.paper_experiment.campaign import (
     FRICTIONS,
     Bench,
     CampaignConfig,
@@ -41,8 +41,8 @@ from studies.paper_campaign import (
     prepare,
     repetitions,
 )
-from studies.paper_claims import find_claims
-from studies.paper_designs import (
+from studies.paper_experiment.claims import find_claims
+from studies.paper_experiment.designs import (
     NAMES,
     DesignConfig,
     DesignSet,
@@ -50,13 +50,18 @@ from studies.paper_designs import (
     design_all,
     sweep_horizons,
 )
-from studies.paper_monte_carlo import MonteCarlo, run_monte_carlo
-from studies.paper_summary import PaperRows, claim_rows, summarise
-from studies.stage_cache import StageCache
+from studies.paper_experiment.monte_carlo import MonteCarlo, run_monte_carlo
+from studies.paper_experiment.stage_cache import StageCache
+from studies.paper_experiment.summary import PaperRows, claim_rows, summarise
 
 PERIOD = 0.001  # [s], the paper's T
-DYNAMICS = ("oed/robot", "oed/dynamics", "oed/design", "studies/paper_designs.py")
-LABORATORY = (*DYNAMICS[:2], "oed/experiment", "oed/estimation", "studies/paper_campaign.py")
+DYNAMICS = ("oed/robot", "oed/dynamics", "oed/design", "studies/paper_experiment/designs.py")
+LABORATORY = (
+    *DYNAMICS[:2],
+    "oed/experiment",
+    "oed/estimation",
+    "studies/paper_experiment/campaign.py",
+)
 
 
 @dataclass(frozen=True)
@@ -163,7 +168,7 @@ def run(config: Config) -> Result:
         )
     )
     processing, energy = _comparisons(config, cache, key, bench, designs)
-    source = ["studies/paper_monte_carlo.py"]
+    source = ["studies/paper_experiment/monte_carlo.py"]
     monte_carlo = cache.get(
         "monte_carlo",
         cache.key("monte_carlo", [key, config.experiments, config.processings], source),

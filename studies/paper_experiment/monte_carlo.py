@@ -16,8 +16,8 @@ from oed.experiment.paper_signals import Processing, SampledRuns, sample_runs
 from oed.experiment.simulation import run
 from oed.report.progress import progress
 from oed.robot.builtin import IMI_LINK_LENGTHS
-from studies.paper_campaign import FRICTIONS, JOINTS, SETS, XI, Bench, CampaignConfig
-from studies.paper_designs import NAMES, DesignSet
+from studies.paper_experiment.campaign import FRICTIONS, JOINTS, SETS, XI, Bench, CampaignConfig
+from studies.paper_experiment.designs import NAMES, DesignSet
 
 TEST = NAMES.index("test")
 DESIGNS = tuple(range(4))  # the harmonic designs: GA and exact limits, J_k and J_d

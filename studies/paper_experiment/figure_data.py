@@ -7,15 +7,15 @@ from numpy import ndarray
 
 from oed.report.table import Row
 from oed.robot.builtin import imi_scara
-from studies import paper_values as paper
-from studies.paper_campaign import (
+from studies.paper_experiment import values as paper
+from studies.paper_experiment.campaign import (
     JOINTS,
     SETS,
     Bench,
     CampaignConfig,
 )
-from studies.paper_designs import CRITERIA, NAMES, DesignConfig, DesignSet
-from studies.paper_tables import Single, joint_response, table_rows
+from studies.paper_experiment.designs import CRITERIA, NAMES, DesignConfig, DesignSet
+from studies.paper_experiment.tables import Single, joint_response, table_rows
 
 DRAWN_EVERY = 20  # [samples of 1 ms]: 50 points a second draw these slow motions smoothly
 BODE_FREQUENCIES = np.geomspace(1.0, 1000.0, 200)  # [rad/s]

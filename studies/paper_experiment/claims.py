@@ -11,10 +11,10 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import stats
 
-from studies.paper_campaign import FRICTIONS, JOINTS, SETS, ProcessingComparison
-from studies.paper_designs import DesignSet, HorizonTable
-from studies.paper_monte_carlo import MonteCarlo, infeasible
-from studies.paper_values import GENERATIONS, PARAMETERS
+from studies.paper_experiment.campaign import FRICTIONS, JOINTS, SETS, ProcessingComparison
+from studies.paper_experiment.designs import DesignSet, HorizonTable
+from studies.paper_experiment.monte_carlo import MonteCarlo, infeasible
+from studies.paper_experiment.values import GENERATIONS, PARAMETERS
 
 LEVEL = 0.95
 STATIC_FRICTION = "the static friction of joint 1 depends on the trajectory"

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from oed.report.table import Cell, Row, markdown_table
-from studies import paper_values as paper
-from studies.paper_claims import Finding
+from studies.paper_experiment import values as paper
+from studies.paper_experiment.claims import Finding
 
 
 @dataclass(frozen=True)

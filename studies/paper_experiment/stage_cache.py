@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 T = TypeVar("T")  # a frozen dataclass whose fields are all arrays

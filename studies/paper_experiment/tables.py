@@ -12,8 +12,8 @@ from oed.experiment.control import JointLoad, bandwidth_and_peak, closed_loop_re
 from oed.experiment.paper_signals import PAPER_FILTER
 from oed.report.table import Cell, Row
 from oed.robot.builtin import imi_scara
-from studies import paper_values as paper
-from studies.paper_campaign import (
+from studies.paper_experiment import values as paper
+from studies.paper_experiment.campaign import (
     FRICTIONS,
     JOINTS,
     SETS,
@@ -24,8 +24,8 @@ from studies.paper_campaign import (
     ProcessingComparison,
     controller_of,
 )
-from studies.paper_designs import CRITERIA, NAMES, DesignConfig, DesignSet, HorizonTable
-from studies.paper_monte_carlo import DESIGNS, MonteCarlo
+from studies.paper_experiment.designs import CRITERIA, NAMES, DesignConfig, DesignSet, HorizonTable
+from studies.paper_experiment.monte_carlo import DESIGNS, MonteCarlo
 
 
 @dataclass(frozen=True)

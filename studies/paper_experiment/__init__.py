@@ -1,0 +1,1 @@
+"""The paper's experiment, whole: its trajectories, campaigns, Monte Carlo, claims and tables."""
