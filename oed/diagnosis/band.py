@@ -7,6 +7,7 @@ torque pass one and the same filter, and its cut-off is where the position's sig
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -105,7 +106,7 @@ def position_noise(
     edges = np.geomspace(1.0, 0.45 * rate, 60)
     reach = np.zeros(power.shape[1])
     for joint in range(power.shape[1]):
-        for lower, higher in zip(edges[:-1], edges[1:], strict=True):
+        for lower, higher in itertools.pairwise(edges):
             inside = (frequency >= lower / 1.1) & (frequency <= higher * 1.1)
             if not inside.any():
                 continue

@@ -82,7 +82,7 @@ def dependences(
 def _blocks(prepared: Sequence[Prepared]) -> ndarray:
     parts, offset = [], 0
     for p in prepared:
-        length = max(1, int(round(BLOCK * p.band.analysis_rate)))
+        length = max(1, round(BLOCK * p.band.analysis_rate))
         own = np.arange(int(p.valid.sum())) // length
         parts.append(own + offset)
         offset += int(own[-1]) + 1

@@ -12,8 +12,8 @@ from numpy import ndarray
 
 from oed.diagnosis.baseline import Baseline
 from oed.diagnosis.linear_fit import LinearFit, fit_model
-from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.predict import rms
+from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.trials import Trial
 from oed.diagnosis.workbench import Augmented, Layout
 from oed.dynamics.effects.catalogue import CATALOGUE, Context

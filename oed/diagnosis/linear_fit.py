@@ -72,15 +72,15 @@ class LinearFit:
 
     Attributes:
         model: The torque model, shapes fixed.
-        columns: (p,) indices of the model's columns that are estimated.
+        columns: (b,) indices of the model's columns that are estimated; additions follow them.
         rows: What it is fitted to.
         projection: Of its whitened regressor.
-        parameters: (p,) estimates of these columns.
+        parameters: (p,) estimates of these columns, then of the additions'.
         residual: (n, R) white residual.
     """
 
     model: TorqueModel
-    columns: Int[ndarray, "parameters"]
+    columns: Int[ndarray, "base"]
     rows: Rows
     projection: Projection
     parameters: Float[ndarray, "parameters"]

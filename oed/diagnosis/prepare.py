@@ -126,7 +126,7 @@ def _uniform(
     logged = 1 / float(np.median(np.diff(recording.t)))
     t, q, tau = recording.t[fresh], recording.q[fresh], recording.tau[fresh]
     # Whole steps by averaging first: interpolation alone would fold high noise into the band.
-    step = int(round(logged / rate))
+    step = round(logged / rate)
     if step > 1:
         dense = uniform_grid(t, rate * step)
         q, tau = (

@@ -76,7 +76,7 @@ def prove(
 def _block_squares(
     errors: Sequence[Float[ndarray, "_ joints"]], rate: float
 ) -> Float[ndarray, "blocks joints"]:
-    length = max(1, int(round(BLOCK * rate)))
+    length = max(1, round(BLOCK * rate))
     return np.concatenate(
         [np.add.reduceat(e**2, np.arange(0, len(e), length), axis=0) for e in errors]
     )
@@ -85,7 +85,7 @@ def _block_squares(
 def _block_lengths(
     errors: Sequence[Float[ndarray, "_ joints"]], rate: float
 ) -> Float[ndarray, "blocks"]:
-    length = max(1, int(round(BLOCK * rate)))
+    length = max(1, round(BLOCK * rate))
     return np.concatenate(
         [np.diff(np.append(np.arange(0, len(e), length), len(e))) for e in errors]
     ).astype(float)

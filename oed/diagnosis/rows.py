@@ -179,7 +179,7 @@ def _weights_of(
     return weights
 
 
-def _standing(velocity: Float[ndarray, "samples"], sigma: float, shortest: float) -> ndarray:
+def _standing(velocity: Float[ndarray, "samples"], sigma: float, shortest: float | int) -> ndarray:
     """Samples of stretches of at least `shortest` samples in which the velocity has no sign."""
     slow = np.abs(velocity) < STANDSTILL * sigma
     edges = np.flatnonzero(np.diff(slow, prepend=False, append=False))

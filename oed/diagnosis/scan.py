@@ -30,16 +30,25 @@ class Score:
         gain: Fall of the whitened sum of squares.
         freedom: Parameters that it costs, shapes included.
         coefficients: Of its columns.
+        cancelled: Its own squares over its gain: large where it trades places with the model,
+            and explains by the difference of two large torques.
     """
 
     trial: Trial
     gain: float
     freedom: int
     coefficients: Float[ndarray, "columns"]
+    cancelled: float = 1.0
 
     def evidence(self, rows: int) -> float:
-        """Gain less Schwarz's penalty: half of it is the change of log evidence."""
-        return self.gain - self.freedom * np.log(rows)
+        """Gain less Schwarz's penalty and Occam's factor of a size far beyond what it explains.
+
+        Half of it is the change of log evidence, with a prior that expects an effect's torque
+        to be of the size of what it explains.
+        """
+        linear = 0 if self.trial.is_free_form else len(self.coefficients)
+        occam = linear * np.log(max(self.cancelled, 1.0))
+        return float(self.gain - self.freedom * np.log(rows) - occam)
 
     def surprise(self, inflation: Float[ndarray, "joints"]) -> float:
         """-log of the chance of this gain in noise that large, shapes counted as parameters."""
@@ -72,7 +81,9 @@ def score(trial: Trial, projection: Projection, residual: Float[ndarray, "joints
     ridge = FREE_FORM_RIDGE if trial.is_free_form else 0.0
     found = solve_addition(gram, lengths, moment, ridge)
     freedom = found.rank + trial.shapes if found.rank else 0
-    return Score(trial, found.gain, freedom, found.coefficients)
+    own = sum(float(np.sum((b @ found.coefficients) ** 2)) for b in trial.group.values())
+    cancelled = own / found.gain if found.gain > 0 else 1.0
+    return Score(trial, found.gain, freedom, found.coefficients, cancelled)
 
 
 def scan(trials: Sequence[Trial], fit: LinearFit) -> list[Score]:
@@ -147,7 +158,7 @@ def flip_signs(
 ) -> Float[ndarray, "joints rows count"]:
     """Residuals with random signs, one a block and surrogate, common to all joints."""
     rate = fit.rows.prepared[0].band.analysis_rate
-    length = max(4, int(round(BLOCK * rate)))
+    length = max(4, round(BLOCK * rate))
     blocks = np.concatenate(
         [
             start + np.arange(p.rows) // length

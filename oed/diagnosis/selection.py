@@ -24,7 +24,7 @@ from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 LEAST_T = 2.0  # of the held-out gain over segments
-WORSE = 1.01  # largest ratio by which a joint's held-out error may rise while the sum falls
+WORSE = 1.02  # largest ratio by which a joint's held-out error may rise while the sum falls
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
 
@@ -124,11 +124,21 @@ def ranked(
     return sorted(found, key=lambda s: -s.evidence(shop.full.rows.count))
 
 
+def simplest_first(shop: Workshop, candidates: list[Score]) -> list[Score]:
+    """Where the evidence does not decide, the one that cancels least against the model first."""
+    if not candidates:
+        return []
+    rows = shop.full.rows.count
+    best = candidates[0].evidence(rows)
+    level = [c for c in candidates if c.evidence(rows) > best - shop.settings.decisive]
+    return [*sorted(level, key=lambda c: c.cancelled), *candidates[len(level) :]]
+
+
 def _next_physical(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused]
 ) -> Accepted | None:
     others = [a.trial for a in accepted]
-    candidates = ranked(shop, shop.physical, others, shop.settings.refined)
+    candidates = simplest_first(shop, ranked(shop, shop.physical, others, shop.settings.refined))
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= 0:
@@ -200,6 +210,8 @@ def _judge(
         reason = entry.plausible(
             shop.context, candidate.trial.target, candidate.trial.values, candidate.coefficients
         )
+    if reason is None and candidate.trial.shapes and not candidate.trial.fixed:
+        reason = undetermined(shop, others, candidate.trial)
     p_value = 1.0
     if reason is None:
         p_value = _p_value(shop, candidate, others, pool)
@@ -210,6 +222,21 @@ def _judge(
         refused.append(_refusal(candidate, reason or str(fault)))
         return None
     return Accepted(candidate.trial, candidate.gain, p_value, stands_in=fault is None)
+
+
+def undetermined(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
+    """Why the size of an effect is not known beside its shape and the model; None if it is.
+
+    A shape that comes near a term of the model trades places with it: a good fit by the
+    difference of two large torques, which names nothing.
+    """
+    found = shop.fit([*others, trial], shop.layout(trial))
+    values = found.coefficients[-1]
+    deviations = np.sqrt(np.maximum(np.diag(found.covariances[-1])[: len(values)], 1e-300))
+    strongest = float(np.max(np.abs(values) / deviations))
+    if strongest >= LEAST_T:
+        return None
+    return f"its size is undetermined: {strongest:.2g} standard deviations from zero"
 
 
 def _p_value(

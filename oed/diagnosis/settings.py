@@ -36,7 +36,7 @@ class DiagnosisSettings:
     free_form_margin: float = 10.0
     family_share: float = 0.85
     floor_ratio: float = 1.05
-    lowest_cutoff: float = 4.0
+    lowest_cutoff: float = 8.0
     highest_cutoff: float = 30.0
     folds: int = 5
     surrogates: int = 99

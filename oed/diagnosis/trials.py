@@ -114,7 +114,7 @@ def between_repetitions(
     """Columns less their mean over the repetitions at the same phase; as they are without."""
     if prepared.period is None:
         return block
-    phase = np.arange(len(block)) % int(round(prepared.period * prepared.band.rate))
+    phase = np.arange(len(block)) % round(prepared.period * prepared.band.rate)
     counts = np.bincount(phase)
     means = np.stack([np.bincount(phase, weights=column) for column in block.T], axis=1)
     return block - (means / counts[:, None])[phase]

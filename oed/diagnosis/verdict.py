@@ -12,7 +12,7 @@ from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.lack_of_fit import LackOfFit
 from oed.diagnosis.noise_floor import NoiseSource
 from oed.diagnosis.scan import Score, score
-from oed.diagnosis.selection import Accepted, Selection, held_out_fault, ranked
+from oed.diagnosis.selection import Accepted, Selection, held_out_fault, ranked, undetermined
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.shape_axes import axis_slope
 from oed.diagnosis.trials import Trial
@@ -23,7 +23,7 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 RIVALS = 5
 # Ratio of residual to floor above which a lack of fit without a located cause is stated.
-CLEAR_LACK = {"repetitions": 1.15, "free-form fit": 1.3}
+CLEAR_LACK = {"repetitions": 1.3, "free-form fit": 1.3}
 SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
 
 
@@ -228,12 +228,14 @@ def _rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, 
     return tuple(rivals)
 
 
-def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial], fit) -> bool:  # noqa: ANN001
+def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial], fit) -> bool:
     """Whether a rival passes the tests, and is not the same effect under another name."""
     entry = CATALOGUE[rival.trial.name]
     reason = entry.plausible(
         shop.context, rival.trial.target, rival.trial.values, rival.coefficients
     )
+    if reason is None and rival.trial.shapes and not rival.trial.fixed:
+        reason = undetermined(shop, others, rival.trial)
     if reason is not None or held_out_fault(shop, others, rival.trial) is not None:
         return False
     if rival.trial.name != own.trial.name:
@@ -241,7 +243,7 @@ def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial], fit
     return _likeness(rival, own, fit) < SAME_COLUMNS
 
 
-def _likeness(a: Score, b: Score, fit) -> float:  # noqa: ANN001
+def _likeness(a: Score, b: Score, fit) -> float:
     """Cosine between two fitted additions outside the model's span."""
     joints, rows = fit.residual.shape
     vectors = []

@@ -39,17 +39,11 @@ class Workshop:
         self.full = lay_out(baseline, estimation, mean=False)
         repeated = any(mean_of_repetitions(p)[1] > 1 for p in estimation)
         self.mean = lay_out(baseline, estimation, mean=True) if repeated else self.full
-        self.validation = {
-            self.full.rows.count: validation,
-            self.mean.rows.count: tuple(mean_of_repetitions(p)[0] for p in validation),
-        }
+        self.validation = validation
         self.rng = np.random.default_rng(settings.seed)
         self.before = self.fit(())
         self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
-        self._validation_columns = {
-            count: base_columns(self.before.fit, prepared)
-            for count, prepared in self.validation.items()
-        }
+        self._validation_columns = base_columns(self.before.fit, validation)
 
     def layout(self, trial: Trial) -> Layout:
         """The rows on which a trial is judged."""
@@ -79,11 +73,9 @@ class Workshop:
 
     def validation_rms(self, found: Augmented) -> Float[ndarray, "joints"] | None:
         """Held-out error of each joint [N m]; None without validation recordings."""
-        count = found.fit.rows.count
-        if not self.validation[count]:
+        if not self.validation:
             return None
-        columns = self._validation_columns[count]
-        return rms(prediction_errors(found, self.validation[count], columns))
+        return rms(prediction_errors(found, self.validation, self._validation_columns))
 
     @cached_property
     def physical(self) -> tuple[Trial, ...]:
@@ -121,8 +113,9 @@ class Workshop:
     ) -> tuple[Trial, ...]:
         """Terms of the motion on the mean rows, terms of time on all of them."""
         still = [t for t in steady if "time" not in t.depends_on]
-        timed = [t for t in lasting if "time" in t.depends_on]
         repeated = self.full is not self.mean
+        # On a motion that never comes back everything is a function of time: an alibi.
+        timed = [t for t in lasting if "time" in t.depends_on] if repeated else []
         return tuple(
             free_form_trials(still, self.mean.rows)
             + free_form_trials(timed, self.full.rows, contrast=repeated)

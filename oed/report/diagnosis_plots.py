@@ -86,7 +86,9 @@ def plot_proof(
     for j, panel in enumerate(panels):
         panel.axhline(floor[j], color=GREY, linestyle="--", label="noise floor")
         for k, role in enumerate(names):
-            pairs = zip(roles[role], (VERMILION, BLUE), ("before", "after"), (-0.14, 0.14))
+            pairs = zip(
+                roles[role], (VERMILION, BLUE), ("before", "after"), (-0.14, 0.14), strict=False
+            )
             for values, colour, label, shift in pairs:
                 value, lower, upper = values[j]
                 panel.errorbar(

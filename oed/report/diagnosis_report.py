@@ -221,7 +221,7 @@ def _effect(effect: FoundEffect) -> dict[str, object]:
     }
 
 
-def _strength(dependence, found: Diagnosis) -> float:  # noqa: ANN001
+def _strength(dependence, found: Diagnosis) -> float:
     """How far the mean residual leaves its own uncertainty, in noise floors."""
     if len(dependence.mean) == 0:
         return 0.0

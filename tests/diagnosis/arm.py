@@ -1,0 +1,96 @@
+"""Recordings of a two-joint arm for tests: its torque is worked out here, not by the estimator."""
+
+import numpy as np
+from scipy.signal import lfilter
+
+from oed.experiment.dataset import DataSet
+from oed.experiment.recording import Recording
+from oed.robot.builtin import imi_scara
+
+RATE = 500.0  # [Hz]
+PERIOD = 10.0  # [s]
+INERTIA = (3.923, 0.808, 0.328, 0.141)  # the paper's base parameters
+COULOMB = np.array([2.61, 1.46])  # [N m]
+VISCOUS = np.array([7.343, 0.787])  # [N m s/rad]
+NOISE = np.array([0.5, 0.1])  # [N m]
+LENGTH = 0.359  # [m] of the first link
+
+
+def data_set(seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, roles=None):
+    """A data set with noise of a time constant `colour` [s] and encoder steps [rad].
+
+    `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have.
+    """
+    rng = np.random.default_rng(seed)
+    roles = roles or ("estimation", "estimation", "validation", "test")
+    recordings = tuple(
+        _record(rng, f"{role}_{k}", role, extra, repetitions, colour, step)
+        for k, role in enumerate(roles)
+    )
+    return DataSet("arm", "test", "none", imi_scara(), "measured", recordings=recordings)
+
+
+def stribeck(size, speed=0.1, joint=0):
+    """Hess and Soom's fall of friction from standstill."""
+
+    def torque(q, dq, ddq):
+        result = np.zeros_like(q)
+        result[:, joint] = size * np.sign(dq[:, joint]) / (1 + (dq[:, joint] / speed) ** 2)
+        return result
+
+    return torque
+
+
+def _record(rng, name, role, extra, repetitions, colour, step):
+    t = np.arange(int(PERIOD * RATE) * repetitions) / RATE
+    q, dq, ddq = _motion(rng, t)
+    tau = _rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
+    if extra is not None:
+        tau = tau + extra(q, dq, ddq)
+    tau = tau + NOISE * _noise(rng, len(t), colour)
+    measured = q + 1e-5 * rng.normal(size=q.shape)
+    if step > 0:
+        measured = np.round(q / step) * step
+    return Recording(
+        name,
+        role,
+        t,
+        measured,
+        tau,
+        repetition=np.repeat(np.arange(repetitions), int(PERIOD * RATE)),
+        period=PERIOD,
+    )
+
+
+def _motion(rng, t):
+    orders = np.arange(1, 6) * 2 * np.pi / PERIOD
+    columns = []
+    for _ in range(2):
+        a, b = rng.normal(size=(2, 5)) / np.sqrt(np.arange(1, 6))
+        s, c = np.sin(np.outer(t, orders)), np.cos(np.outer(t, orders))
+        q, dq, ddq = s @ a + c @ b, (c * orders) @ a - (s * orders) @ b, 0
+        ddq = -(s * orders**2) @ a - (c * orders**2) @ b
+        size = min(1.4 / np.abs(q).max(), 7 / np.abs(dq).max(), 4.8 / np.abs(ddq).max())
+        columns.append((q * size, dq * size, ddq * size))
+    return tuple(np.stack([column[k] for column in columns], axis=1) for k in range(3))
+
+
+def _rigid(q, dq, ddq):
+    total, x, y, second = INERTIA
+    c, s = np.cos(q[:, 1]), np.sin(q[:, 1])
+    both = 2 * ddq[:, 0] + ddq[:, 1]
+    coriolis = dq[:, 1] * (2 * dq[:, 0] + dq[:, 1])
+    spin = second * (ddq[:, 0] + ddq[:, 1])
+    first = total * ddq[:, 0] + spin
+    first += LENGTH * (x * (c * both - s * coriolis) - y * (s * both + c * coriolis))
+    last = LENGTH * (x * (c * ddq[:, 0] + s * dq[:, 0] ** 2))
+    last += LENGTH * (y * (c * dq[:, 0] ** 2 - s * ddq[:, 0])) + spin
+    return np.stack([first, last], axis=1)
+
+
+def _noise(rng, count, colour):
+    white = rng.normal(size=(count, 2))
+    if colour <= 0:
+        return white
+    pole = np.exp(-1 / (RATE * colour))
+    return lfilter([np.sqrt(1 - pole**2)], [1, -pole], white, axis=0)

@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from oed.diagnosis.whitening import fit_autoregression
+
+
+def coloured(rng, count):
+    return lfilter([1.0], [1.0, -1.4, 0.6], rng.normal(size=count + 200))[200:]
+
+
+def test_whitened_noise_is_white_and_of_unit_variance():
+    rng = np.random.default_rng(0)
+    noise = fit_autoregression([coloured(rng, 4000) for _ in range(3)])
+    white = noise.whiten(coloured(rng, 20000))[noise.order :]
+    assert np.var(white) == pytest.approx(1.0, abs=0.06)
+    power = white @ white
+    for lag in (1, 2, 5, 10):
+        assert abs(white[lag:] @ white[:-lag] / power) < 0.05
+
+
+def test_rows_that_are_not_noise_are_left_out():
+    rng = np.random.default_rng(1)
+    noise = coloured(rng, 6000)
+    trusted = np.ones(6000, dtype=bool)
+    for start in range(100, 6000, 300):
+        noise[start : start + 10] += 50.0
+        trusted[start : start + 10] = False
+    found = fit_autoregression([noise], trusted=[trusted])
+    assert found.scale == pytest.approx(1.0, rel=0.15)
+
+
+def test_filter_is_the_same_for_columns_and_torque():
+    rng = np.random.default_rng(2)
+    noise = fit_autoregression([coloured(rng, 3000)])
+    columns = rng.normal(size=(500, 3))
+    parameters = np.array([1.0, -2.0, 0.5])
+    assert np.allclose(noise.whiten(columns) @ parameters, noise.whiten(columns @ parameters))
