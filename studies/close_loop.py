@@ -26,6 +26,7 @@ from oed.errors import OedError
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.report.diagnosis_report import write_diagnosis
+from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 
 SMOKE_SURROGATES = 39
@@ -104,11 +105,11 @@ def write(outcome: Outcome, config: Config) -> None:
     write_diagnosis(
         outcome.found,
         outcome.following,
-        outcome.dataset.name,
-        outcome.dataset.robot.joint_names,
-        config.settings,
-        Provenance.collect(config, seed=config.seed),
-        config.out,
+        data=outcome.dataset.name,
+        joints=outcome.dataset.robot.joint_names,
+        settings=config.settings,
+        provenance=Provenance.collect(config, seed=config.seed),
+        out=config.out,
     )
 
 
@@ -116,10 +117,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
     config = _parse(arguments)
     try:
+        check_output_folder(config.out)
         outcome = run(config)
         write(outcome, config)
-    except (OedError, ValueError) as error:
-        _say(f"error: {error}")
+    except (OedError, ValueError, OSError) as error:
+        sys.stderr.write(f"studies.close_loop: {error}\n")
         return 2
     _summarise(outcome, config)
     return 0

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,10 +36,12 @@ from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.errors import OedError
 from oed.experiment.read_dataset import read_dataset
 from oed.report.design_plots import draw_motion
 from oed.report.json_file import write_json
 from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
+from oed.report.output_folder import check_output_folder
 from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.style import save_figure
 from oed.robot import Robot, arm_joints, load_robot
@@ -206,8 +210,8 @@ def _clearance_line(clearance: ClearanceCheck) -> str:
     )
 
 
-def main(argv: list[str] | None = None) -> None:
-    """Command line."""
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--robot", default="", help="URDF, SDF or MJCF file, or builtin:NAME")
@@ -236,11 +240,16 @@ def main(argv: list[str] | None = None) -> None:
         budget=1.0 if given.smoke else given.budget,
         seed=given.seed,
     )
-    result = run(config)
-    write(result, config, given.out)
-    print(summary(result))
-    print(f"  written to {given.out}")
+    try:
+        check_output_folder(given.out)
+        result = run(config)
+        write(result, config, given.out)
+    except (OedError, ValueError, OSError) as error:
+        sys.stderr.write(f"studies.design: {error}\n")
+        return 2
+    sys.stdout.write(f"{summary(result)}\n  written to {given.out}\n")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

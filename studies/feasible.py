@@ -43,6 +43,7 @@ from oed.export.sdf import write_sdf
 from oed.export.urdf import write_urdf
 from oed.report.feasible_report import write_feasible
 from oed.report.feasible_rows import link_rows, validation_rows
+from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table
 
@@ -149,11 +150,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     config = _parse(arguments)
     start = time.perf_counter()
     try:
+        check_output_folder(config.out)
         result = run(config)
         config.out.mkdir(parents=True, exist_ok=True)
         rows = export(result, config.out)
         write_feasible(result, rows, config.out, Provenance.collect(config, seed=config.seed))
-    except (OedError, ValueError) as error:
+    except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.feasible: {error}\n")
         return 2
     _say("\n" + text_table(link_rows(result)))

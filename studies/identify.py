@@ -28,6 +28,7 @@ from oed.estimation.calibration import (
 from oed.experiment.choose_settings import choose_settings
 from oed.experiment.read_dataset import read_dataset
 from oed.report.calibration_report import print_summary, write_calibration
+from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 
 # Below this velocity the direction of a geared arm's motion is not known to the data; the
@@ -84,6 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     config = _parse(arguments)
     start = time.perf_counter()
     try:
+        check_output_folder(config.out)
         calibration = run(config)
         write_calibration(
             calibration,
@@ -92,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             config.out,
             Provenance.collect(config, seed=None),
         )
-    except (OedError, ValueError) as error:
+    except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.identify: {error}\n")
         return 2
     print_summary(calibration)

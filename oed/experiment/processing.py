@@ -113,7 +113,16 @@ class ProcessingSettings:
         return slice(cut, fine - cut, self.decimation // self.fine_step)
 
     def with_cutoff(self, cutoff: float) -> ProcessingSettings:
-        """These settings with another cut-off [Hz], and the decimation and trim that suit it."""
+        """These settings with another cut-off [Hz], and the decimation and trim that suit it.
+
+        Raises:
+            ValueError: If the cut-off is not between 0 and half the rate.
+        """
+        if not 0 < cutoff < self.rate / 2:
+            raise ValueError(
+                f"cut-off {cutoff:g} Hz must lie between 0 and {self.rate / 2:g} Hz, half the "
+                f"rate of {self.rate:g} Hz"
+            )
         return dataclasses.replace(
             self,
             cutoff=cutoff,

@@ -148,6 +148,25 @@ def test_a_cutoff_that_the_data_cannot_carry_is_refused(
     assert not out.exists()
 
 
+@pytest.mark.parametrize("cutoff", ["0", "-1", "nan", "inf"])
+def test_a_cutoff_that_is_no_frequency_is_refused_by_name(
+    cutoff: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _simulated(tmp_path / "data", np.random.default_rng(26))
+    arguments = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--cutoff", cutoff]) == 2
+    assert "cut-off" in capsys.readouterr().err
+
+
+def test_an_out_that_is_a_file_is_refused_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    taken = tmp_path / "taken"
+    taken.touch()
+    assert main(["--data", str(tmp_path / "absent"), "--out", str(taken)]) == 2
+    assert "is a file" in capsys.readouterr().err
+
+
 @needs_shared_data
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_reaches_what_plain_least_squares_reaches_on_measured_data(

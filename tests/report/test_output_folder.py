@@ -1,0 +1,21 @@
+"""The folder for results is judged before the work."""
+
+from pathlib import Path
+
+import pytest
+
+from oed.report.output_folder import check_output_folder
+
+
+def test_a_folder_to_be_made_is_fine_and_is_not_made_yet(tmp_path: Path) -> None:
+    check_output_folder(tmp_path / "a" / "b")
+    check_output_folder(tmp_path)
+    assert not (tmp_path / "a").exists()
+
+
+@pytest.mark.parametrize("below", ["", "deeper/still"])
+def test_a_file_is_no_folder_nor_is_anything_below_it(tmp_path: Path, below: str) -> None:
+    file = tmp_path / "taken"
+    file.touch()
+    with pytest.raises(ValueError, match="is a file, not a folder"):
+        check_output_folder(file / below)
