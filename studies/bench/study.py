@@ -96,6 +96,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--folder", type=Path, default=Path("out/bench"), help="for data sets")
     parser.add_argument("--smoke", action="store_true", help="two cases, to see that it works")
+    parser.add_argument("--summarise", action="store_true", help="only the lines that are there")
     parser.add_argument("--make", action="store_true", help="only make the data sets")
     options = parser.parse_args(arguments)
     config = Config(tuple(options.cases), options.seeds, options.first_seed)
@@ -103,6 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if options.make:
         print(f"{make(cases, options.folder)} data sets in {options.folder / 'data'}")
         return
-    rows = run(config, cases, options.out, options.folder, options.workers)
+    todo = [] if options.summarise else cases
+    rows = run(config, todo, options.out, options.folder, options.workers)
     write(rows, config, options.out)
     print(page(rows, NOTE))

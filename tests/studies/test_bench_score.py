@@ -6,7 +6,7 @@ from studies.bench import judge as judge_module
 from studies.bench.case import KEY_COLUMNS, Case
 from studies.bench.judge import VALUE_COLUMNS, Judge
 from studies.bench.score import error_ratios, score
-from studies.bench.study import Config, run, write
+from studies.bench.study import Config, main, run
 from studies.bench.summary import Rate, clean_table, confusion, detection, group_table, page
 from studies.bench.truth import HiddenTruth, Truth
 
@@ -197,7 +197,7 @@ def test_a_run_goes_on_where_it_stopped(tmp_path, monkeypatch):
     rows = run(config, cases, out, folder, 1)
     assert made == cases
     assert [row["status"] for row in rows] == ["done"] * 3
-    write(rows, config, out)
+    main(["--summarise", "--out", str(out), "--folder", str(folder)])
     assert "3 of 3" in (out / "summary.md").read_text(encoding="utf-8")
     assert {"runs.csv", "provenance.json", "confusion.png", "errors.png"} <= {
         file.name for file in out.iterdir()
