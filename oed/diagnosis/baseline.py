@@ -145,7 +145,7 @@ def rich_columns(
     for p in prepared:
         torque = fit.model.torque(fit.full_parameters(), p.motion)[:, joint]
         rate = np.gradient(torque, 1 / p.band.rate)
-        fine = [effect_columns(t, p.motion, n, width)[joint] for t in terms]
+        fine = [effect_columns(t, p.motion, width)[joint] for t in terms]
         fine.append(rate[:, None])
         fine.append((np.abs(torque) * np.tanh(p.motion.dq[:, joint] / max(width, 1e-9)))[:, None])
         blocks.append(p.band.apply(np.concatenate(fine, axis=1)))

@@ -78,13 +78,15 @@ class Diagnosis:
 
     def rival_pairs(self, decisive: float) -> list[tuple[Trial, Float[ndarray, "columns"], Trial]]:
         """Found effects, their coefficients, and the rivals that the data cannot exclude."""
-        chosen = self.shop.fit([e.trial for e in self.effects]) if self.effects else None
-        pairs = []
-        for k, effect in enumerate(self.effects):
-            for rival in effect.rivals:
-                if rival.contender and rival.evidence < decisive and chosen is not None:
-                    pairs.append((effect.trial, chosen.coefficients[k], rival.trial))
-        return pairs
+        if not self.effects:
+            return []
+        chosen = self.shop.fit([effect.trial for effect in self.effects])
+        return [
+            (effect.trial, coefficients, rival.trial)
+            for effect, coefficients in zip(self.effects, chosen.coefficients, strict=True)
+            for rival in effect.rivals
+            if rival.contender and rival.evidence < decisive
+        ]
 
 
 def diagnose(
@@ -206,9 +208,9 @@ def _proof(
             errors_of(before, prepared),
             errors_of(after, prepared),
             [p.torque[p.valid] for p in prepared],
-            prepared[0].band.analysis_rate,
-            settings.bootstrap,
-            rng,
+            rate=prepared[0].band.analysis_rate,
+            replicates=settings.bootstrap,
+            rng=rng,
         )
         for role, prepared in by_role.items()
         if prepared

@@ -35,8 +35,7 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
     terms: list[FreeForm] = []
     for j in range(joints):
         for i in range(joints):
-            for kind in ("q", "dq"):
-                terms.append(FreeForm(j, (coordinate(prepared, kind, i),)))
+            terms += [FreeForm(j, (coordinate(prepared, kind, i),)) for kind in ("q", "dq")]
             terms.append(FreeForm(j, (coordinate(prepared, "q", i),), directed=True))
         terms.append(FreeForm(j, (coordinate(prepared, "ddq", j),)))
         terms.append(FreeForm(j, (coordinate(prepared, "time", 0),)))

@@ -43,7 +43,7 @@ def filtered_columns(
 
 
 def effect_columns(
-    effect: Effect, motion: Motion, joints: int, sign_width: float
+    effect: Effect, motion: Motion, sign_width: float
 ) -> dict[int, Float[ndarray, "samples columns"]]:
     """Columns of one effect on the fine grid, for the joints that it acts on."""
     state = State(motion.t, *joint_components(motion), sign_width=sign_width)

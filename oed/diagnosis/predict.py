@@ -49,7 +49,7 @@ def addition_torque(
     """Filtered torque of one addition along a recording [N m]."""
     joints = recording.torque.shape[1]
     fine = np.zeros((len(recording.motion), joints))
-    for joint, block in effect_columns(trial.effect, recording.motion, joints, 0.0).items():
+    for joint, block in effect_columns(trial.effect, recording.motion, 0.0).items():
         fine[:, joint] = block @ coefficients
     return recording.band.apply(fine)
 

@@ -94,7 +94,7 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     band = choose_band(positions, rate, settings.lowest_cutoff, highest)
     noise = velocity_noise(position_noise(positions, rate)[0], band)
     return tuple(
-        _prepare_one(recording, *signals, band, noise)
+        _prepare_one(recording, *signals, band=band, noise=noise)
         for recording, signals in zip(recordings, raw, strict=True)
     )
 
@@ -142,6 +142,7 @@ def _prepare_one(
     t: Float[ndarray, "samples"],
     q: Float[ndarray, "samples joints"],
     tau: Float[ndarray, "samples joints"],
+    *,
     band: Band,
     noise: Float[ndarray, "joints"],
 ) -> Prepared:

@@ -41,6 +41,7 @@ def prove(
     before: Sequence[Float[ndarray, "_ joints"]],
     after: Sequence[Float[ndarray, "_ joints"]],
     torque: Sequence[Float[ndarray, "_ joints"]],
+    *,
     rate: float,
     replicates: int,
     rng: np.random.Generator,

@@ -79,17 +79,16 @@ def context_of(fit: LinearFit, rows: Rows, gear_ratio: tuple[float, ...] | None)
 
 
 def white_group(
-    effect: Effect, rows: Rows, joints: int, *, contrast: bool = False
+    effect: Effect, rows: Rows, *, contrast: bool = False
 ) -> dict[int, Float[ndarray, "rows columns"]]:
     """White columns of an effect, joint by joint.
 
     Args:
         effect: To evaluate.
         rows: Where.
-        joints: n.
         contrast: Whether to keep only what differs between repetitions of one phase.
     """
-    fine = [effect_columns(effect, p.motion, joints, 0.0) for p in rows.prepared]
+    fine = [effect_columns(effect, p.motion, 0.0) for p in rows.prepared]
     if contrast:
         fine = [
             {joint: between_repetitions(block, p) for joint, block in blocks.items()}
@@ -136,7 +135,7 @@ def catalogue_trial(
         target=target,
         values=values,
         effect=effect,
-        group=white_group(effect, rows, context.n, contrast=contrast),
+        group=white_group(effect, rows, contrast=contrast),
         fixed=entry.unit_coefficient,
         shapes=len(entry.shapes),
         contrast=contrast,
@@ -152,7 +151,6 @@ def free_form_trials(
     terms: Sequence[FreeForm], rows: Rows, *, contrast: bool = False
 ) -> list[Trial]:
     """Free-form terms as trials."""
-    joints = rows.weights.shape[1]
     blocks: dict[tuple[object, ...], list[Float[ndarray, "_ columns"]]] = {}
     trials = []
     for term in terms:
@@ -160,7 +158,7 @@ def free_form_trials(
         if key not in blocks:
             width = WIDTH_PER_SIGMA * float(rows.prepared[0].sign_noise[term.joint])
             blocks[key] = [
-                _free_form_block(term, p, joints, width, contrast) for p in rows.prepared
+                _free_form_block(term, p, width, contrast=contrast) for p in rows.prepared
             ]
         group = {term.joint: rows.whiten(blocks[key], term.joint)}
         trials.append(Trial(FREE_FORM, term.joint, (), term, group, False, 0, contrast))
@@ -168,12 +166,12 @@ def free_form_trials(
 
 
 def _free_form_block(
-    term: FreeForm, prepared: Prepared, joints: int, width: float, contrast: bool
+    term: FreeForm, prepared: Prepared, width: float, *, contrast: bool
 ) -> Float[ndarray, "_ columns"]:
     """A term in the analysis band; a smooth one is slow enough to be sampled as it is."""
     if term.directed or contrast:
-        fine = effect_columns(term, prepared.motion, joints, width)[term.joint]
+        fine = effect_columns(term, prepared.motion, width)[term.joint]
         return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)
     band = prepared.band
     settled = slice(band.reach, len(prepared.motion) - band.reach, band.factor)
-    return effect_columns(term, prepared.motion[settled], joints, width)[term.joint]
+    return effect_columns(term, prepared.motion[settled], width)[term.joint]

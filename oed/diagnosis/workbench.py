@@ -79,7 +79,7 @@ def lay_out(baseline: Baseline, prepared: tuple[Prepared, ...], *, mean: bool) -
 def moved(trial: Trial, rows: Rows, context: Context, *, contrast: bool = False) -> Trial:
     """The same addition on other rows or with another context."""
     if trial.is_free_form:
-        group = white_group(trial.effect, rows, context.n, contrast=contrast)
+        group = white_group(trial.effect, rows, contrast=contrast)
         return dataclasses.replace(trial, group=group, contrast=contrast)
     entry = CATALOGUE[trial.name]
     return catalogue_trial(entry, context, trial.target, trial.values, rows, contrast=contrast)

@@ -80,17 +80,17 @@ class Workshop:
     @cached_property
     def physical(self) -> tuple[Trial, ...]:
         """Every entry of the catalogue, everywhere, over the grid of its shapes."""
-        trials = []
+        trials: list[Trial] = []
         for entry in CATALOGUE.values():
             contrast = entry.between_repetitions and self.full is not self.mean
             layout = self.full if entry.between_repetitions else self.mean
             for target in entry.targets(self.context):
-                for values in grid_of(entry.shapes_for(self.context, target)):
-                    trials.append(
-                        catalogue_trial(
-                            entry, self.context, target, values, layout.rows, contrast=contrast
-                        )
+                trials += [
+                    catalogue_trial(
+                        entry, self.context, target, values, layout.rows, contrast=contrast
                     )
+                    for values in grid_of(entry.shapes_for(self.context, target))
+                ]
         return tuple(trials)
 
     @cached_property

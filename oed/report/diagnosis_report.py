@@ -28,6 +28,7 @@ NEXT = "next_experiment"
 def write_diagnosis(
     found: Diagnosis,
     following: NextExperiment | None,
+    *,
     data: str,
     joints: Sequence[str],
     settings: DiagnosisSettings,
@@ -52,16 +53,21 @@ def write_diagnosis(
     }
     if following is not None:
         write_next(following, joints, out / NEXT)
-    page = diagnosis_page(found, following, data, joints, pictures, provenance)
+    page = diagnosis_page(
+        found, following, data=data, joints=joints, pictures=pictures, provenance=provenance
+    )
     write_page(out / "report.html", page)
     # Last: whoever finds this file finds the rest complete.
-    record = diagnosis_record(found, following, data, joints, settings, provenance)
+    record = diagnosis_record(
+        found, following, data=data, joints=joints, settings=settings, provenance=provenance
+    )
     write_json(out / "diagnosis.json", record)
 
 
 def diagnosis_record(
     found: Diagnosis,
     following: NextExperiment | None,
+    *,
     data: str,
     joints: Sequence[str],
     settings: DiagnosisSettings,
@@ -158,6 +164,7 @@ def draw_figures(found: Diagnosis, joints: Sequence[str]) -> dict[str, Figure]:
 def diagnosis_page(
     found: Diagnosis,
     following: NextExperiment | None,
+    *,
     data: str,
     joints: Sequence[str],
     pictures: dict[str, Path],
@@ -179,7 +186,8 @@ def diagnosis_page(
             [
                 Text(
                     f"Noise floor from {found.noise_source}, analysis band up to "
-                    f"{found.cutoff:.3g} Hz. Residuals are whitened with the noise's own colour."
+                    f"{found.cutoff:.3g} Hz. With repetitions residuals are whitened by the noise's own "
+                    "colour; without, correlated rows count less, and naming is slower."
                 ),
                 Table(_lack_rows(found, joints), "Lack of fit: residual over pure error, F test"),
             ],

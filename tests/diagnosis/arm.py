@@ -24,7 +24,15 @@ def data_set(seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, roles=Non
     rng = np.random.default_rng(seed)
     roles = roles or ("estimation", "estimation", "validation", "test")
     recordings = tuple(
-        _record(rng, f"{role}_{k}", role, extra, repetitions, colour, step)
+        _record(
+            rng,
+            f"{role}_{k}",
+            role,
+            extra=extra,
+            repetitions=repetitions,
+            colour=colour,
+            step=step,
+        )
         for k, role in enumerate(roles)
     )
     return DataSet("arm", "test", "none", imi_scara(), "measured", recordings=recordings)
@@ -41,7 +49,7 @@ def stribeck(size, speed=0.1, joint=0):
     return torque
 
 
-def _record(rng, name, role, extra, repetitions, colour, step):
+def _record(rng, name, role, *, extra, repetitions, colour, step):
     t = np.arange(int(PERIOD * RATE) * repetitions) / RATE
     q, dq, ddq = _motion(rng, t)
     tau = _rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq

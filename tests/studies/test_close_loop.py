@@ -1,0 +1,46 @@
+"""The interface of `studies.close_loop`: what it leaves, and how it refuses."""
+
+import json
+
+from oed.experiment.write_dataset import write_dataset
+from studies import close_loop
+from tests.diagnosis.arm import data_set, stribeck
+
+VERDICTS = ("nothing found", "explained", "ambiguous", "unexplained")
+
+
+def test_leaves_a_diagnosis_in_the_agreed_form(tmp_path):
+    write_dataset(data_set(0, extra=stribeck(1.0)), tmp_path / "data")
+    out = tmp_path / "out"
+    status = close_loop.main(["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"])
+    assert status == 0
+    record = json.loads((out / "diagnosis.json").read_text())
+    assert record["format"] == 1
+    assert record["verdict"] in VERDICTS
+    assert len(record["joints"]) == 2
+    effect = record["effects"][0]
+    assert (effect["name"], effect["joint"]) == ("stribeck", 0)
+    assert {"value", "std", "unit"} == set(effect["parameters"]["Fs_1"])
+    assert {"name", "joint", "evidence"} <= set(effect["alternatives"][0])
+    for kind in ("rms", "relative_rms"):
+        for when in ("before", "after", "noise_floor"):
+            assert set(record[kind][when]) == {"estimation", "validation", "test"}
+            assert len(record[kind][when]["test"]) == 2
+    assert record["rms"]["after"]["test"][0] < record["rms"]["before"]["test"][0]
+    assert (
+        "Stribeck" in (out / "report.html").read_text()
+        or "stribeck" in (out / "report.html").read_text()
+    )
+    following = record["next_experiment"]
+    assert (following is not None) == (record["verdict"] == "ambiguous")
+    if following is not None:
+        assert (out / following / "trajectory.csv").is_file()
+        promise = json.loads((out / following / "design.json").read_text())
+        assert promise["separation"] >= 0
+
+
+def test_says_what_is_wrong_with_a_missing_data_set(tmp_path, capsys):
+    status = close_loop.main(["--data", str(tmp_path / "none"), "--out", str(tmp_path / "out")])
+    assert status == 2
+    assert "no such folder" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
