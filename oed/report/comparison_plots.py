@@ -39,7 +39,7 @@ class HitPanel:
     Attributes:
         title: Problem, class and criterion.
         amounts: (P,) evaluations or seconds.
-        curves: Fraction (P,) of the runs that had hit the target, by optimiser.
+        curves: Fraction (P,) of pairs of run and target that had been hit, by optimiser.
         budget: Where runs are read; drawn as a line.
         xlabel: What `amounts` are.
     """
@@ -53,7 +53,7 @@ class HitPanel:
 
 @mpl.rc_context(STYLE)
 def plot_target_hits(panels: Sequence[HitPanel], *, columns: int = 2) -> Figure:
-    """Fraction of the runs that have come within the target, against what they spent.
+    """Fraction of targets that have been hit, against what was spent.
 
     Args:
         panels: Row by row; those of one row share a problem.
@@ -74,7 +74,7 @@ def plot_target_hits(panels: Sequence[HitPanel], *, columns: int = 2) -> Figure:
         _draw_hits(axes, panel, names)
     lines, labels = grid[0].get_legend_handles_labels()
     figure.legend(lines, labels, loc="outside upper center", ncols=len(labels))
-    figure.supylabel("fraction of runs that hit the target", fontsize=8.0)
+    figure.supylabel("fraction of targets hit, over all runs", fontsize=8.0)
     return figure
 
 

@@ -154,7 +154,7 @@ def test_counts_failures_and_hits() -> None:
 
 def test_a_target_is_a_ratio_of_condition_or_an_efficiency() -> None:
     assert 10 ** target_cost(1.0, 0.05, "J_k", 8) == pytest.approx(10.5)
-    assert 10 ** ((-20.0 - target_cost(-20.0, 0.05, "J_d", 8)) / 8) == pytest.approx(0.95)
+    assert 10 ** ((-20.0 - target_cost(-20.0, 0.05, "J_d", 8)) / 8) == pytest.approx(1 / 1.05)
 
 
 def test_the_bound_study_holds_designs_below_its_bound(tmp_path: Path) -> None:
