@@ -15,7 +15,7 @@ from numpy import ndarray
 from oed.design.bound.balance import Monomials
 from oed.design.bound.branch_and_bound import Boxes, ProvenMaximum, SmoothFunction, prove_maximum
 from oed.design.bound.states import ViableStates
-from oed.design.bound.weights import WeightedDesign, optimal_weights
+from oed.design.bound.weights import WeightedDesign, WeightsNotFound, optimal_weights
 from oed.design.criteria import whitening
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.torque_model import TorqueModel
@@ -235,8 +235,14 @@ def _tighten(
     """
     x, ddq = source.states.sample(settings.first_atoms, rng)
     atoms = (x, ddq, *source.atoms(x, ddq))
+    is_proven = False
     for _ in range(settings.rounds):
-        design = optimal_weights(*atoms[2:])
+        try:
+            design = optimal_weights(*atoms[2:])
+        except WeightsNotFound:
+            if is_proven:
+                return
+            raise
         least = design.mass_multiplier
         value = dual_values(design, *atoms[2:])
         kept = (value > (1 - KEPT_SLACK) * least) | (design.weights > KEPT_WEIGHT)
@@ -248,6 +254,7 @@ def _tighten(
                 break
             proof = _prove(source, design, settings)
             yield design, proof.upper, proof.boxes
+            is_proven = True
             if proof.attained <= (1 + settings.tolerance) * least:
                 return
             more = _worth_adding(source, design, proof, settings)
