@@ -199,7 +199,8 @@ def _row(number: int, purpose: str, found: Diagnosis) -> Row:
         p.role: (float(np.linalg.norm(p.before)), float(np.linalg.norm(p.after)))
         for p in found.proof
     }
-    rival = min((r.evidence for e in found.effects for r in e.rivals), default=float("nan"))
+    contenders = (r.evidence for e in found.effects for r in e.rivals if r.contender)
+    rival = min(contenders, default=float("nan"))
     return {
         "round": number,
         "designed for": purpose,
@@ -207,7 +208,7 @@ def _row(number: int, purpose: str, found: Diagnosis) -> Row:
         "effects": ", ".join(
             e.name + ("" if e.joint is None else f"_{e.joint + 1}") for e in found.effects
         ),
-        "evidence over best rival": rival if np.isfinite(rival) else "",
+        "evidence over best contender": rival if np.isfinite(rival) else "",
         "validation before [N m]": errors["validation"][0],
         "validation after [N m]": errors["validation"][1],
         "test before [N m]": errors["test"][0],
