@@ -46,7 +46,7 @@ $(STAMP): environment.txt
 	sha256sum environment.txt > $@
 
 test: setup
-	$(PYTHON) -m pytest -n $(WORKERS)
+	$(PYTHON) -m pytest -n $(WORKERS) --dist loadgroup
 
 paper: setup
 	$(PYTHON) -m studies.paper $(if $(DATA),--data "$(DATA)")
