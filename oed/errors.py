@@ -49,11 +49,7 @@ class DataSetError(OedError):
         if row is not None:
             place.append(f"row {row}")
         if column is not None:
-            place.append(
-                f"column {column!r}"
-                if not file.endswith(".toml")
-                else f"key {column!r}"
-            )
+            place.append(f"column {column!r}" if not file.endswith(".toml") else f"key {column!r}")
         super().__init__(f"{', '.join(place)}: {message}")
         self.file = file
         self.row = row

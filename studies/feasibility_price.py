@@ -117,9 +117,9 @@ class Arm:
     """
 
     model: TorqueModel
-    truth: Float[ndarray, "p"]
+    truth: Float[ndarray, " p"]
     base: BaseParameters
-    scales: Float[ndarray, "base"]
+    scales: Float[ndarray, " base"]
     poses: Float[ndarray, "k joints"]
 
 
@@ -200,8 +200,8 @@ def _rows(arm: Arm, config: Config, case: Case, rng: np.random.Generator) -> Ite
 
 
 def _estimate(
-    arm: Arm, data: DataFactor, name: str, prior: Float[ndarray, "inertial"]
-) -> Float[ndarray, "p"]:
+    arm: Arm, data: DataFactor, name: str, prior: Float[ndarray, " inertial"]
+) -> Float[ndarray, " p"]:
     if name == "plain":
         reduced = arm.base.reduce(data.factor)
         norms = np.linalg.norm(reduced, axis=0)
@@ -232,7 +232,9 @@ def random_harmonics(
     )
 
 
-def wrong_prior(robot: Robot, error: float, rng: np.random.Generator) -> Float[ndarray, "inertial"]:
+def wrong_prior(
+    robot: Robot, error: float, rng: np.random.Generator
+) -> Float[ndarray, " inertial"]:
     """The true bodies, each stretched at random along random axes and of another mass."""
     bodies = []
     for parameters in robot.parameters.reshape(-1, 10):
@@ -252,7 +254,7 @@ def relative_rms(
     return float(np.mean(np.sqrt(np.mean((found - true) ** 2, axis=0) / np.mean(true**2, axis=0))))
 
 
-def parameter_error(arm: Arm, parameters: Float[ndarray, "p"]) -> float:
+def parameter_error(arm: Arm, parameters: Float[ndarray, " p"]) -> float:
     """Error of the base parameters, each in the torque that it makes, per all of them."""
     error, true = (arm.base.from_standard(p) for p in (parameters - arm.truth, arm.truth))
     return float(np.linalg.norm(error * arm.scales) / np.linalg.norm(true * arm.scales))

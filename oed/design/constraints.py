@@ -32,7 +32,7 @@ class LimitConstraints:
 
     trajectory: TrajectoryClass
     limits: JointLimits
-    instants: Float[ndarray, "samples"]
+    instants: Float[ndarray, " samples"]
 
     @property
     def count(self) -> int:
@@ -40,16 +40,16 @@ class LimitConstraints:
         return len(self.instants) * sum(len(kind.joints) for kind in self._kinds)
 
     @property
-    def lower(self) -> Float[ndarray, "constraints"]:
+    def lower(self) -> Float[ndarray, " constraints"]:
         """Lower bounds of the rows, -inf where there is none."""
         return self._stack([kind.lower for kind in self._kinds])
 
     @property
-    def upper(self) -> Float[ndarray, "constraints"]:
+    def upper(self) -> Float[ndarray, " constraints"]:
         """Upper bounds of the rows, inf where there is none."""
         return self._stack([kind.upper for kind in self._kinds])
 
-    def values(self, z: Float[ndarray, "size"]) -> Float[ndarray, "constraints"]:
+    def values(self, z: Float[ndarray, " size"]) -> Float[ndarray, " constraints"]:
         """The rows, within `lower` and `upper` where the limits are kept."""
         parts = []
         for kind in self._kinds:
@@ -57,7 +57,7 @@ class LimitConstraints:
             parts.append(((signal - kind.middle) / kind.scale).reshape(-1))
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    def jacobian_values(self, z: Float[ndarray, "size"]) -> Float[ndarray, "nonzeros"]:
+    def jacobian_values(self, z: Float[ndarray, " size"]) -> Float[ndarray, " nonzeros"]:
         """Entries of the Jacobian in the order of `rows` and `columns`."""
         parts = []
         for kind in self._kinds:
@@ -65,7 +65,7 @@ class LimitConstraints:
             parts.append((slopes / kind.scale[:, None]).reshape(-1))
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    def jacobian(self, z: Float[ndarray, "size"]) -> scipy.sparse.csr_matrix:
+    def jacobian(self, z: Float[ndarray, " size"]) -> scipy.sparse.csr_matrix:
         """dg/dz."""
         shape = (self.count, self.trajectory.size)
         entries = (self.jacobian_values(z), (self.rows, self.columns))
@@ -128,7 +128,7 @@ def _kind(order: int, joints: ndarray, limit: Float[ndarray, "limited 2"]) -> _K
     return _Kind(order, joints, middle, scale, lower, upper)
 
 
-def implied_velocity(limits: JointLimits, horizon: float) -> Float[ndarray, "joints"] | ndarray:
+def implied_velocity(limits: JointLimits, horizon: float) -> Float[ndarray, " joints"] | ndarray:
     """Joints whose velocity limit follows from those of position and acceleration.
 
     A joint faster than sqrt(2 alpha R) runs out of its range R before it can stop, forward or

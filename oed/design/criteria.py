@@ -88,7 +88,7 @@ def smallest_eigenvalue(information: Float[ndarray, "columns columns"]) -> float
     return float(np.linalg.eigvalsh(information)[0])
 
 
-def column_scaling(information: Float[ndarray, "columns columns"]) -> Float[ndarray, "columns"]:
+def column_scaling(information: Float[ndarray, "columns columns"]) -> Float[ndarray, " columns"]:
     """Factors s that give S Lambda S a unit diagonal: every parameter in its own unit."""
     diagonal = np.diag(information)
     if not (diagonal > 0).all():
@@ -155,8 +155,8 @@ def cost_and_slope(
 
 
 def _soft_maximum(
-    values: Float[ndarray, "columns"], exponent: float
-) -> tuple[float, Float[ndarray, "columns"]]:
+    values: Float[ndarray, " columns"], exponent: float
+) -> tuple[float, Float[ndarray, " columns"]]:
     """Logarithm of the p-norm of exp(values), and its gradient; the maximum itself for p = inf."""
     shifted = values - values.max()
     if np.isinf(exponent):

@@ -40,7 +40,7 @@ class Design:
     """
 
     problem: DesignProblem
-    z: Float[ndarray, "size"]
+    z: Float[ndarray, " size"]
     certificate: Certificate
     cost: float
     J_k: float
@@ -89,7 +89,7 @@ class Design:
         """Length of the motion [s]."""
         return self.problem.trajectory.horizon
 
-    def motion(self, t: Float[ndarray, "samples"]) -> Motion:
+    def motion(self, t: Float[ndarray, " samples"]) -> Motion:
         """Position, velocity and acceleration at instants t [s]."""
         return self.problem.trajectory.motion(self.z, t)
 
@@ -105,8 +105,8 @@ class Design:
 
 
 def prove(
-    problem: DesignProblem, z: Float[ndarray, "size"]
-) -> tuple[Float[ndarray, "size"], Certificate]:
+    problem: DesignProblem, z: Float[ndarray, " size"]
+) -> tuple[Float[ndarray, " size"], Certificate]:
     """A point next to z, or z itself, with a certificate that it keeps the limits.
 
     Repair puts a motion a billionth inside; should rounding still stand in the way of a proof,

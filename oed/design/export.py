@@ -35,7 +35,7 @@ class SetPoints:
     def sample(
         cls,
         trajectory: TrajectoryClass,
-        z: Float[ndarray, "size"],
+        z: Float[ndarray, " size"],
         joint_names: Sequence[str],
         rate: float,
     ) -> SetPoints:

@@ -26,7 +26,7 @@ DEPTH = 40  # halvings by four beyond which doubles cannot split an interval any
 
 def proven_range(
     trajectory: TrajectoryClass,
-    z: Float[ndarray, "size"],
+    z: Float[ndarray, " size"],
     order: int,
     *,
     tolerance: float = TOLERANCE,
@@ -70,7 +70,7 @@ def proven_range(
 
 
 def quick_range(
-    trajectory: TrajectoryClass, z: Float[ndarray, "size"], order: int
+    trajectory: TrajectoryClass, z: Float[ndarray, " size"], order: int
 ) -> Float[ndarray, "joints 2"]:
     """Proven bounds from one sweep of samples: wider than `proven_range`, many times faster.
 

@@ -74,7 +74,7 @@ def check_limits(limits: JointLimits) -> None:
 
 def certify(
     trajectory: TrajectoryClass,
-    z: Float[ndarray, "size"],
+    z: Float[ndarray, " size"],
     limits: JointLimits,
     torque: Float[ndarray, "joints 2"] | None = None,
 ) -> Certificate:
@@ -101,7 +101,7 @@ def certify(
 
 def violation_of(
     bounds: Float[ndarray, "joints 2"], limit: Float[ndarray, "joints 2"]
-) -> Float[ndarray, "joints"]:
+) -> Float[ndarray, " joints"]:
     """Violation of each joint relative to half the width of its range; -1 where unlimited.
 
     Where only one side is limited, relative to that side's magnitude.
@@ -114,7 +114,7 @@ def violation_of(
 
 
 def sampled_ranges(
-    trajectory: TrajectoryClass, z: Float[ndarray, "size"], t: Float[ndarray, "samples"]
+    trajectory: TrajectoryClass, z: Float[ndarray, " size"], t: Float[ndarray, " samples"]
 ) -> dict[str, Float[ndarray, "joints 2"]]:
     """Smallest and largest sample of each kinematic quantity: fast, and no proof."""
     ranges = {}
@@ -126,11 +126,11 @@ def sampled_ranges(
 
 def repair(
     trajectory: TrajectoryClass,
-    z: Float[ndarray, "size"],
+    z: Float[ndarray, " size"],
     limits: JointLimits,
     *,
     is_quick: bool = False,
-) -> Float[ndarray, "size"]:
+) -> Float[ndarray, " size"]:
     """Scale each joint's motion about its centre, and move that centre, into the limits.
 
     The result provably keeps position, velocity, acceleration and jerk limits. A motion that
@@ -164,8 +164,8 @@ def repair(
 
 
 def fill(
-    trajectory: TrajectoryClass, z: Float[ndarray, "size"], limits: JointLimits
-) -> Float[ndarray, "size"]:
+    trajectory: TrajectoryClass, z: Float[ndarray, " size"], limits: JointLimits
+) -> Float[ndarray, " size"]:
     """Scale each joint up or down until it touches one of its limits, then repair.
 
     Joints that do not move, or whose limits leave them free, stay as they are.
@@ -179,10 +179,10 @@ def fill(
 
 def _kinematic_factors(
     trajectory: TrajectoryClass,
-    z: Float[ndarray, "size"],
+    z: Float[ndarray, " size"],
     limits: JointLimits,
     ranges: dict[str, Float[ndarray, "joints 2"]],
-) -> Float[ndarray, "joints"]:
+) -> Float[ndarray, " joints"]:
     """The largest factor of each joint that keeps all its ranges within limits."""
     centre = trajectory.centre(z)
     if trajectory.has_offset:
@@ -199,11 +199,11 @@ def _kinematic_factors(
     return factors * (1 - MARGIN)
 
 
-def _two_sided(limit: ndarray, extent: ndarray) -> Float[ndarray, "joints"]:
+def _two_sided(limit: ndarray, extent: ndarray) -> Float[ndarray, " joints"]:
     return np.minimum(_ratio(-limit[:, 0], -extent[:, 0]), _ratio(limit[:, 1], extent[:, 1]))
 
 
-def _ratio(room: ndarray, needed: ndarray) -> Float[ndarray, "joints"]:
+def _ratio(room: ndarray, needed: ndarray) -> Float[ndarray, " joints"]:
     """How many times the need fits the room; infinite where nothing is needed."""
     is_needed = needed > 0.0
     return np.where(is_needed, room / np.where(is_needed, needed, 1.0), np.inf)

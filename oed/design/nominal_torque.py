@@ -28,7 +28,7 @@ class NominalTorque:
     """
 
     regressor: CompiledRegressor
-    weights: Float[ndarray, "entries"]
+    weights: Float[ndarray, " entries"]
     limits: Float[ndarray, "joints 2"]
 
     @classmethod
@@ -36,7 +36,7 @@ class NominalTorque:
         cls,
         regressor: CompiledRegressor,
         base: BaseParameters,
-        nominal: Float[ndarray, "parameters"],
+        nominal: Float[ndarray, " parameters"],
         limits: Float[ndarray, "joints 2"],
     ) -> NominalTorque:
         """From the parameters of the full model."""

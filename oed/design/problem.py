@@ -57,12 +57,12 @@ class DesignProblem:
     base: BaseParameters
     trajectory: TrajectoryClass
     limits: JointLimits
-    instants: Float[ndarray, "samples"]
+    instants: Float[ndarray, " samples"]
     criterion: Criterion = "J_d"
     covariance: Float[ndarray, "..."] | None = None
     prior: Float[ndarray, "base base"] | None = None
-    scaling: Float[ndarray, "base"] | None = None
-    nominal: Float[ndarray, "parameters"] | None = None
+    scaling: Float[ndarray, " base"] | None = None
+    nominal: Float[ndarray, " parameters"] | None = None
     sign_width: float = 0.02
     native: bool = True
 
@@ -100,7 +100,7 @@ class DesignProblem:
         return FastInformation(self.regressor, self.covariance)
 
     def information(
-        self, z: Float[ndarray, "size"], *, scaled: bool = True, prior: bool = True
+        self, z: Float[ndarray, " size"], *, scaled: bool = True, prior: bool = True
     ) -> Float[ndarray, "base base"]:
         """Lambda at the instants, with the exact velocity sign.
 
@@ -114,7 +114,7 @@ class DesignProblem:
 
     def continuous_information(
         self,
-        z: Float[ndarray, "size"],
+        z: Float[ndarray, " size"],
         *,
         scaled: bool = True,
         prior: bool = True,
@@ -128,17 +128,17 @@ class DesignProblem:
         bare = self.fast.information(self.trajectory.motion(z, t)) * (len(self.instants) / points)
         return self._complete(bare, scaled, prior)
 
-    def cost(self, z: Float[ndarray, "size"]) -> float:
+    def cost(self, z: Float[ndarray, " size"]) -> float:
         """The criterion to be minimised, with the exact sign; infinite where singular."""
         return cost(self.information(z), self.criterion)
 
     def cost_and_gradient(
         self,
-        z: Float[ndarray, "size"],
+        z: Float[ndarray, " size"],
         *,
         sign_width: float | None = None,
         exponent: float = np.inf,
-    ) -> tuple[float, Float[ndarray, "size"]]:
+    ) -> tuple[float, Float[ndarray, " size"]]:
         """The criterion with a smooth sign, and its gradient.
 
         Args:
@@ -161,13 +161,13 @@ class DesignProblem:
         adjoints = self.regressor.pull_back(motion, adjoint, width)
         return value, self.trajectory.pull_back(z, self.instants, adjoints)
 
-    def violation(self, z: Float[ndarray, "size"]) -> float:
+    def violation(self, z: Float[ndarray, " size"]) -> float:
         """Worst violation of the kinematic limits on a dense grid, relative to the limit."""
         t = np.linspace(0.0, self.trajectory.horizon, DENSE)
         ranges = sampled_ranges(self.trajectory, z, t)
         return float(max(violation_of(ranges[k], getattr(self.limits, k)).max() for k in KINEMATIC))
 
-    def certificate(self, z: Float[ndarray, "size"]) -> Certificate:
+    def certificate(self, z: Float[ndarray, " size"]) -> Certificate:
         """Proven bounds on the motion for all t, and on the nominal torque where limited.
 
         Raises:
@@ -184,7 +184,7 @@ class DesignProblem:
         """Whether a nominal model and a torque limit are both there."""
         return self.nominal is not None and bool(np.isfinite(self.limits.torque).any())
 
-    def repair(self, z: Float[ndarray, "size"]) -> Float[ndarray, "size"]:
+    def repair(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:
         """The motion brought within the limits by scaling and shifting each joint.
 
         Where torque is limited, all joints then shrink by one factor until the torque at a
@@ -192,11 +192,11 @@ class DesignProblem:
         """
         return self._within_torque(repair(self.trajectory, z, self.limits))
 
-    def quick_repair(self, z: Float[ndarray, "size"]) -> Float[ndarray, "size"]:
+    def quick_repair(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:
         """As `repair`, faster, and a fraction of a percent inside the limits."""
         return self._within_torque(repair(self.trajectory, z, self.limits, is_quick=True))
 
-    def random_start(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
+    def random_start(self, rng: np.random.Generator) -> Float[ndarray, " size"]:
         """A random motion of the class, every joint scaled until it touches one of its limits."""
         z = fill(self.trajectory, self.trajectory.draw(rng), self.limits)
         return self._within_torque(z)
@@ -205,7 +205,7 @@ class DesignProblem:
     def _torque(self) -> NominalTorque:
         return NominalTorque.of(self.regressor, self.base, self.nominal, self.limits.torque)
 
-    def _within_torque(self, z: Float[ndarray, "size"]) -> Float[ndarray, "size"]:
+    def _within_torque(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:
         if not self.limits_torque:
             return z
         t = np.linspace(0.0, self.trajectory.horizon, DENSE)

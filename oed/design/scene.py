@@ -41,7 +41,7 @@ class Scene:
     columns: ndarray
     note: str
 
-    def positions(self, q: Float[ndarray, "joints"], rest: ndarray) -> ndarray:
+    def positions(self, q: Float[ndarray, " joints"], rest: ndarray) -> ndarray:
         """All positions of the plant with the robot's joints at q and the others at `rest`."""
         everything = np.array(rest, dtype=float)
         everything[self.columns] = q

@@ -25,9 +25,9 @@ TOLERANCE = 5e-3  # between proven and attained torque, of the joint's largest
 
 def proven_torque_range(
     model: TorqueModel,
-    parameters: Float[ndarray, "parameters"],
+    parameters: Float[ndarray, " parameters"],
     trajectory: TrajectoryClass,
-    z: Float[ndarray, "size"],
+    z: Float[ndarray, " size"],
 ) -> Float[ndarray, "joints 2"]:
     """Bounds that the model's torque never leaves, for all t in the horizon.
 
@@ -94,7 +94,7 @@ def _signal_on(
 
 
 def sampled_torque(
-    model: TorqueModel, parameters: Float[ndarray, "parameters"], motion: Motion
+    model: TorqueModel, parameters: Float[ndarray, " parameters"], motion: Motion
 ) -> Float[ndarray, "joints 2"]:
     """Smallest and largest torque at the instants of a motion: no proof."""
     torque = model.torque(parameters, motion)

@@ -45,7 +45,7 @@ class Band:
         return self.rate / self.factor
 
     @cached_property
-    def taps(self) -> Float[ndarray, "taps"]:
+    def taps(self) -> Float[ndarray, " taps"]:
         """Symmetric impulse response of unit sum."""
         length = 2 * int(np.ceil(1.65 * self.rate / (TRANSITION * self.cutoff))) + 1
         return firwin(length, self.cutoff, fs=self.rate)
@@ -59,11 +59,11 @@ class Band:
         """Analysis rows that `samples` fine ones give."""
         return max(0, (samples - 1 - 2 * self.reach) // self.factor + 1)
 
-    def instants(self, t: Float[ndarray, "samples"]) -> Float[ndarray, "rows"]:
+    def instants(self, t: Float[ndarray, " samples"]) -> Float[ndarray, " rows"]:
         """Times of the filtered rows [s]."""
         return t[self.reach : len(t) - self.reach : self.factor]
 
-    def apply(self, fine: Float[ndarray, "samples *columns"]) -> Float[ndarray, "rows *columns"]:
+    def apply(self, fine: Float[ndarray, " samples *columns"]) -> Float[ndarray, " rows *columns"]:
         """Filter without phase and keep every `factor`-th row, the unsettled ends cut away."""
         flat = fine.reshape(len(fine), -1)
         # Only the rows that are kept are computed: the first tap meets sample 0 at `reach`.
@@ -77,7 +77,7 @@ class Band:
 
 def position_noise(
     positions: Sequence[Float[ndarray, "samples joints"]], rate: float
-) -> tuple[Float[ndarray, "joints"], Float[ndarray, "joints"]]:
+) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
     """Spectral density of encoder noise, and the frequency up to which motion exceeds it.
 
     The noise is read off the upper half of the band, where arms do not move, and taken for

@@ -41,9 +41,9 @@ class Baseline:
     """
 
     model: TorqueModel
-    columns: Int[ndarray, "base"]
+    columns: Int[ndarray, " base"]
     floor: NoiseFloor
-    coulomb: Float[ndarray, "joints"]
+    coulomb: Float[ndarray, " joints"]
 
     def rows(self, prepared: tuple[Prepared, ...], scales: tuple[float, ...] | None = None) -> Rows:
         """White rows of any recordings of the same robot."""
@@ -70,7 +70,7 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     return Baseline(sharp, columns, floor, coulomb_of(rough))
 
 
-def coulomb_of(fit: LinearFit) -> Float[ndarray, "joints"]:
+def coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
     """Height of each joint's friction step as the fit has it [N m]."""
     heights = np.zeros(fit.model.robot.n)
     full = fit.full_parameters()
@@ -185,9 +185,9 @@ def _free_form_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseF
 
 def _rich_residual(
     blocks: list[Float[ndarray, "_ columns"]],
-    torque: list[Float[ndarray, "_"]],
+    torque: list[Float[ndarray, " _"]],
     noise: Autoregression,
-) -> tuple[list[Float[ndarray, "_"]], int]:
+) -> tuple[list[Float[ndarray, " _"]], int]:
     """What a generalised least-squares fit of one joint leaves, unwhitened, and its rank."""
     skip = noise.order
     white = np.concatenate([noise.whiten(b)[skip:] for b in blocks])

@@ -31,9 +31,9 @@ class Dependence:
 
     joint: int
     coordinate: str
-    centre: Float[ndarray, "bins"]
-    mean: Float[ndarray, "bins"]
-    deviation: Float[ndarray, "bins"]
+    centre: Float[ndarray, " bins"]
+    mean: Float[ndarray, " bins"]
+    deviation: Float[ndarray, " bins"]
     share: float
 
 
@@ -47,7 +47,7 @@ class Spectrum:
         after: (F, n).
     """
 
-    frequency: Float[ndarray, "frequencies"]
+    frequency: Float[ndarray, " frequencies"]
     before: Float[ndarray, "frequencies joints"]
     after: Float[ndarray, "frequencies joints"]
 
@@ -63,7 +63,7 @@ def dependences(
 ) -> tuple[Dependence, ...]:
     """Every joint's residual over every joint's position and velocity, its acceleration, time."""
     joints = errors[0].shape[1]
-    coordinates: dict[str, Float[ndarray, "rows"]] = {}
+    coordinates: dict[str, Float[ndarray, " rows"]] = {}
     for kind in ("q", "dq", "ddq"):
         values = np.concatenate([settled(p, getattr(p.motion, kind)) for p in prepared])
         for i in range(joints):
@@ -92,8 +92,8 @@ def _blocks(prepared: Sequence[Prepared]) -> ndarray:
 def _binned(
     joint: int,
     name: str,
-    x: Float[ndarray, "rows"],
-    y: Float[ndarray, "rows"],
+    x: Float[ndarray, " rows"],
+    y: Float[ndarray, " rows"],
     blocks: ndarray,
 ) -> Dependence:
     edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))

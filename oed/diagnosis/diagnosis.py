@@ -64,7 +64,7 @@ class Diagnosis:
     before: FinalModel
     after: FinalModel
     proof: tuple[RoleProof, ...]
-    noise_floor: Float[ndarray, "joints"]
+    noise_floor: Float[ndarray, " joints"]
     noise_source: str
     lack_before: LackOfFit
     lack_after: LackOfFit
@@ -73,10 +73,10 @@ class Diagnosis:
     spectrum: Spectrum
     refused: tuple[Refused, ...]
     cutoff: float
-    sign_width: Float[ndarray, "joints"]
+    sign_width: Float[ndarray, " joints"]
     shop: Workshop = field(repr=False, compare=False)
 
-    def rival_pairs(self, decisive: float) -> list[tuple[Trial, Float[ndarray, "columns"], Trial]]:
+    def rival_pairs(self, decisive: float) -> list[tuple[Trial, Float[ndarray, " columns"], Trial]]:
         """Found effects, their coefficients, and the rivals that the data cannot exclude."""
         if not self.effects:
             return []
@@ -127,7 +127,7 @@ def _conclude(
     shop: Workshop,
     selection: Selection,
     by_role: dict[str, tuple[Prepared, ...]],
-    steps: Float[ndarray, "joints"],
+    steps: Float[ndarray, " joints"],
     settings: DiagnosisSettings,
 ) -> Diagnosis:
     baseline = shop.baseline

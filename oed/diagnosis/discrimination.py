@@ -57,7 +57,7 @@ class NextExperiment:
 
 def design_discriminating(
     shop: Workshop,
-    pairs: Sequence[tuple[Trial, Float[ndarray, "columns"], Trial]],
+    pairs: Sequence[tuple[Trial, Float[ndarray, " columns"], Trial]],
     rng: np.random.Generator,
     *,
     candidates: int = 48,
@@ -107,7 +107,7 @@ def separation(
     shop: Workshop,
     recording: Prepared,
     favourite: Trial,
-    coefficients: Float[ndarray, "columns"],
+    coefficients: Float[ndarray, " columns"],
     rival: Trial,
 ) -> float:
     """lambda: what of the favourite's torque no parameters of base model and rival reproduce."""

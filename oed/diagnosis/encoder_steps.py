@@ -23,7 +23,7 @@ ON_GRID = 0.98  # share of the logged positions that must be multiples of a step
 TOLERANCE = 0.02  # of a step
 
 
-def encoder_steps(recordings: Sequence[Recording]) -> Float[ndarray, "joints"]:
+def encoder_steps(recordings: Sequence[Recording]) -> Float[ndarray, " joints"]:
     """(n,) smallest step of each joint's logged positions [rad]; 0 where there is none."""
     joints = recordings[0].n
     steps = np.zeros(joints)
@@ -44,10 +44,10 @@ def encoder_steps(recordings: Sequence[Recording]) -> Float[ndarray, "joints"]:
 
 def rounding_squares(
     model: TorqueModel,
-    parameters: Float[ndarray, "parameters"],
+    parameters: Float[ndarray, " parameters"],
     rows: Rows,
-    steps: Float[ndarray, "joints"],
-) -> Float[ndarray, "joints"]:
+    steps: Float[ndarray, " joints"],
+) -> Float[ndarray, " joints"]:
     """(n,) mean square that these steps add to a row of the white residual."""
     joints = len(steps)
     if not np.any(steps > 0):

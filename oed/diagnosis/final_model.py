@@ -32,7 +32,7 @@ class FinalModel:
     """
 
     model: TorqueModel
-    parameters: Float[ndarray, "parameters"]
+    parameters: Float[ndarray, " parameters"]
     fit: LinearFit
 
 
@@ -80,7 +80,7 @@ def errors_of(final: FinalModel, prepared: Sequence[Prepared]) -> list[Float[nda
     ]
 
 
-def rms_of(final: FinalModel, prepared: Sequence[Prepared]) -> Float[ndarray, "joints"]:
+def rms_of(final: FinalModel, prepared: Sequence[Prepared]) -> Float[ndarray, " joints"]:
     """Root mean square error of each joint [N m]."""
     return rms(errors_of(final, prepared))
 

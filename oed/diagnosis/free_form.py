@@ -43,13 +43,13 @@ class Coordinate:
         """Such as "dq_2" (joints from 1), or "time"."""
         return "time" if self.kind == "time" else f"{self.kind}_{self.joint + 1}"
 
-    def values(self, state: State) -> Float[ndarray, "samples"]:
+    def values(self, state: State) -> Float[ndarray, " samples"]:
         """The coordinate along a motion."""
         if self.kind == "time":
             return np.asarray(state.t, dtype=float)
         return np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
 
-    def basis(self, x: Float[ndarray, "samples"]) -> Float[ndarray, "samples functions"]:
+    def basis(self, x: Float[ndarray, " samples"]) -> Float[ndarray, "samples functions"]:
         """B-splines that add up to one; beyond the covered range they stay at its edge."""
         inner = np.linspace(self.lower, self.upper, self.pieces + 1)
         knots = np.concatenate([[self.lower] * DEGREE, inner, [self.upper] * DEGREE])

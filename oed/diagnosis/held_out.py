@@ -22,7 +22,7 @@ class CrossValidation:
         squares: (segments,) white prediction errors.
     """
 
-    squares: Float[ndarray, "segments"]
+    squares: Float[ndarray, " segments"]
 
     def gain_over(self, before: CrossValidation) -> tuple[float, float]:
         """Fall of the squares against another model, and its t statistic over segments."""
@@ -32,7 +32,7 @@ class CrossValidation:
         return total, total / spread if spread > 0 else 0.0
 
 
-def segments_of(rows: Rows, folds: int) -> Int[ndarray, "rows"]:
+def segments_of(rows: Rows, folds: int) -> Int[ndarray, " rows"]:
     """(R,) segment of each row: stretches of the motion's phase, the same in every repetition."""
     count = folds * SEGMENTS_PER_FOLD
     parts, offset = [], 0

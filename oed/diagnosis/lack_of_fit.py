@@ -22,13 +22,13 @@ class LackOfFit:
         freedom: (n,) degrees of freedom of the residual.
     """
 
-    ratio: Float[ndarray, "joints"]
-    p_value: Float[ndarray, "joints"]
-    freedom: Float[ndarray, "joints"]
+    ratio: Float[ndarray, " joints"]
+    p_value: Float[ndarray, " joints"]
+    freedom: Float[ndarray, " joints"]
 
 
 def lack_of_fit(
-    fit: LinearFit, noise_freedom: float, rounding: Float[ndarray, "joints"]
+    fit: LinearFit, noise_freedom: float, rounding: Float[ndarray, " joints"]
 ) -> LackOfFit:
     """The lack-of-fit F test on whitened rows.
 

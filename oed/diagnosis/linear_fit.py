@@ -34,7 +34,7 @@ class Projection:
     basis: Float[ndarray, "joints rows rank"]
     inverse: Float[ndarray, "parameters rank"]
 
-    def coordinates(self, y: Float[ndarray, "joints rows"]) -> Float[ndarray, "rank"]:
+    def coordinates(self, y: Float[ndarray, "joints rows"]) -> Float[ndarray, " rank"]:
         """Q' y."""
         return np.einsum("jrb,jr->b", self.basis, y, optimize=True)
 
@@ -47,7 +47,7 @@ class Projection:
         """Dimension b of the span."""
         return self.basis.shape[2]
 
-    def shares(self) -> Float[ndarray, "joints"]:
+    def shares(self) -> Float[ndarray, " joints"]:
         """Parameters that each joint's rows determine; they add up to the rank."""
         return np.einsum("jrb,jrb->j", self.basis, self.basis, optimize=True)
 
@@ -80,10 +80,10 @@ class LinearFit:
     """
 
     model: TorqueModel
-    columns: Int[ndarray, "base"]
+    columns: Int[ndarray, " base"]
     rows: Rows
     projection: Projection
-    parameters: Float[ndarray, "parameters"]
+    parameters: Float[ndarray, " parameters"]
     residual: Float[ndarray, "joints rows"]
 
     @property
@@ -91,7 +91,7 @@ class LinearFit:
         """Sum of squared white residuals: -2 log likelihood but for a constant."""
         return float(np.sum(self.residual**2))
 
-    def full_parameters(self) -> Float[ndarray, "all_parameters"]:
+    def full_parameters(self) -> Float[ndarray, " all_parameters"]:
         """Parameters of every column of the model, regrouped ones at zero."""
         full = np.zeros(len(self.model.parameters))
         full[self.columns] = self.parameters[: len(self.columns)]
@@ -103,7 +103,7 @@ class LinearFit:
 
 
 def whitened_regressor(
-    model: TorqueModel, columns: Int[ndarray, "parameters"], rows: Rows
+    model: TorqueModel, columns: Int[ndarray, " parameters"], rows: Rows
 ) -> Float[ndarray, "joints rows parameters"]:
     """White columns of a model, joint by joint."""
     filtered = [p.band.apply(model.columns(p.motion)[:, :, columns]) for p in rows.prepared]
@@ -126,14 +126,14 @@ def reversal_nuisances(rows: Rows) -> Float[ndarray, "joints rows nuisances"]:
     return result
 
 
-def fit_model(model: TorqueModel, columns: Int[ndarray, "parameters"], rows: Rows) -> LinearFit:
+def fit_model(model: TorqueModel, columns: Int[ndarray, " parameters"], rows: Rows) -> LinearFit:
     """Fit the chosen columns of a model, and the rows' nuisances, to whitened rows."""
     return fit_regressor(model, columns, rows, whitened_regressor(model, columns, rows))
 
 
 def fit_regressor(
     model: TorqueModel,
-    columns: Int[ndarray, "parameters"],
+    columns: Int[ndarray, " parameters"],
     rows: Rows,
     regressor: Float[ndarray, "joints rows parameters"],
 ) -> LinearFit:
@@ -165,9 +165,9 @@ class Addition:
     """
 
     gain: float
-    coefficients: Float[ndarray, "columns"]
+    coefficients: Float[ndarray, " columns"]
     rank: int
-    variance: Float[ndarray, "columns"]
+    variance: Float[ndarray, " columns"]
 
 
 def addition(
@@ -193,7 +193,7 @@ def gram_and_moment(
     residual: Float[ndarray, "joints rows"],
     group: Mapping[int, Float[ndarray, "rows columns"]],
 ) -> tuple[
-    tuple[Float[ndarray, "columns columns"], Float[ndarray, "columns"]], Float[ndarray, "columns"]
+    tuple[Float[ndarray, "columns columns"], Float[ndarray, " columns"]], Float[ndarray, " columns"]
 ]:
     """Gram matrix of the group outside the model, its columns' whole squared lengths, moments."""
     columns = next(iter(group.values())).shape[1]
@@ -210,8 +210,8 @@ def gram_and_moment(
 
 def solve_addition(
     gram: Float[ndarray, "columns columns"],
-    lengths: Float[ndarray, "columns"],
-    moment: Float[ndarray, "columns"],
+    lengths: Float[ndarray, " columns"],
+    moment: Float[ndarray, " columns"],
     ridge: float = 0.0,
 ) -> Addition:
     """Gain and coefficients from the normal equations of the part outside the model."""

@@ -18,7 +18,7 @@ from oed.dynamics.torque_model import TorqueModel
 WIDTH_PER_SIGMA = 1.25
 
 
-def with_uncertain_sign(model: TorqueModel, sign_noise: Float[ndarray, "joints"]) -> TorqueModel:
+def with_uncertain_sign(model: TorqueModel, sign_noise: Float[ndarray, " joints"]) -> TorqueModel:
     """The model whose Coulomb friction is the expectation over an uncertain velocity sign.
 
     Only the sign's own noise enters: a velocity shrunk like a regressor would shift it.
@@ -35,7 +35,7 @@ def with_uncertain_sign(model: TorqueModel, sign_noise: Float[ndarray, "joints"]
 
 
 def filtered_columns(
-    model: TorqueModel, prepared: Prepared, columns: Int[ndarray, "kept"]
+    model: TorqueModel, prepared: Prepared, columns: Int[ndarray, " kept"]
 ) -> Float[ndarray, "rows joints kept"]:
     """The chosen columns of a model in the analysis band."""
     fine = model.columns(prepared.motion)[:, :, columns]

@@ -37,8 +37,8 @@ class NoiseFloor:
 
     source: NoiseSource
     noise: tuple[Autoregression, ...]
-    deviation: Float[ndarray, "joints"]
-    dilution: Float[ndarray, "joints"]
+    deviation: Float[ndarray, " joints"]
+    dilution: Float[ndarray, " joints"]
 
 
 def repetition_series(
@@ -97,7 +97,7 @@ def floor_from_repetitions(
 def floor_from_free_form(
     residuals: Sequence[Float[ndarray, "_ joints"]],
     trusted: Sequence[Bool[ndarray, "_ joints"]],
-    freedom: Float[ndarray, "joints"],
+    freedom: Float[ndarray, " joints"],
 ) -> NoiseFloor:
     """Noise floor from what a rich free-form fit leaves.
 
@@ -118,7 +118,7 @@ def floor_from_free_form(
     return NoiseFloor("free-form fit", noise, deviation, dilution)
 
 
-def _correlated_rows(series: Sequence[Float[ndarray, "_"]]) -> float:
+def _correlated_rows(series: Sequence[Float[ndarray, " _"]]) -> float:
     """1 + 2 sum of the autocorrelation up to its first zero."""
     power = sum(float(x @ x) for x in series)
     total = 1.0
@@ -133,8 +133,8 @@ def _correlated_rows(series: Sequence[Float[ndarray, "_"]]) -> float:
 def _deviation(
     noise: Sequence[Float[ndarray, "_ joints"]],
     trusted: Sequence[Bool[ndarray, "_ joints"]],
-    freedom: Float[ndarray, "joints"],
-) -> Float[ndarray, "joints"]:
+    freedom: Float[ndarray, " joints"],
+) -> Float[ndarray, " joints"]:
     mask = np.concatenate(trusted)
     squares = np.where(mask, np.concatenate(noise) ** 2, 0.0).sum(axis=0)
     return np.sqrt(squares / np.maximum(mask.sum(axis=0), 1) / freedom)

@@ -44,7 +44,7 @@ def base_columns(fit: LinearFit, prepared: Sequence[Prepared]) -> list[Float[nda
 
 
 def addition_torque(
-    trial: Trial, coefficients: Float[ndarray, "columns"], recording: Prepared
+    trial: Trial, coefficients: Float[ndarray, " columns"], recording: Prepared
 ) -> Float[ndarray, "rows joints"]:
     """Filtered torque of one addition along a recording [N m]."""
     joints = recording.torque.shape[1]
@@ -54,6 +54,6 @@ def addition_torque(
     return recording.band.apply(fine)
 
 
-def rms(errors: Sequence[Float[ndarray, "_ joints"]]) -> Float[ndarray, "joints"]:
+def rms(errors: Sequence[Float[ndarray, "_ joints"]]) -> Float[ndarray, " joints"]:
     """Root mean square of each joint over all recordings [N m]."""
     return np.sqrt(np.mean(np.concatenate(list(errors)) ** 2, axis=0))

@@ -47,15 +47,15 @@ class Prepared:
     motion: Motion
     fine_torque: Float[ndarray, "samples joints"]
     torque: Float[ndarray, "rows joints"]
-    t: Float[ndarray, "rows"]
+    t: Float[ndarray, " rows"]
     band: Band
-    repetition: Int[ndarray, "rows"]
+    repetition: Int[ndarray, " rows"]
     period: float | None
-    sign_noise: Float[ndarray, "joints"]
-    recorded: Bool[ndarray, "samples"]
+    sign_noise: Float[ndarray, " joints"]
+    recorded: Bool[ndarray, " samples"]
 
     @property
-    def valid(self) -> Bool[ndarray, "rows"]:
+    def valid(self) -> Bool[ndarray, " rows"]:
         """Rows whose whole filter window was recorded."""
         missing = np.concatenate([[0], np.cumsum(~self.recorded)])
         window = len(self.band.taps)
@@ -68,7 +68,7 @@ class Prepared:
         return len(self.t)
 
     @property
-    def phase(self) -> Float[ndarray, "rows"]:
+    def phase(self) -> Float[ndarray, " rows"]:
         """Time within the period, or the time itself without repetitions [s]."""
         return self.t if self.period is None else np.mod(self.t, self.period)
 
@@ -109,7 +109,7 @@ def _motion_band(recordings: tuple[Recording, ...], rate: float) -> float:
     return max(LEAST_BAND, 2 * search_cutoff(estimation, rate, shortest).band_edge)
 
 
-def velocity_noise(density: Float[ndarray, "joints"], band: Band) -> Float[ndarray, "joints"]:
+def velocity_noise(density: Float[ndarray, " joints"], band: Band) -> Float[ndarray, " joints"]:
     """Standard deviation of the smoothed, differentiated encoder noise [rad/s]."""
     frequency = np.linspace(0, band.rate / 2, 2000)
     gain = 1 / (1 + (frequency / band.smoothing) ** 8)
@@ -120,7 +120,7 @@ def velocity_noise(density: Float[ndarray, "joints"], band: Band) -> Float[ndarr
 def _uniform(
     recording: Recording, rate: float
 ) -> tuple[
-    Float[ndarray, "samples"], Float[ndarray, "samples joints"], Float[ndarray, "samples joints"]
+    Float[ndarray, " samples"], Float[ndarray, "samples joints"], Float[ndarray, "samples joints"]
 ]:
     fresh = fresh_samples(recording)
     logged = 1 / float(np.median(np.diff(recording.t)))
@@ -139,12 +139,12 @@ def _uniform(
 
 def _prepare_one(
     recording: Recording,
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     q: Float[ndarray, "samples joints"],
     tau: Float[ndarray, "samples joints"],
     *,
     band: Band,
-    noise: Float[ndarray, "joints"],
+    noise: Float[ndarray, " joints"],
 ) -> Prepared:
     smooth = lowpass(q, band.rate, band.smoothing)
     dq = central_difference(smooth, band.rate)
@@ -173,8 +173,8 @@ def _prepare_one(
 
 
 def _recorded(
-    recording: Recording, t: Float[ndarray, "samples"], rate: float
-) -> Bool[ndarray, "samples"]:
+    recording: Recording, t: Float[ndarray, " samples"], rate: float
+) -> Bool[ndarray, " samples"]:
     """False in gaps of the log, such as between runs, and where smoothing feels them."""
     steps = np.diff(recording.t)
     longest = GAP * max(float(np.median(steps)), 1 / rate)
@@ -185,7 +185,7 @@ def _recorded(
     return recorded
 
 
-def _repetition(recording: Recording, instants: Float[ndarray, "rows"]) -> Int[ndarray, "rows"]:
+def _repetition(recording: Recording, instants: Float[ndarray, " rows"]) -> Int[ndarray, " rows"]:
     if recording.repetition is None or recording.repetitions < 2:
         return np.full(len(instants), -1)
     before = np.searchsorted(recording.t, instants + 1e-9, side="right") - 1

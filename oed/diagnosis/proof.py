@@ -28,9 +28,9 @@ class RoleProof:
     """
 
     role: str
-    before: Float[ndarray, "joints"]
-    after: Float[ndarray, "joints"]
-    torque: Float[ndarray, "joints"]
+    before: Float[ndarray, " joints"]
+    after: Float[ndarray, " joints"]
+    torque: Float[ndarray, " joints"]
     before_interval: Float[ndarray, "joints 2"]
     after_interval: Float[ndarray, "joints 2"]
     change_interval: Float[ndarray, "joints 2"]
@@ -85,7 +85,7 @@ def _block_squares(
 
 def _block_lengths(
     errors: Sequence[Float[ndarray, "_ joints"]], rate: float
-) -> Float[ndarray, "blocks"]:
+) -> Float[ndarray, " blocks"]:
     length = max(1, round(BLOCK * rate))
     return np.concatenate(
         [np.diff(np.append(np.arange(0, len(e), length), len(e))) for e in errors]

@@ -42,7 +42,7 @@ class Rows:
         return len(self.weights)
 
     @property
-    def starts(self) -> Int[ndarray, "recordings_and_end"]:
+    def starts(self) -> Int[ndarray, " recordings_and_end"]:
         """First row of each recording, and the end."""
         return np.concatenate([[0], np.cumsum([p.rows for p in self.prepared])])
 
@@ -74,9 +74,9 @@ class Rows:
 def weigh(
     prepared: tuple[Prepared, ...],
     noise: tuple[Autoregression, ...],
-    coulomb: Float[ndarray, "joints"],
+    coulomb: Float[ndarray, " joints"],
     scales: tuple[float, ...] | None = None,
-    dilution: Float[ndarray, "joints"] | None = None,
+    dilution: Float[ndarray, " joints"] | None = None,
 ) -> Rows:
     """Rows whose weights know how badly each reversal is timed.
 
@@ -106,7 +106,7 @@ def weigh(
 
 def trusted_samples(
     recording: Prepared, joint: int, coulomb: float, deviation: float
-) -> Bool[ndarray, "samples"]:
+) -> Bool[ndarray, " samples"]:
     """Fine samples whose filtered neighbourhood shows noise rather than a badly timed reversal.
 
     Args:
@@ -143,7 +143,7 @@ def reversal_shapes(recording: Prepared, joint: int) -> Float[ndarray, "samples 
 
 def _reversals(
     recording: Prepared, joint: int
-) -> tuple[Int[ndarray, "turns"], Float[ndarray, "turns"]]:
+) -> tuple[Int[ndarray, " turns"], Float[ndarray, " turns"]]:
     """Samples before a change of sign, and the standard deviation of its time [s]."""
     band = recording.band
     velocity = recording.motion.dq[:, joint]
@@ -158,7 +158,7 @@ def _reversals(
 
 def _weights_of(
     recording: Prepared, joint: int, noise: Autoregression, coulomb: float
-) -> Float[ndarray, "rows"]:
+) -> Float[ndarray, " rows"]:
     band = recording.band
     velocity = recording.motion.dq[:, joint]
     sigma = max(float(recording.sign_noise[joint]), 1e-12)
@@ -179,7 +179,7 @@ def _weights_of(
     return weights
 
 
-def _standing(velocity: Float[ndarray, "samples"], sigma: float, shortest: float | int) -> ndarray:
+def _standing(velocity: Float[ndarray, " samples"], sigma: float, shortest: float | int) -> ndarray:
     """Samples of stretches of at least `shortest` samples in which the velocity has no sign."""
     slow = np.abs(velocity) < STANDSTILL * sigma
     edges = np.flatnonzero(np.diff(slow, prepend=False, append=False))

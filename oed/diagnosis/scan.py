@@ -37,7 +37,7 @@ class Score:
     trial: Trial
     gain: float
     freedom: int
-    coefficients: Float[ndarray, "columns"]
+    coefficients: Float[ndarray, " columns"]
     cancelled: float = 1.0
 
     def evidence(self, rows: int) -> float:
@@ -50,13 +50,13 @@ class Score:
         occam = linear * np.log(max(self.cancelled, 1.0))
         return float(self.gain - self.freedom * np.log(rows) - occam)
 
-    def surprise(self, inflation: Float[ndarray, "joints"]) -> float:
+    def surprise(self, inflation: Float[ndarray, " joints"]) -> float:
         """-log of the chance of this gain in noise that large, shapes counted as parameters."""
         gains = np.array([max(self.gain, 0.0) / inflation[list(self.trial.group)].mean()])
         return float(minus_log_chance(gains, max(self.freedom, 1))[0])
 
 
-def minus_log_chance(gains: Float[ndarray, "count"], freedom: int) -> Float[ndarray, "count"]:
+def minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[ndarray, " count"]:
     """-log of a chi-square's upper tail, by its leading terms where it underflows."""
     exact = -chi2.logsf(np.minimum(gains, 400.0), freedom)
     half = np.maximum(gains, 1.0) / 2
@@ -64,7 +64,7 @@ def minus_log_chance(gains: Float[ndarray, "count"], freedom: int) -> Float[ndar
     return np.where(gains > 400.0, leading, exact)
 
 
-def inflation_of(fit: LinearFit) -> Float[ndarray, "joints"]:
+def inflation_of(fit: LinearFit) -> Float[ndarray, " joints"]:
     """(n,) mean squared white residual where it exceeds one: what the model lacks is noise too."""
     weight = np.sum(fit.rows.weights**2, axis=0) - fit.projection.shares()
     return np.maximum(1.0, np.sum(fit.residual**2, axis=1) / np.maximum(weight, 1.0))
@@ -105,7 +105,7 @@ def refine(found: Score, fit: LinearFit, context: Context) -> Score:
     shapes = entry.shapes_for(context, found.trial.target)
     best = found
 
-    def loss(x: Float[ndarray, "shapes"]) -> float:
+    def loss(x: Float[ndarray, " shapes"]) -> float:
         nonlocal best
         values = tuple(from_axis(float(v), s) for v, s in zip(x, shapes, strict=True))
         trial = catalogue_trial(
@@ -131,7 +131,7 @@ def refine(found: Score, fit: LinearFit, context: Context) -> Score:
 
 def surrogate_surprise(
     trials: Sequence[Trial], fit: LinearFit, count: int, rng: np.random.Generator
-) -> Float[ndarray, "count"]:
+) -> Float[ndarray, " count"]:
     """Largest surprise of a whole search when the residual is nothing but chance.
 
     The residual's sign is flipped block by block: whatever keeps step with a column is
@@ -169,7 +169,7 @@ def flip_signs(
     return fit.residual[:, :, None] * signs[blocks][None]
 
 
-def family_p_value(surprise: float, surrogates: Float[ndarray, "count"]) -> float:
+def family_p_value(surprise: float, surrogates: Float[ndarray, " count"]) -> float:
     """Chance that a search through noise surprises as much, from a Gumbel tail."""
     scale = max(float(np.std(surrogates)) * np.sqrt(6) / np.pi, 0.5)
     location = float(np.mean(surrogates)) - np.euler_gamma * scale
@@ -184,10 +184,10 @@ def _block_starts(fit: LinearFit, length: int) -> list[int]:
 def _surprises(
     trial: Trial,
     gram: Float[ndarray, "columns columns"],
-    lengths: Float[ndarray, "columns"],
+    lengths: Float[ndarray, " columns"],
     moments: Float[ndarray, "columns count"],
     inflation: float,
-) -> Float[ndarray, "count"]:
+) -> Float[ndarray, " count"]:
     scale = np.sqrt(np.where(lengths > 0, lengths, 1.0))
     values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
     kept = values > 1e-8 * len(values)

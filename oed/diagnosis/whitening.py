@@ -31,7 +31,7 @@ class Autoregression:
         scale: Standard deviation of the innovation [unit of x].
     """
 
-    coefficients: Float[ndarray, "lags"]
+    coefficients: Float[ndarray, " lags"]
     scale: float
 
     @property
@@ -39,7 +39,7 @@ class Autoregression:
         """P."""
         return len(self.coefficients) - 1
 
-    def whiten(self, x: Float[ndarray, "rows *columns"]) -> Float[ndarray, "rows *columns"]:
+    def whiten(self, x: Float[ndarray, " rows *columns"]) -> Float[ndarray, " rows *columns"]:
         """Innovations of unit variance; the first p rows lack their past and are approximate."""
         return lfilter(self.coefficients, [1.0], x, axis=0) / self.scale
 
@@ -49,9 +49,9 @@ class Autoregression:
 
 
 def fit_autoregression(
-    series: Sequence[Float[ndarray, "_"]],
+    series: Sequence[Float[ndarray, " _"]],
     *,
-    trusted: Sequence[Bool[ndarray, "_"]] | None = None,
+    trusted: Sequence[Bool[ndarray, " _"]] | None = None,
     largest_order: int = LARGEST_ORDER,
     freedom: float = 1.0,
 ) -> Autoregression:
@@ -96,8 +96,8 @@ def fit_autoregression(
 
 
 def _covariance(
-    clean: Sequence[Float[ndarray, "_"]], masks: Sequence[Bool[ndarray, "_"]], longest: int
-) -> Float[ndarray, "lags"]:
+    clean: Sequence[Float[ndarray, " _"]], masks: Sequence[Bool[ndarray, " _"]], longest: int
+) -> Float[ndarray, " lags"]:
     """Autocovariance over pairs of trusted rows.
 
     Gaps can make it that of no spectrum: it is tapered, and its spectrum is kept above a floor.

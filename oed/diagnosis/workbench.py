@@ -58,9 +58,9 @@ class Augmented:
     """
 
     chosen: tuple[Trial, ...]
-    coefficients: tuple[Float[ndarray, "_"], ...]
+    coefficients: tuple[Float[ndarray, " _"], ...]
     fit: LinearFit
-    shifts: tuple[Float[ndarray, "_"], ...]
+    shifts: tuple[Float[ndarray, " _"], ...]
     covariances: tuple[Float[ndarray, "_ _"], ...]
 
 
@@ -127,7 +127,7 @@ def fit_with(
 
 
 def shape_derivatives(
-    trial: Trial, coefficients: Float[ndarray, "columns"], rows: Rows, context: Context
+    trial: Trial, coefficients: Float[ndarray, " columns"], rows: Rows, context: Context
 ) -> Float[ndarray, "joints rows shapes"]:
     """Change of an addition's white torque along each of its shapes' axes."""
     joints = rows.weights.shape[1]
@@ -149,7 +149,7 @@ def shape_derivatives(
 
 def _augmented(
     chosen: tuple[Trial, ...],
-    coefficients: tuple[Float[ndarray, "_"], ...],
+    coefficients: tuple[Float[ndarray, " _"], ...],
     fit: LinearFit,
     places: list[slice],
     bends: list[slice],

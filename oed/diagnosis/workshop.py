@@ -71,7 +71,7 @@ class Workshop:
         """Mean repetitions, or all of them if an addition makes them differ."""
         return self.full if any(t.between_repetitions for t in chosen) else self.mean
 
-    def validation_rms(self, found: Augmented) -> Float[ndarray, "joints"] | None:
+    def validation_rms(self, found: Augmented) -> Float[ndarray, " joints"] | None:
         """Held-out error of each joint [N m]; None without validation recordings."""
         if not self.validation:
             return None

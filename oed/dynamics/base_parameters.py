@@ -39,9 +39,9 @@ class BaseParameters:
         note: How the rank was decided, where that needs saying.
     """
 
-    columns: Int[ndarray, "base"]
+    columns: Int[ndarray, " base"]
     regrouping: Float[ndarray, "base parameters"]
-    singular_values: Float[ndarray, "parameters"]
+    singular_values: Float[ndarray, " parameters"]
     names: tuple[str, ...]
     expressions: tuple[str, ...]
     units: tuple[str, ...]
@@ -55,11 +55,11 @@ class BaseParameters:
         """The base columns of a full regressor."""
         return regressor[..., self.columns]
 
-    def from_standard(self, parameters: Float[ndarray, "parameters"]) -> Float[ndarray, "base"]:
+    def from_standard(self, parameters: Float[ndarray, " parameters"]) -> Float[ndarray, " base"]:
         """Base parameters of a full parameter vector."""
         return self.regrouping @ parameters
 
-    def to_standard(self, base: Float[ndarray, "base"]) -> Float[ndarray, "parameters"]:
+    def to_standard(self, base: Float[ndarray, " base"]) -> Float[ndarray, " parameters"]:
         """The full vector with these base parameters in which all regrouped ones are zero."""
         full = np.zeros(self.regrouping.shape[1])
         full[self.columns] = base
@@ -125,7 +125,7 @@ def find_base_parameters(
 
 def normalised_factor(
     regressor: Float[ndarray, "rows parameters"], tolerance: float = 1e-8
-) -> tuple[Float[ndarray, "parameters parameters"], Float[ndarray, "parameters"]]:
+) -> tuple[Float[ndarray, "parameters parameters"], Float[ndarray, " parameters"]]:
     """Triangular factor of a regressor with unit columns, and the columns' lengths.
 
     Columns mix kg, kg m and kg m^2: normalised, units cannot move the rank. A column of
@@ -136,7 +136,7 @@ def normalised_factor(
     return np.linalg.qr(regressor / norms, mode="r"), norms
 
 
-def _rank(singular_values: Float[ndarray, "parameters"], tolerance: float, gap: float) -> int:
+def _rank(singular_values: Float[ndarray, " parameters"], tolerance: float, gap: float) -> int:
     rank = int((singular_values > tolerance * singular_values[0]).sum())
     if rank < len(singular_values):
         kept, dropped = singular_values[rank - 1], singular_values[rank]
@@ -165,7 +165,7 @@ def _first_independent(factor: Float[ndarray, "rows columns"], order: Iterable[i
 
 
 def _expression(
-    row: Float[ndarray, "parameters"],
+    row: Float[ndarray, " parameters"],
     names: Sequence[str],
     kept: int,
     lengths: Sequence[float],

@@ -60,8 +60,8 @@ class CompiledRegressor:
 
     joints: int
     columns: int
-    entry_joint: Int[ndarray, "entries"]
-    entry_column: Int[ndarray, "entries"]
+    entry_joint: Int[ndarray, " entries"]
+    entry_column: Int[ndarray, " entries"]
     is_native: bool
     _forward: Batch
     _reverse: Batch

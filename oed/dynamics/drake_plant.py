@@ -91,7 +91,7 @@ def coordinate_order(plant: MultibodyPlant, robot: Robot) -> list[int]:
     return [plant.GetJointByName(name).velocity_start() for name in robot.joint_names]
 
 
-def _scatter(values: Float[ndarray, "joints"], order: list[int]) -> Float[ndarray, "joints"]:
+def _scatter(values: Float[ndarray, " joints"], order: list[int]) -> Float[ndarray, " joints"]:
     placed = np.zeros(len(values))
     placed[order] = values
     return placed

@@ -50,7 +50,7 @@ class EnergyModel:
 
     def target(
         self, motion: Motion, torque: Float[ndarray, "samples joints"]
-    ) -> Float[ndarray, "rows"]:
+    ) -> Float[ndarray, " rows"]:
         """Work of measured torques over each window [J]."""
         power = np.einsum("kj,kj->k", motion.dq, torque)
         return np.diff(_integral(power[:, None], motion.t)[self._edges(motion), 0])
@@ -66,6 +66,6 @@ class EnergyModel:
 
 
 def _integral(
-    power: Float[ndarray, "samples columns"], t: Float[ndarray, "samples"]
+    power: Float[ndarray, "samples columns"], t: Float[ndarray, " samples"]
 ) -> Float[ndarray, "samples columns"]:
     return cumulative_simpson(power, x=t, axis=0, initial=0.0)

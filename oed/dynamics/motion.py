@@ -26,7 +26,7 @@ class Motion:
         ddq: (N, n) acceleration [rad/s^2 or m/s^2].
     """
 
-    t: Float[ndarray, "samples"]
+    t: Float[ndarray, " samples"]
     q: Float[ndarray, "samples joints"]
     dq: Float[ndarray, "samples joints"]
     ddq: Float[ndarray, "samples joints"]

@@ -13,7 +13,7 @@ from typing import Any
 import casadi
 import numpy as np
 
-Scalar = Any  # float | Float[ndarray, "samples"] | casadi.SX
+Scalar = Any  # float | Float[ndarray, " samples"] | casadi.SX
 Vector = tuple[Scalar, Scalar, Scalar]
 Matrix = tuple[Vector, Vector, Vector]  # rows
 

@@ -85,7 +85,7 @@ class TorqueModel:
         return columns.reshape(-1, columns.shape[2])
 
     def torque(
-        self, parameters: Float[ndarray, "parameters"], motion: Motion
+        self, parameters: Float[ndarray, " parameters"], motion: Motion
     ) -> Float[ndarray, "samples joints"]:
         """Predicted torque of every joint [N m or N]."""
         return self.columns(motion) @ parameters

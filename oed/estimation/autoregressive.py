@@ -82,8 +82,8 @@ def mix_joints(
 
 
 def lagged_sums(
-    first: Float[ndarray, "samples joints *columns"],
-    second: Float[ndarray, "samples joints *columns"],
+    first: Float[ndarray, " samples joints *columns"],
+    second: Float[ndarray, " samples joints *columns"],
     lags: int,
     segments: tuple[int, ...],
 ) -> Float[ndarray, "lags joints"]:
@@ -104,8 +104,8 @@ def segment_bounds(segments: tuple[int, ...]) -> list[tuple[int, int]]:
 
 
 def levinson(
-    autocovariance: Float[ndarray, "lags"], order: int
-) -> tuple[Float[ndarray, "order1"], Float[ndarray, "order1"]]:
+    autocovariance: Float[ndarray, " lags"], order: int
+) -> tuple[Float[ndarray, " order1"], Float[ndarray, " order1"]]:
     """Levinson–Durbin recursion (Brockwell & Davis, Time Series, section 8.2).
 
     Where an estimated autocovariance is not positive definite the order stops growing.
@@ -127,7 +127,7 @@ def levinson(
     return polynomial, np.array(variance)
 
 
-def choose_order(autocovariance: Float[ndarray, "lags"], samples: float) -> int:
+def choose_order(autocovariance: Float[ndarray, " lags"], samples: float) -> int:
     """Order with the least corrected Akaike criterion (Hurvich & Tsai 1989)."""
     _, variance = levinson(autocovariance, len(autocovariance) - 1)
     orders = np.arange(len(variance))

@@ -132,7 +132,7 @@ def convergence(calibration: Calibration, *, steps: int = 200) -> RecursiveEstim
 
 def residual_spectrum(
     calibration: Calibration,
-) -> tuple[Float[ndarray, "frequencies"], Float[ndarray, "frequencies joints"]]:
+) -> tuple[Float[ndarray, " frequencies"], Float[ndarray, "frequencies joints"]]:
     """Frequency [Hz] and spectral density [(N m)^2/Hz] of the estimation residual.
 
     Welch's method within each recording, averaged over recordings by their length.
@@ -211,7 +211,7 @@ def stack(
 
 def repetition_noise(
     recordings: tuple[ProcessedRecording, ...],
-) -> Float[ndarray, "joints"] | None:
+) -> Float[ndarray, " joints"] | None:
     """Torque variance (n,) between repetitions, None where no recording repeats [N^2 m^2].
 
     Repetitions are cut to their common length: trimming shortens the first and the last.

@@ -47,7 +47,7 @@ class CovarianceEstimate:
     """
 
     covariance: Float[ndarray, "p p"]
-    degrees_of_freedom: Float[ndarray, "p"]
+    degrees_of_freedom: Float[ndarray, " p"]
     text: str
 
 
@@ -131,7 +131,7 @@ def _kernel_meat(
     return meat / np.outer(1 - slopes, 1 - slopes)
 
 
-def _lag_one(parts: list[ndarray]) -> Float[ndarray, "p"]:
+def _lag_one(parts: list[ndarray]) -> Float[ndarray, " p"]:
     products = sum(np.sum(part[1:] * part[:-1], axis=0) for part in parts)
     squares = sum(np.sum(part**2, axis=0) for part in parts)
     return products / np.where(squares > 0, squares, 1.0)

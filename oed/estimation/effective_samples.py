@@ -15,7 +15,7 @@ def effective_degrees_of_freedom(
     root: Float[ndarray, "p p"],
     noise: AutoregressiveNoise,
     segments: tuple[int, ...],
-) -> Float[ndarray, "p"]:
+) -> Float[ndarray, " p"]:
     """Student-t degrees of freedom of each parameter, after Satterthwaite.
 
     A variance V with standard error s behaves as one from 2 V^2 / s^2 independent samples
@@ -57,10 +57,10 @@ def effective_degrees_of_freedom(
 
 def _spectral_variance(
     paths: Float[ndarray, "samples p"],
-    polynomial: Float[ndarray, "order1"],
+    polynomial: Float[ndarray, " order1"],
     innovation: float,
     tail: int,
-) -> tuple[Float[ndarray, "p"], Float[ndarray, "order p"]]:
+) -> tuple[Float[ndarray, " p"], Float[ndarray, "order p"]]:
     """Variance that one joint's noise gives each parameter, and its slope in a_1 ... a_m."""
     points = 2 ** int(np.ceil(np.log2(len(paths) + tail)))
     power = np.abs(np.fft.rfft(paths, points, axis=0)) ** 2

@@ -36,13 +36,13 @@ class Estimate:
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    parameters: Float[ndarray, "p"]
+    parameters: Float[ndarray, " p"]
     covariance: Float[ndarray, "p p"]
     information_factor: Float[ndarray, "p p"]
     residual: Float[ndarray, "samples joints"]
     degrees_of_freedom: float
-    effective_degrees_of_freedom: Float[ndarray, "p"]
-    joint_variances: Float[ndarray, "joints"]
+    effective_degrees_of_freedom: Float[ndarray, " p"]
+    joint_variances: Float[ndarray, " joints"]
     status: str
     method: str
     unidentifiable: tuple[str, ...]
@@ -59,18 +59,18 @@ class Estimate:
             )
 
     @property
-    def std(self) -> Float[ndarray, "p"]:
+    def std(self) -> Float[ndarray, " p"]:
         """Standard deviation of each parameter, in its unit."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
-    def relative_std(self) -> Float[ndarray, "p"]:
+    def relative_std(self) -> Float[ndarray, " p"]:
         """Standard deviation per absolute value; inf where the value is zero."""
         size = np.abs(self.parameters)
         return np.divide(self.std, size, out=np.full_like(size, np.inf), where=size > 0)
 
     @property
-    def determined(self) -> Bool[ndarray, "p"]:
+    def determined(self) -> Bool[ndarray, " p"]:
         """False for a badly excited parameter, whose value predicts but is not to be quoted."""
         return np.array([name not in self.unidentifiable for name in self.names], dtype=bool)
 
@@ -90,6 +90,6 @@ class Estimate:
         reach = stats.t.ppf(0.5 + level / 2, self.effective_degrees_of_freedom) * self.std
         return np.column_stack([self.parameters - reach, self.parameters + reach])
 
-    def predict(self, regressor: Float[ndarray, "rows all"]) -> Float[ndarray, "rows"]:
+    def predict(self, regressor: Float[ndarray, "rows all"]) -> Float[ndarray, " rows"]:
         """Torque for the full regressor, before any column was removed [N m]."""
         return regressor[:, list(self.columns)] @ self.parameters

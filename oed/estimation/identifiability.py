@@ -39,7 +39,7 @@ class Identifiability:
     names: tuple[str, ...]
     removed: tuple[str, ...]
     reasons: tuple[str, ...]
-    singular_values: Float[ndarray, "p"]
+    singular_values: Float[ndarray, " p"]
 
 
 def find_identifiable(
@@ -91,7 +91,7 @@ def find_identifiable(
 
 def badly_excited(
     names: tuple[str, ...],
-    parameters: Float[ndarray, "p"],
+    parameters: Float[ndarray, " p"],
     covariance: Float[ndarray, "p p"],
     information_factor: Float[ndarray, "p p"],
     *,
@@ -149,7 +149,7 @@ def _independent_columns(factor: Float[ndarray, "p p"], rank: int, tolerance: fl
     return kept
 
 
-def _expression(row: Float[ndarray, "p"], names: tuple[str, ...]) -> str:
+def _expression(row: Float[ndarray, " p"], names: tuple[str, ...]) -> str:
     terms = np.flatnonzero(row).tolist()
     if len(terms) == 1:
         return names[terms[0]]
@@ -167,7 +167,7 @@ def _reason(
     silent: ndarray,
     combination: Float[ndarray, "b p"],
     labels: tuple[str, ...],
-    singular: Float[ndarray, "p"],
+    singular: Float[ndarray, " p"],
 ) -> str:
     if silent[column]:
         return "no torque depends on it: its column is zero in all rows"

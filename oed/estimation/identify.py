@@ -31,7 +31,7 @@ class _Fit:
     solution: Solution
     white_regressor: Float[ndarray, "rows p"]
     white_residual: Float[ndarray, "samples joints"]
-    variances: Float[ndarray, "joints"]
+    variances: Float[ndarray, " joints"]
     text: str
 
 
@@ -130,7 +130,7 @@ def _determined(
 
 def _fit_least_squares(
     regressor: Float[ndarray, "rows p"],
-    torque: Float[ndarray, "rows"],
+    torque: Float[ndarray, " rows"],
     joints: int,
     prior: Prior | None,
     noise: TorqueNoise,
@@ -152,7 +152,7 @@ def _fit_least_squares(
 
 def _fit_robust(
     regressor: Float[ndarray, "rows p"],
-    torque: Float[ndarray, "rows"],
+    torque: Float[ndarray, " rows"],
     joints: int,
     prior: Prior | None,
     loss: RobustLoss,

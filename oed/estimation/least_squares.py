@@ -11,7 +11,7 @@ from oed.estimation.triangular import Solution, add_prior, augment, solve, trian
 
 def batch_least_squares(
     regressor: Float[ndarray, "rows p"],
-    torque: Float[ndarray, "rows"],
+    torque: Float[ndarray, " rows"],
     joints: int,
     *,
     noise: TorqueNoise = None,
@@ -47,7 +47,7 @@ def batch_least_squares(
 
 
 def check_stack(
-    regressor: Float[ndarray, "equations p"], torque: Float[ndarray, "torques"], joints: int
+    regressor: Float[ndarray, "equations p"], torque: Float[ndarray, " torques"], joints: int
 ) -> None:
     """Refuse a regressor and torques that do not belong together.
 

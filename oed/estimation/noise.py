@@ -6,15 +6,15 @@ from numpy import ndarray
 from scipy.linalg import solve_triangular
 
 TorqueNoise = (
-    Float[ndarray, "joints"] | Float[ndarray, "rows"] | Float[ndarray, "joints joints"] | None
+    Float[ndarray, " joints"] | Float[ndarray, " rows"] | Float[ndarray, "joints joints"] | None
 )
 
 
 def whiten(
-    stacked: Float[ndarray, "rows *columns"],
+    stacked: Float[ndarray, " rows *columns"],
     noise: TorqueNoise,
     joints: int,
-) -> Float[ndarray, "rows *columns"]:
+) -> Float[ndarray, " rows *columns"]:
     """Scale stacked rows so that their noise has unit covariance.
 
     Args:
@@ -44,10 +44,10 @@ def whiten(
 
 
 def _decorrelate(
-    stacked: Float[ndarray, "rows *columns"],
+    stacked: Float[ndarray, " rows *columns"],
     covariance: Float[ndarray, "joints joints"],
     joints: int,
-) -> Float[ndarray, "rows *columns"]:
+) -> Float[ndarray, " rows *columns"]:
     try:
         lower = np.linalg.cholesky(covariance)
     except np.linalg.LinAlgError as error:

@@ -19,7 +19,7 @@ class Prior:
         factor: (k, p) F with F^T F = R_xi^-1; no row at all is the flat prior R_xi = inf.
     """
 
-    mean: Float[ndarray, "p"]
+    mean: Float[ndarray, " p"]
     factor: Float[ndarray, "k p"]
 
     @classmethod
@@ -28,7 +28,7 @@ class Prior:
         return cls(np.zeros(parameters), np.zeros((0, parameters)))
 
     @classmethod
-    def gaussian(cls, mean: Float[ndarray, "p"], covariance: Float[ndarray, "p p"]) -> Prior:
+    def gaussian(cls, mean: Float[ndarray, " p"], covariance: Float[ndarray, "p p"]) -> Prior:
         """Mean and full covariance R_xi.
 
         Raises:
@@ -46,7 +46,7 @@ class Prior:
         return cls(np.asarray(mean, dtype=float), factor)
 
     @classmethod
-    def independent(cls, mean: Float[ndarray, "p"], std: Float[ndarray, "p"]) -> Prior:
+    def independent(cls, mean: Float[ndarray, " p"], std: Float[ndarray, " p"]) -> Prior:
         """Mean and standard deviation of each parameter; inf where nothing is known.
 
         Raises:
@@ -58,6 +58,6 @@ class Prior:
         return cls(np.asarray(mean, dtype=float), np.diag(1 / std)[known])
 
     @property
-    def offset(self) -> Float[ndarray, "k"]:
+    def offset(self) -> Float[ndarray, " k"]:
         """Right-hand side F mean of the rows that the prior adds."""
         return self.factor @ self.mean

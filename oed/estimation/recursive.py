@@ -34,14 +34,14 @@ class RecursiveEstimate:
     """
 
     solution: Solution
-    rows: Int[ndarray, "steps"]
+    rows: Int[ndarray, " steps"]
     parameters: Float[ndarray, "steps p"]
     std: Float[ndarray, "steps p"]
 
 
 def recursive_least_squares(
     regressor: Float[ndarray, "rows p"],
-    torque: Float[ndarray, "rows"],
+    torque: Float[ndarray, " rows"],
     joints: int,
     *,
     noise: TorqueNoise = None,

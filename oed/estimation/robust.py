@@ -57,14 +57,14 @@ class RobustSolution:
 
     solution: Solution
     weights: Float[ndarray, "samples joints"]
-    variances: Float[ndarray, "joints"]
+    variances: Float[ndarray, " joints"]
     pseudo_regressor: Float[ndarray, "rows p"]
     pseudo_residual: Float[ndarray, "samples joints"]
 
 
 def robust_least_squares(
     regressor: Float[ndarray, "rows p"],
-    torque: Float[ndarray, "rows"],
+    torque: Float[ndarray, " rows"],
     joints: int,
     *,
     loss: RobustLoss = "huber",
@@ -105,22 +105,22 @@ def robust_least_squares(
 @dataclass(frozen=True)
 class _Problem:
     regressor: Float[ndarray, "rows p"]
-    torque: Float[ndarray, "rows"]
+    torque: Float[ndarray, " rows"]
     joints: int
     prior: Prior | None
     tolerance: float
     iterations: int
 
-    def residual(self, parameters: Float[ndarray, "p"]) -> Float[ndarray, "samples joints"]:
+    def residual(self, parameters: Float[ndarray, " p"]) -> Float[ndarray, "samples joints"]:
         return (self.torque - self.regressor @ parameters).reshape(-1, self.joints)
 
 
 def _reweight(
     problem: _Problem,
     loss: RobustLoss,
-    parameters: Float[ndarray, "p"],
-    held: Float[ndarray, "joints"] | None = None,
-) -> tuple[Float[ndarray, "p"], Float[ndarray, "joints"]]:
+    parameters: Float[ndarray, " p"],
+    held: Float[ndarray, " joints"] | None = None,
+) -> tuple[Float[ndarray, " p"], Float[ndarray, " joints"]]:
     change = np.inf
     for _ in range(problem.iterations):
         residual = problem.residual(parameters)
@@ -150,8 +150,8 @@ def _reweight(
 def _linearise(
     problem: _Problem,
     loss: RobustLoss,
-    parameters: Float[ndarray, "p"],
-    deviations: Float[ndarray, "joints"],
+    parameters: Float[ndarray, " p"],
+    deviations: Float[ndarray, " joints"],
 ) -> RobustSolution:
     standard = problem.residual(parameters) / deviations
     weights = _weights(standard, loss)
@@ -175,7 +175,7 @@ def _linearise(
 
 def _median_deviations(
     problem: _Problem, residual: Float[ndarray, "samples joints"]
-) -> Float[ndarray, "joints"]:
+) -> Float[ndarray, " joints"]:
     rows, parameters = problem.regressor.shape
     # Residuals of a fit are too small by the parameters it used, shared among the joints.
     shrinkage = np.sqrt(max(1 - parameters / rows, 1e-3))

@@ -53,7 +53,7 @@ class StreamingLeastSquares:
     def add(
         self,
         regressor: Float[ndarray, "rows p"],
-        torque: Float[ndarray, "rows"],
+        torque: Float[ndarray, " rows"],
         noise: TorqueNoise = None,
     ) -> None:
         """Take in whole samples, sample-major; `noise` as in `whiten`.
@@ -99,13 +99,13 @@ class StreamingLeastSquares:
         merged._rows = self._rows + other._rows
         return merged
 
-    def squares(self, parameters: Float[ndarray, "p"]) -> Float[ndarray, "joints"]:
+    def squares(self, parameters: Float[ndarray, " p"]) -> Float[ndarray, " joints"]:
         """Residual sum of squares of each joint at any parameters [N^2 m^2]."""
         return np.sum((self._triangles @ np.append(-parameters, 1.0)) ** 2, axis=1)
 
     def solve(
         self,
-        variances: Float[ndarray, "joints"] | None = None,
+        variances: Float[ndarray, " joints"] | None = None,
         prior: Prior | None = None,
     ) -> Solution:
         """Solve for what has been taken in; more may be added afterwards.
@@ -140,7 +140,7 @@ class StreamingLeastSquares:
         *,
         tolerance: float = 1e-6,
         iterations: int = 100,
-    ) -> tuple[Solution, Float[ndarray, "joints"]]:
+    ) -> tuple[Solution, Float[ndarray, " joints"]]:
         """Solve with joint variances found from the residuals, without another pass.
 
         Returns:
@@ -160,8 +160,8 @@ class StreamingLeastSquares:
         return self.solve(variances, prior), variances
 
     def _parameter_shares(
-        self, solution: Solution, variances: Float[ndarray, "joints"]
-    ) -> Float[ndarray, "joints"]:
+        self, solution: Solution, variances: Float[ndarray, " joints"]
+    ) -> Float[ndarray, " joints"]:
         root = invert(solution.posterior_factor)
         influence = self._triangles[:, :-1, :-1] @ root
         return np.sum(influence**2, axis=(1, 2)) / variances
@@ -170,7 +170,7 @@ class StreamingLeastSquares:
 def _absorb(
     triangle: Float[ndarray, "width width"],
     regressor: Float[ndarray, "samples p"],
-    torque: Float[ndarray, "samples"],
+    torque: Float[ndarray, " samples"],
 ) -> Float[ndarray, "width width"]:
     used = np.append(triangle[:, :-1].any(axis=0) | regressor.any(axis=0), True)
     rows = np.asfortranarray(augment(regressor[:, used[:-1]], torque))

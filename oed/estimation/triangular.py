@@ -50,10 +50,10 @@ class Solution:
         rows: Number of torque equations.
     """
 
-    parameters: Float[ndarray, "p"]
+    parameters: Float[ndarray, " p"]
     information_factor: Float[ndarray, "p p"]
     posterior_factor: Float[ndarray, "p p"]
-    squares: Float[ndarray, "joints"]
+    squares: Float[ndarray, " joints"]
     rows: int
 
     @property
@@ -78,7 +78,7 @@ def triangularise(
 
 
 def augment(
-    regressor: Float[ndarray, "rows p"], torque: Float[ndarray, "rows"]
+    regressor: Float[ndarray, "rows p"], torque: Float[ndarray, " rows"]
 ) -> Float[ndarray, "rows width"]:
     """[A b] in the column-major order that LAPACK wants.
 
@@ -102,7 +102,7 @@ def add_prior(
     return triangularise(np.vstack([triangle, np.column_stack([prior.factor, prior.offset])]))
 
 
-def solve(triangle: Float[ndarray, "width width"]) -> Float[ndarray, "p"]:
+def solve(triangle: Float[ndarray, "width width"]) -> Float[ndarray, " p"]:
     """The parameters R^-1 z.
 
     Raises:
@@ -129,7 +129,7 @@ def invert(factor: Float[ndarray, "p p"]) -> Float[ndarray, "p p"]:
 
 def unit_columns(
     matrix: Float[ndarray, "rows p"],
-) -> tuple[Float[ndarray, "rows p"], Float[ndarray, "p"]]:
+) -> tuple[Float[ndarray, "rows p"], Float[ndarray, " p"]]:
     """The matrix with columns of norm one, and the norms (one where a column is zero)."""
     norms = np.linalg.norm(matrix, axis=0)
     norms = np.where(norms > 0, norms, 1.0)

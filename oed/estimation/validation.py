@@ -25,11 +25,11 @@ class Validation:
     """
 
     residual: Float[ndarray, "samples joints"]
-    rms: Float[ndarray, "joints"]
-    relative_rms: Float[ndarray, "joints"]
+    rms: Float[ndarray, " joints"]
+    relative_rms: Float[ndarray, " joints"]
     overall_rms: float
     overall_relative_rms: float
-    r_squared: Float[ndarray, "joints"]
+    r_squared: Float[ndarray, " joints"]
 
     @property
     def samples(self) -> int:

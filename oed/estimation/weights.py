@@ -12,7 +12,7 @@ from oed.estimation.triangular import Solution, invert
 
 def variances_from_repetitions(
     torque: Float[ndarray, "repetitions samples joints"],
-) -> Float[ndarray, "joints"]:
+) -> Float[ndarray, " joints"]:
     """Torque variance of each joint over M repetitions of one motion [N^2 m^2].
 
     Calafiore 2001, section 4: sigma_i^2 = sum_k sum_j (tau_ij(k) - mean_i(k))^2 / (n_m (M - 1)).
@@ -42,13 +42,13 @@ def covariance_from_repetitions(
 
 def variances_from_residuals(
     regressor: Float[ndarray, "rows p"],
-    torque: Float[ndarray, "rows"],
+    torque: Float[ndarray, " rows"],
     joints: int,
     *,
     prior: Prior | None = None,
     tolerance: float = 1e-6,
     iterations: int = 100,
-) -> Float[ndarray, "joints"]:
+) -> Float[ndarray, " joints"]:
     """Torque variance of each joint from the residuals it weights [N^2 m^2].
 
     Estimate and variances are iterated to a fixed point. Each joint's sum of squares is
@@ -76,7 +76,7 @@ def variances_from_residuals(
 
 def covariance_from_residuals(
     regressor: Float[ndarray, "rows p"],
-    torque: Float[ndarray, "rows"],
+    torque: Float[ndarray, " rows"],
     joints: int,
     *,
     prior: Prior | None = None,
@@ -100,15 +100,15 @@ def covariance_from_residuals(
 
 def parameter_shares(
     white_regressor: Float[ndarray, "rows p"], solution: Solution, joints: int
-) -> Float[ndarray, "joints"]:
+) -> Float[ndarray, " joints"]:
     """How many of the parameters each joint's rows determine; they add up to p less the prior."""
     influence = white_regressor @ invert(solution.posterior_factor)
     return np.sum(influence.reshape(-1, joints, influence.shape[1]) ** 2, axis=(0, 2))
 
 
 def updated_variances(
-    squares: Float[ndarray, "joints"], samples: int, shares: Float[ndarray, "joints"]
-) -> Float[ndarray, "joints"]:
+    squares: Float[ndarray, " joints"], samples: int, shares: Float[ndarray, " joints"]
+) -> Float[ndarray, " joints"]:
     """Unbiased variances from residual sums of squares.
 
     Raises:
@@ -125,8 +125,8 @@ def updated_variances(
 
 
 def _floored(
-    variances: Float[ndarray, "joints"], torque: Float[ndarray, "rows"], joints: int
-) -> Float[ndarray, "joints"]:
+    variances: Float[ndarray, " joints"], torque: Float[ndarray, " rows"], joints: int
+) -> Float[ndarray, " joints"]:
     # A joint fitted to rounding would get an infinite weight: rounding of its own torque
     # is the least error that a residual can mean.
     scale = np.mean(torque.reshape(-1, joints) ** 2, axis=0)

@@ -43,7 +43,7 @@ class CutoffSearch:
             below it.
     """
 
-    frequency: Float[ndarray, "candidates"]
+    frequency: Float[ndarray, " candidates"]
     sensitivity: Float[ndarray, "candidates moving"]
     band_edge: float
 
@@ -138,7 +138,7 @@ def search_cutoff(recordings: tuple[Recording, ...], rate: float, shortest: floa
 
 
 def _power_in_bands(
-    recording: Recording, rate: float, edges: Float[ndarray, "edges"]
+    recording: Recording, rate: float, edges: Float[ndarray, " edges"]
 ) -> Float[ndarray, "edges joints"]:
     """Energy of the acceleration below edges[0], then between successive edges, by joint."""
     fresh = fresh_samples(recording)

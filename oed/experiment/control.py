@@ -91,7 +91,7 @@ class Specification:
 
 
 def closed_loop_response(  # noqa: PLR0917  # the loop's elements, in order
-    frequency: Float[ndarray, "points"],
+    frequency: Float[ndarray, " points"],
     inertia: float,
     viscous: float,
     stiffness: float,
@@ -99,7 +99,7 @@ def closed_loop_response(  # noqa: PLR0917  # the loop's elements, in order
     observer: HighGainObserver,
     joint: int,
     period: float,
-) -> Complex[ndarray, "points"]:
+) -> Complex[ndarray, " points"]:
     """Frequency response from q_d to q at the sampling instants, observer and hold included.
 
     Args:
@@ -145,7 +145,7 @@ def closed_loop_poles(  # noqa: PLR0917  # as closed_loop_response
 
 
 def bandwidth_and_peak(
-    frequency: Float[ndarray, "points"], response: Complex[ndarray, "points"]
+    frequency: Float[ndarray, " points"], response: Complex[ndarray, " points"]
 ) -> tuple[float, float]:
     """First frequency where the gain falls through -3 dB [rad/s], and the peak gain [dB]."""
     gain = 20 * np.log10(np.abs(response))
@@ -191,7 +191,7 @@ def _joint_gains(
     target = specification.bandwidth
     grid = np.geomspace(target / 100, min(20 * target, 0.95 * np.pi / period), GRID_POINTS)
 
-    def response(inertia: float, zeta: float, w: float) -> Complex[ndarray, "points"]:
+    def response(inertia: float, zeta: float, w: float) -> Complex[ndarray, " points"]:
         stiffness = load.inertia * w**2
         damping = max(2 * zeta * load.inertia * w - load.viscous, 1e-9)
         return closed_loop_response(
@@ -236,8 +236,8 @@ def _transfer(
     A: Float[ndarray, "2 2"],
     B: Float[ndarray, "2"],
     C: Float[ndarray, "2"],
-    z: Complex[ndarray, "points"],
-) -> Complex[ndarray, "points"]:
+    z: Complex[ndarray, " points"],
+) -> Complex[ndarray, " points"]:
     """C (z I - A)^-1 B of a two-state system."""
     determinant = (z - A[0, 0]) * (z - A[1, 1]) - A[0, 1] * A[1, 0]
     first = (z - A[1, 1]) * B[0] + A[0, 1] * B[1]

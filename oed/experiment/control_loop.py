@@ -61,8 +61,8 @@ def control_period(setup: Setup) -> casadi.Function:
 
 
 def observer_at_rest(
-    controller: Controller, q: Float[ndarray, "joints"]
-) -> Float[ndarray, "observer"]:
+    controller: Controller, q: Float[ndarray, " joints"]
+) -> Float[ndarray, " observer"]:
     """Observer states that read q and no velocity."""
     _, _, D = controller.observer.discretised(controller.period)
     return np.concatenate([q - D[:, 0] * q, -D[:, 1] * q])

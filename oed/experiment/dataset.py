@@ -30,9 +30,9 @@ class Drive:
         ValueError: If the numbers of joints disagree or an entry is not finite.
     """
 
-    gear_ratio: Float[ndarray, "joints"] | None = None
-    rotor_inertia: Float[ndarray, "joints"] | None = None
-    current_to_torque: Float[ndarray, "joints"] | None = None
+    gear_ratio: Float[ndarray, " joints"] | None = None
+    rotor_inertia: Float[ndarray, " joints"] | None = None
+    current_to_torque: Float[ndarray, " joints"] | None = None
 
     def __post_init__(self) -> None:
         given = {

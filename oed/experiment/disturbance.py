@@ -52,7 +52,7 @@ class Disturbance:
         """No disturbance."""
         return cls((0.0,) * joints, (np.inf,) * joints)
 
-    def with_std(self, std: Float[ndarray, "joints"]) -> Disturbance:
+    def with_std(self, std: Float[ndarray, " joints"]) -> Disturbance:
         """The same colour at another level."""
         return Disturbance(tuple(float(s) for s in std), self.corner)
 
@@ -72,8 +72,8 @@ class Disturbance:
 
 def calibrate(
     start: Disturbance,
-    target: Float[ndarray, "joints"],
-    variances: Callable[[Disturbance], Float[ndarray, "joints"]],
+    target: Float[ndarray, " joints"],
+    variances: Callable[[Disturbance], Float[ndarray, " joints"]],
     *,
     rounds: int = 3,
 ) -> Disturbance:

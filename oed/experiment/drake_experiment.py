@@ -177,5 +177,5 @@ def _single_run(
     return joints[: len(inputs)], feedback[1 : len(inputs) + 1]
 
 
-def _split(row: Float[ndarray, "inputs"], n: int) -> list[ndarray]:
+def _split(row: Float[ndarray, " inputs"], n: int) -> list[ndarray]:
     return np.split(row, np.cumsum([1, n, n, n]))

@@ -165,7 +165,7 @@ class ProcessedRecording:
     settings: ProcessingSettings
     rate: float
     bandwidth: float
-    repetition: Int[ndarray, "samples"] | None = None
+    repetition: Int[ndarray, " samples"] | None = None
 
     def __post_init__(self) -> None:
         if self.tau.shape != self.motion.q.shape:
@@ -258,7 +258,7 @@ def process(recording: Recording, settings: ProcessingSettings) -> ProcessedReco
     )
 
 
-def fresh_samples(recording: Recording) -> Bool[ndarray, "samples"]:
+def fresh_samples(recording: Recording) -> Bool[ndarray, " samples"]:
     """Rows of a recording that are not stale copies of the row before."""
     fresh = fresh_rows(*(x for x in (recording.q, recording.dq, recording.tau) if x is not None))
     # The last instant anchors the grid's end even where it is stale.
@@ -267,8 +267,8 @@ def fresh_samples(recording: Recording) -> Bool[ndarray, "samples"]:
 
 
 def _repetition_at(
-    recording: Recording, instants: Float[ndarray, "samples"]
-) -> Int[ndarray, "samples"] | None:
+    recording: Recording, instants: Float[ndarray, " samples"]
+) -> Int[ndarray, " samples"] | None:
     if recording.repetition is None:
         return None
     before = np.searchsorted(recording.t, instants + 1e-9, side="right") - 1

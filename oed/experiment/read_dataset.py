@@ -153,7 +153,7 @@ def _read_recording(path: Path, entry: RecordingEntry, robot: Robot, drive: Driv
 @dataclass(frozen=True)
 class _Fields:
     names: ColumnNames
-    values: Mapping[str, Float[ndarray, "samples"]]
+    values: Mapping[str, Float[ndarray, " samples"]]
 
     def stacked(self, field: str) -> Float[ndarray, "samples columns"]:
         return np.column_stack([self.values[name] for name in self.names.fields[field]])

@@ -37,12 +37,12 @@ class Recording:
 
     name: str
     role: Role
-    t: Float[ndarray, "samples"]
+    t: Float[ndarray, " samples"]
     q: Float[ndarray, "samples joints"]
     tau: Float[ndarray, "samples joints"]
     dq: Float[ndarray, "samples joints"] | None = None
     ddq: Float[ndarray, "samples joints"] | None = None
-    repetition: Int[ndarray, "samples"] | None = None
+    repetition: Int[ndarray, " samples"] | None = None
     temperature: Float[ndarray, "samples sensors"] | None = None
     period: float | None = None
     source: str = ""

@@ -17,7 +17,7 @@ BEYOND_LIMITS = 5.0
 PERIOD_TOLERANCE = 0.002  # of the span: clocks of motion and logger differ by far less
 
 
-def check_rows(t: Float[ndarray, "samples"], joints: int, file: str) -> None:
+def check_rows(t: Float[ndarray, " samples"], joints: int, file: str) -> None:
     """Refuse fewer rows than the torque model of `joints` joints has parameters."""
     needed = PARAMETERS_PER_JOINT * joints
     if len(t) < needed:
@@ -28,7 +28,7 @@ def check_rows(t: Float[ndarray, "samples"], joints: int, file: str) -> None:
         raise DataSetError(message, file=file)
 
 
-def check_time(t: Float[ndarray, "samples"], file: str, first_row: int) -> None:
+def check_time(t: Float[ndarray, " samples"], file: str, first_row: int) -> None:
     """Refuse time that repeats or runs back."""
     stuck = np.flatnonzero(np.diff(t) <= 0)
     if stuck.size:
@@ -65,8 +65,8 @@ def check_positions(
 
 
 def repetition_index(
-    values: Float[ndarray, "samples"], file: str, first_row: int
-) -> Int[ndarray, "samples"]:
+    values: Float[ndarray, " samples"], file: str, first_row: int
+) -> Int[ndarray, " samples"]:
     """The `repetition` column as whole numbers that never fall."""
     wrong = np.flatnonzero((values < 0) | (values != np.round(values)))
     if wrong.size:
@@ -82,8 +82,8 @@ def repetition_index(
 
 
 def check_repetitions(
-    t: Float[ndarray, "samples"],
-    repetition: Int[ndarray, "samples"] | None,
+    t: Float[ndarray, " samples"],
+    repetition: Int[ndarray, " samples"] | None,
     entry: RecordingEntry,
     file: str,
 ) -> None:
@@ -112,8 +112,8 @@ def check_repetitions(
 
 
 def derive_repetition(
-    t: Float[ndarray, "samples"], repetitions: int, period: float | None
-) -> Int[ndarray, "samples"]:
+    t: Float[ndarray, " samples"], repetitions: int, period: float | None
+) -> Int[ndarray, " samples"]:
     """Repetition index from time alone, for a recording that holds whole repetitions."""
     if period is None:
         period = float(t[-1] - t[0] + np.median(np.diff(t))) / repetitions

@@ -34,7 +34,7 @@ class Columns:
         first_row: Number of the first data row, as the user counts in this file.
     """
 
-    values: Mapping[str, Float[ndarray, "samples"]]
+    values: Mapping[str, Float[ndarray, " samples"]]
     others: tuple[str, ...]
     first_row: int
 
@@ -148,7 +148,7 @@ def _is_rectangular(body: bytes, columns: int) -> bool:
 
 def _parse(
     body: bytes, header: tuple[str, ...], wanted: Collection[str]
-) -> dict[str, Float[ndarray, "samples"]]:
+) -> dict[str, Float[ndarray, " samples"]]:
     frame = pd.read_csv(
         io.BytesIO(body),
         header=None,
@@ -162,7 +162,7 @@ def _parse(
     return {header[i]: frame[i].to_numpy() for i in frame.columns}
 
 
-def _is_sound(column: Float[ndarray, "samples"]) -> bool:
+def _is_sound(column: Float[ndarray, " samples"]) -> bool:
     # NaN fails every comparison, so this is False for NaN and infinity too.
     return bool((np.abs(column) <= LARGEST).all())
 
@@ -185,7 +185,7 @@ def _read_parquet(content: bytes, path: Path, select: Select) -> Columns:
     return Columns(values, tuple(name for name in header if name not in wanted), first_row=1)
 
 
-def _parquet_column(column: pa.ChunkedArray, name: str, path: Path) -> Float[ndarray, "samples"]:
+def _parquet_column(column: pa.ChunkedArray, name: str, path: Path) -> Float[ndarray, " samples"]:
     kind = column.type
     if not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
         message = f"holds {kind}, not numbers"

@@ -43,9 +43,9 @@ def lead_out(reference: Motion, duration: float, period: float) -> Motion:
 
 
 def _quintic(
-    rise: Float[ndarray, "joints"],
-    dq: Float[ndarray, "joints"],
-    ddq: Float[ndarray, "joints"],
+    rise: Float[ndarray, " joints"],
+    dq: Float[ndarray, " joints"],
+    ddq: Float[ndarray, " joints"],
     T: float,
 ) -> Float[ndarray, "6 joints"]:
     """Coefficients of s^0..s^5 from rest at 0 to (rise, dq, ddq) at T."""

@@ -77,7 +77,7 @@ class TomlTable:
         """A finite number."""
         return self._number(key, self.value(key), finite=True)
 
-    def numbers(self, key: str, count: int) -> Float[ndarray, "count"]:
+    def numbers(self, key: str, count: int) -> Float[ndarray, " count"]:
         """A list of `count` finite numbers."""
         values = self._list(key, count)
         return np.array([self._number(key, value, finite=True) for value in values])

@@ -139,7 +139,7 @@ def _entry(recording: Recording, file_format: str) -> dict[str, object]:
 
 
 def _columns(
-    recording: Recording, current_to_torque: Float[ndarray, "joints"] | None
+    recording: Recording, current_to_torque: Float[ndarray, " joints"] | None
 ) -> dict[str, ndarray]:
     tau = recording.tau
     if current_to_torque is not None:
@@ -161,7 +161,7 @@ def _columns(
 
 
 def _currents(
-    tau: Float[ndarray, "samples joints"], factor: Float[ndarray, "joints"]
+    tau: Float[ndarray, "samples joints"], factor: Float[ndarray, " joints"]
 ) -> Float[ndarray, "samples joints"]:
     """Currents [A] whose product with the factor is `tau` to the last bit, where one exists.
 

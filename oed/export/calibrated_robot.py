@@ -29,13 +29,13 @@ class CalibratedRobot:
     """
 
     robot: Robot
-    coulomb: Float[ndarray, "joints"]
-    viscous: Float[ndarray, "joints"]
-    rotor_inertia: Float[ndarray, "joints"]
+    coulomb: Float[ndarray, " joints"]
+    viscous: Float[ndarray, " joints"]
+    rotor_inertia: Float[ndarray, " joints"]
     left_out: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, model: TorqueModel, parameters: Float[ndarray, "p"]) -> CalibratedRobot:
+    def of(cls, model: TorqueModel, parameters: Float[ndarray, " p"]) -> CalibratedRobot:
         """What a model's parameters say of the robot.
 
         Raises:

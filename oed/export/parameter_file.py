@@ -26,9 +26,9 @@ class ParameterTable:
     """
 
     parameters: Sequence[Parameter]
-    values: Float[ndarray, "p"]
+    values: Float[ndarray, " p"]
     interval: Float[ndarray, "p 2"] | None
-    from_data: Float[ndarray, "p"]
+    from_data: Float[ndarray, " p"]
 
 
 def write_parameters(

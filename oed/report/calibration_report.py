@@ -31,7 +31,7 @@ VALIDATION_CAPTION = (
     "rms: of measured less predicted torque [N m, N at a prismatic joint]; relative_rms: the same "
     "over the rms of the measured torque."
 )
-Spectrum = tuple[Float[ndarray, "frequencies"], Float[ndarray, "frequencies joints"]]
+Spectrum = tuple[Float[ndarray, " frequencies"], Float[ndarray, "frequencies joints"]]
 
 
 def write_calibration(
@@ -109,7 +109,7 @@ def print_summary(calibration: Calibration) -> None:
         say(f"note: {calibration.base.note}\n")
 
 
-def _joined_time(recordings: tuple[ProcessedRecording, ...]) -> Float[ndarray, "samples"]:
+def _joined_time(recordings: tuple[ProcessedRecording, ...]) -> Float[ndarray, " samples"]:
     """Times of recordings set one after another [s]."""
     pieces: list[ndarray] = []
     start = 0.0

@@ -45,8 +45,8 @@ class HitPanel:
     """
 
     title: str
-    amounts: Float[ndarray, "points"]
-    curves: Mapping[str, Float[ndarray, "points"]]
+    amounts: Float[ndarray, " points"]
+    curves: Mapping[str, Float[ndarray, " points"]]
     budget: float
     xlabel: str
 
@@ -99,8 +99,8 @@ def _draw_hits(axes: Axes, panel: HitPanel, names: Sequence[str]) -> None:
 
 @mpl.rc_context(STYLE)
 def plot_generations(
-    best: Float[ndarray, "generations"],
-    mean: Float[ndarray, "generations"],
+    best: Float[ndarray, " generations"],
+    mean: Float[ndarray, " generations"],
     *,
     ylabel: str,
 ) -> Figure:

@@ -13,7 +13,7 @@ from numpy import ndarray
 from oed.report.joint_grid import joint_grid
 from oed.report.style import BLUE, COLUMN, GREY, PAGE, STYLE, VERMILION, new_figure
 
-Curve = tuple[Float[ndarray, "bins"], Float[ndarray, "bins"], Float[ndarray, "bins"]]
+Curve = tuple[Float[ndarray, " bins"], Float[ndarray, " bins"], Float[ndarray, " bins"]]
 MOST_PANELS = 16  # strongest dependences that a page can show
 
 
@@ -49,7 +49,7 @@ def plot_dependences(curves: Sequence[tuple[str, Curve, Curve]], floors: Sequenc
 
 @mpl.rc_context(STYLE)
 def plot_spectra(
-    frequency: Float[ndarray, "frequencies"],
+    frequency: Float[ndarray, " frequencies"],
     before: Float[ndarray, "frequencies joints"],
     after: Float[ndarray, "frequencies joints"],
     joint_names: Sequence[str],
@@ -69,7 +69,7 @@ def plot_spectra(
 @mpl.rc_context(STYLE)
 def plot_proof(
     roles: Mapping[str, tuple[Float[ndarray, "joints 3"], Float[ndarray, "joints 3"]]],
-    floor: Float[ndarray, "joints"],
+    floor: Float[ndarray, " joints"],
     joint_names: Sequence[str],
 ) -> Figure:
     """Error before and after on each kind of recording, with intervals and the noise floor.

@@ -24,7 +24,7 @@ _TIME = "time [s]"
 
 @mpl.rc_context(STYLE)
 def plot_torques(
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     measured: Float[ndarray, "samples joints"],
     predicted: Float[ndarray, "samples joints"],
     joint_names: Sequence[str],
@@ -55,10 +55,10 @@ def plot_torques(
 
 @mpl.rc_context(STYLE)
 def plot_residuals(
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     residual: Float[ndarray, "samples joints"],
     joint_names: Sequence[str],
-    rms: Float[ndarray, "joints"],
+    rms: Float[ndarray, " joints"],
     *,
     ylabel: str = _RESIDUAL,
 ) -> Figure:
@@ -90,7 +90,7 @@ def plot_residuals(
 
 @mpl.rc_context(STYLE)
 def plot_residual_spectrum(
-    frequency: Float[ndarray, "frequencies"],
+    frequency: Float[ndarray, " frequencies"],
     density: Float[ndarray, "frequencies joints"],
     joint_names: Sequence[str],
     *,

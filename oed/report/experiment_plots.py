@@ -31,11 +31,11 @@ LEGEND = {"fontsize": 7.0, "frameon": False}
 
 @mpl.rc_context(STYLE)
 def draw_trajectories(
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     position: Float[ndarray, "samples joints"],
     velocity: Float[ndarray, "samples joints"],
     acceleration: Float[ndarray, "samples joints"],
-    limits: Sequence[Float[ndarray, "joints"]],
+    limits: Sequence[Float[ndarray, " joints"]],
 ) -> Figure:
     """Position, velocity and acceleration of all joints, with what may not be left in grey.
 
@@ -77,9 +77,9 @@ def draw_trajectories(
 
 @mpl.rc_context(STYLE)
 def draw_generations(
-    generation: Float[ndarray, "generations"],
-    best: Mapping[str, Float[ndarray, "generations"]],
-    mean: Mapping[str, Float[ndarray, "generations"]],
+    generation: Float[ndarray, " generations"],
+    best: Mapping[str, Float[ndarray, " generations"]],
+    mean: Mapping[str, Float[ndarray, " generations"]],
     *,
     published: Mapping[str, float],
 ) -> Figure:
@@ -114,10 +114,10 @@ def draw_generations(
 
 @mpl.rc_context(STYLE)
 def draw_recursion(
-    samples: Float[ndarray, "steps"],
+    samples: Float[ndarray, " steps"],
     estimates: Float[ndarray, "steps parameters"],
     std: Float[ndarray, "steps parameters"],
-    truth: Float[ndarray, "parameters"],
+    truth: Float[ndarray, " parameters"],
     labels: Sequence[str],
 ) -> Figure:
     """Recursive estimates with twice their deviation, and the truth."""
@@ -143,7 +143,7 @@ def draw_recursion(
 
 @mpl.rc_context(STYLE)
 def draw_torque(
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     measured: Float[ndarray, "samples joints"],
     predicted: Float[ndarray, "samples joints"],
 ) -> Figure:
@@ -161,7 +161,7 @@ def draw_torque(
 
 @mpl.rc_context(STYLE)
 def draw_residuals(
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     residual: Float[ndarray, "samples joints"],
     breaks: Sequence[float],
 ) -> Figure:
@@ -183,9 +183,9 @@ def draw_residuals(
 
 @mpl.rc_context(STYLE)
 def draw_bode(
-    frequency: Float[ndarray, "points"],
-    gain: Sequence[Mapping[str, Float[ndarray, "points"]]],
-    phase: Sequence[Mapping[str, Float[ndarray, "points"]]],
+    frequency: Float[ndarray, " points"],
+    gain: Sequence[Mapping[str, Float[ndarray, " points"]]],
+    phase: Sequence[Mapping[str, Float[ndarray, " points"]]],
     *,
     bandwidth: float,
     peak_db: float,

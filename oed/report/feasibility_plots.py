@@ -18,7 +18,7 @@ from oed.report.style import BLUE, COLUMN, GREEN, GREY, PAGE, STYLE, VERMILION, 
 
 @mpl.rc_context(STYLE)
 def plot_weight_curve(
-    weights: Float[ndarray, "w"],
+    weights: Float[ndarray, " w"],
     held_out: Float[ndarray, "w folds"],
     fitted: Float[ndarray, "w folds"],
     *,
@@ -70,7 +70,7 @@ def plot_weight_curve(
 @mpl.rc_context(STYLE)
 def plot_link_margins(
     links: Sequence[str],
-    relative: Float[ndarray, "links"],
+    relative: Float[ndarray, " links"],
     floor: float,
 ) -> Figure:
     """Least eigenvalue of each link's pseudo-inertia, relative to its reference body.
@@ -97,8 +97,8 @@ def plot_link_margins(
 @mpl.rc_context(STYLE)
 def plot_residual_comparison(
     labels: Sequence[str],
-    plain: Float[ndarray, "cases"],
-    feasible: Float[ndarray, "cases"],
+    plain: Float[ndarray, " cases"],
+    feasible: Float[ndarray, " cases"],
     *,
     ylabel: str,
 ) -> Figure:

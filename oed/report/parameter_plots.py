@@ -21,7 +21,7 @@ _ROW = 0.165  # [in] height of one interval
 
 @mpl.rc_context(STYLE)
 def plot_parameter_convergence(
-    samples: Int[ndarray, "steps"],
+    samples: Int[ndarray, " steps"],
     estimates: Float[ndarray, "steps parameters"],
     intervals: Float[ndarray, "steps parameters 2"],
     names: Sequence[str],
@@ -69,9 +69,9 @@ def plot_parameter_convergence(
 @mpl.rc_context(STYLE)
 def plot_parameter_intervals(
     names: Sequence[str],
-    values: Float[ndarray, "parameters"],
-    lower: Float[ndarray, "parameters"],
-    upper: Float[ndarray, "parameters"],
+    values: Float[ndarray, " parameters"],
+    lower: Float[ndarray, " parameters"],
+    upper: Float[ndarray, " parameters"],
     units: Sequence[str],
 ) -> Figure:
     """Estimates with their intervals, one panel a unit.
@@ -115,8 +115,8 @@ def shortened(text: str, name: str, letters: int) -> str:
 
 def _draw_convergence(
     panel: Axes,
-    samples: Float[ndarray, "steps"],
-    estimate: Float[ndarray, "steps"],
+    samples: Float[ndarray, " steps"],
+    estimate: Float[ndarray, " steps"],
     interval: Float[ndarray, "steps 2"],
 ) -> None:
     panel.fill_between(samples, interval[:, 0], interval[:, 1], color=BLUE, alpha=0.22, linewidth=0)
@@ -135,9 +135,9 @@ def _draw_convergence(
 
 def _draw_intervals(
     panel: Axes,
-    values: Float[ndarray, "chosen"],
-    lower: Float[ndarray, "chosen"],
-    upper: Float[ndarray, "chosen"],
+    values: Float[ndarray, " chosen"],
+    lower: Float[ndarray, " chosen"],
+    upper: Float[ndarray, " chosen"],
 ) -> None:
     rows = np.arange(len(values))
     panel.axvline(0.0, color=GREY, linewidth=0.7)

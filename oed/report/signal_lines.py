@@ -14,8 +14,8 @@ ENVELOPE_BINS = 1400
 
 
 def envelope(
-    t: Float[ndarray, "samples"], y: Float[ndarray, "samples"], bins: int = ENVELOPE_BINS
-) -> tuple[Float[ndarray, "points"], Float[ndarray, "points"]]:
+    t: Float[ndarray, " samples"], y: Float[ndarray, " samples"], bins: int = ENVELOPE_BINS
+) -> tuple[Float[ndarray, " points"], Float[ndarray, " points"]]:
     """At most two points a bin, its least and its greatest, in order of time.
 
     A drawn line looks the same, and no peak is lost as with every k-th sample.
@@ -40,8 +40,8 @@ def envelope(
 
 def draw_signal(
     axes: Axes,
-    t: Float[ndarray, "samples"],
-    y: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
+    y: Float[ndarray, " samples"],
     *,
     color: str,
     label: str,

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-Bounds = Sequence[float] | Float[ndarray, "joints"]
+Bounds = Sequence[float] | Float[ndarray, " joints"]
 LIMITED = ("position", "velocity", "acceleration", "torque", "jerk")
 
 

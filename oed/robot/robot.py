@@ -62,7 +62,7 @@ class Robot:
 
     name: str
     joints: tuple[Joint, ...]
-    parameters: Float[ndarray, "standard"]
+    parameters: Float[ndarray, " standard"]
     gravity: Float[ndarray, "3"]
     limits: JointLimits
     source: str = ""
@@ -113,7 +113,7 @@ class Robot:
         """(10 n) units of `parameters`."""
         return PARAMETER_UNITS * self.n
 
-    def with_parameters(self, parameters: Float[ndarray, "standard"]) -> Robot:
+    def with_parameters(self, parameters: Float[ndarray, " standard"]) -> Robot:
         """This robot with other inertial parameters."""
         return dataclasses.replace(self, parameters=np.asarray(parameters, dtype=float))
 

@@ -124,7 +124,7 @@ def direction(arm: Arm, state: State, joint: int) -> Scalar:
 
 def least_inertia(
     robot: Robot, rng: np.random.Generator, samples: int = 200
-) -> tuple[Float[ndarray, "joints"], Float[ndarray, "joints"]]:
+) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
     """Least inertia that a torque at one joint alone moves, and the mean with the others locked.
 
     Args:

@@ -52,7 +52,7 @@ def random_fourier_motion(
 def _fit(
     limits: JointLimits,
     joint: int,
-    omega: Float[ndarray, "harmonics"],
+    omega: Float[ndarray, " harmonics"],
     coefficients: Float[ndarray, "2 harmonics"],
     rng: np.random.Generator,
 ) -> tuple[float, float]:
@@ -73,11 +73,11 @@ def _fit(
 
 
 def _series(
-    omega: Float[ndarray, "harmonics"],
+    omega: Float[ndarray, " harmonics"],
     coefficients: Float[ndarray, "2 harmonics"],
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     order: int,
-) -> Float[ndarray, "samples"]:
+) -> Float[ndarray, " samples"]:
     """The derivative of that order of sum a sin(w t) + b cos(w t)."""
     phase = np.outer(t, omega) + order * np.pi / 2
     a, b = coefficients * omega**order

@@ -47,7 +47,7 @@ class BenchRobot:
 
     key: str
     load: Callable[[Path], Robot]
-    mass: Callable[[Robot], Float[ndarray, "standard"]]
+    mass: Callable[[Robot], Float[ndarray, " standard"]]
     coulomb: tuple[float, ...]
     viscous: tuple[float, ...]
     noise: tuple[float, ...]
@@ -122,17 +122,17 @@ def _example(name: str) -> Path:
     return Path(sysconfig.get_path("purelib"), EXAMPLE_ROBOTS, name)
 
 
-def _as_declared(robot: Robot) -> Float[ndarray, "standard"]:
+def _as_declared(robot: Robot) -> Float[ndarray, " standard"]:
     return robot.parameters
 
 
-def _light_links(robot: Robot) -> Float[ndarray, "standard"]:
+def _light_links(robot: Robot) -> Float[ndarray, " standard"]:
     """Two slender links of 6 and 3 kg."""
     del robot
     return np.concatenate([_rod(6.0, 0.36, 0.05), _rod(3.0, 0.30, 0.04)])
 
 
-def _with_tool(robot: Robot) -> Float[ndarray, "standard"]:
+def _with_tool(robot: Robot) -> Float[ndarray, " standard"]:
     """A tool of 2.5 kg that sticks out sideways on the last link."""
     rows = robot.parameters.reshape(-1, 10).copy()
     rows[-1] += _body(2.5, np.array([0.06, 0.02, 0.08]), 0.012)

@@ -89,7 +89,7 @@ class Truth:
 
 def oracle_excess(
     declared: Robot, arm: Arm, logs: list[tuple[Log, Float[ndarray, "rows joints"]]]
-) -> Float[ndarray, "joints"]:
+) -> Float[ndarray, " joints"]:
     """What the standard model leaves of the torque without noise, with the true motion known.
 
     Args:

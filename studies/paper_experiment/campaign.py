@@ -68,9 +68,9 @@ class Bench:
         disturbance_std: (n,) calibrated level [N m].
     """
 
-    stiffness: Float[ndarray, "n"]
-    damping: Float[ndarray, "n"]
-    disturbance_std: Float[ndarray, "n"]
+    stiffness: Float[ndarray, " n"]
+    damping: Float[ndarray, " n"]
+    disturbance_std: Float[ndarray, " n"]
 
     def setup(self, config: CampaignConfig, friction: Friction) -> Setup:
         """The laboratory with one or the other friction."""
@@ -99,8 +99,8 @@ class Experiment:
         predicted: (3, rows, n) [N m].
     """
 
-    variances: Float[ndarray, "n"]
-    filtered_variances: Float[ndarray, "n"]
+    variances: Float[ndarray, " n"]
+    filtered_variances: Float[ndarray, " n"]
     parameters: Float[ndarray, "8"]
     covariance: Float[ndarray, "8 8"]
     recursion: Float[ndarray, "steps 8"]
@@ -153,7 +153,7 @@ def prepare(config: CampaignConfig, reference: Motion) -> Bench:
     laboratory = config.laboratory
     controller = laboratory.controller()
 
-    def variances(disturbance: Disturbance) -> Float[ndarray, "n"]:
+    def variances(disturbance: Disturbance) -> Float[ndarray, " n"]:
         log = run(
             laboratory.setup("plain", controller, disturbance),
             reference,

@@ -356,7 +356,7 @@ def _judged(
     return Finding(claim, statement, *where, value, lower, upper, unit, verdict)
 
 
-def _mean_interval(x: Float[ndarray, "experiments"]) -> tuple[float, float, float]:
+def _mean_interval(x: Float[ndarray, " experiments"]) -> tuple[float, float, float]:
     """Mean and its 95 % interval by Student's law."""
     mean = float(x.mean())
     half = float(stats.t.ppf(0.5 + LEVEL / 2, len(x) - 1) * x.std(ddof=1) / np.sqrt(len(x)))

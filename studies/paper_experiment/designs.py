@@ -74,7 +74,7 @@ class HorizonTable:
         chosen: () the horizon whose median J_k is nearest to the paper's [s].
     """
 
-    horizon: Float[ndarray, "H"]
+    horizon: Float[ndarray, " H"]
     J_k: Float[ndarray, "H runs"]
     J_d: Float[ndarray, "H runs"]
     J_d_half: Float[ndarray, "H runs"]
@@ -103,9 +103,9 @@ class DesignSet:
     q: Float[ndarray, "D N n"]
     dq: Float[ndarray, "D N n"]
     ddq: Float[ndarray, "D N n"]
-    J_k: Float[ndarray, "D"]
-    J_d: Float[ndarray, "D"]
-    margin: Float[ndarray, "D"]
+    J_k: Float[ndarray, " D"]
+    J_d: Float[ndarray, " D"]
+    margin: Float[ndarray, " D"]
     best: Float[ndarray, "2 G"]
     mean: Float[ndarray, "2 G"]
     best_so_far: Float[ndarray, "2 G"]

@@ -144,7 +144,7 @@ def _loop_rows(campaign: CampaignConfig, bench: Bench) -> list[Row]:
 
 
 def joint_response(
-    grid: Float[ndarray, "points"],
+    grid: Float[ndarray, " points"],
     bench: Bench,
     load: JointLoad,
     joint: int,

@@ -26,16 +26,16 @@ class Monomials:
         exponents: (m, 2 n) powers of q_1 ... q_n, v_1 ... v_n.
     """
 
-    centre: Float[ndarray, "joints"]
-    scale: Float[ndarray, "twice"]
+    centre: Float[ndarray, " joints"]
+    scale: Float[ndarray, " twice"]
     exponents: Int[ndarray, "functions twice"]
 
     @classmethod
     def up_to(
         cls,
         degree: int,
-        centre: Float[ndarray, "joints"],
-        scale: Float[ndarray, "twice"],
+        centre: Float[ndarray, " joints"],
+        scale: Float[ndarray, " twice"],
         *,
         even: bool = True,
     ) -> Monomials:
@@ -85,7 +85,7 @@ class Monomials:
         return rates
 
     def symbolic_sum(
-        self, coefficients: Float[ndarray, "functions"], q: casadi.SX, v: casadi.SX
+        self, coefficients: Float[ndarray, " functions"], q: casadi.SX, v: casadi.SX
     ) -> casadi.SX:
         """sum_k coefficients_k phi_k, nested in the way of Horner."""
         values = casadi.vertsplit(casadi.vertcat(q - self.centre, v) * (1 / self.scale))

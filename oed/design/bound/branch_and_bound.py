@@ -93,7 +93,7 @@ class SmoothFunction:
 
         return cls(tape("slopes", value, gradient), tape("curvature", *upper))
 
-    def value(self, boxes: Boxes) -> Float[ndarray, "boxes"]:
+    def value(self, boxes: Boxes) -> Float[ndarray, " boxes"]:
         """At the centres."""
         return self.slopes.values(np.concatenate([boxes.middle, boxes.fixed], axis=1))[:, 0]
 

@@ -281,7 +281,7 @@ def dual_values(
     design: WeightedDesign,
     rows: Float[ndarray, "states joints base"],
     rates: Float[ndarray, "states functions"],
-) -> Float[ndarray, "states"]:
+) -> Float[ndarray, " states"]:
     """tr(M A) - multipliers . rates of each state."""
     factor = np.linalg.cholesky(design.information)
     flat = scipy.linalg.solve_triangular(factor, rows.reshape(-1, rows.shape[2]).T, lower=True)

@@ -49,7 +49,7 @@ class ViableStates:
         return len(self.limits.position)
 
     @cached_property
-    def fastest(self) -> Float[ndarray, "joints"]:
+    def fastest(self) -> Float[ndarray, " joints"]:
         """Largest speed of each joint: its limit, or where both parabolas meet."""
         room = np.diff(self.limits.position, axis=1)[:, 0]
         down, up = np.abs(self.limits.acceleration).T

@@ -49,10 +49,10 @@ class WeightedDesign:
         gap: Mean complementarity that is left.
     """
 
-    weights: Float[ndarray, "atoms"]
+    weights: Float[ndarray, " atoms"]
     information: Float[ndarray, "columns columns"]
     mass_multiplier: float
-    multipliers: Float[ndarray, "equalities"]
+    multipliers: Float[ndarray, " equalities"]
     gap: float
 
 
@@ -126,8 +126,8 @@ def _curvature(whitened: Float[ndarray, "atoms rows columns"]) -> Float[ndarray,
 
 
 def _direction(
-    w: Float[ndarray, "atoms"],
-    z: Float[ndarray, "atoms"],
+    w: Float[ndarray, " atoms"],
+    z: Float[ndarray, " atoms"],
     residuals: tuple[ndarray, ndarray, ndarray],
     equalities: Float[ndarray, "atoms all"],
     curvature: Float[ndarray, "atoms pairs"],

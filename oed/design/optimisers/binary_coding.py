@@ -29,7 +29,7 @@ class BinaryCoding:
     """
 
     bounds: Float[ndarray, "size 2"]
-    bits: Int[ndarray, "genes"]
+    bits: Int[ndarray, " genes"]
 
     def __post_init__(self) -> None:
         if len(self.bounds) != len(self.bits):

@@ -101,7 +101,7 @@ def _run(
 def _penalised(
     problem: Problem,
     log: EvaluationLog,
-    z: Float[ndarray, "size"],
+    z: Float[ndarray, " size"],
     settings: EvolutionSettings,
 ) -> float:
     """Cost of the repaired point, plus a little for the distance to it."""

@@ -132,7 +132,7 @@ def binary_coding(problem: Problem, settings: GeneticSettings) -> BinaryCoding:
 
 def offspring(
     population: Bool[ndarray, "population length"],
-    costs: Float[ndarray, "population"],
+    costs: Float[ndarray, " population"],
     rng: np.random.Generator,
     settings: GeneticSettings,
 ) -> Bool[ndarray, "population length"]:
@@ -148,8 +148,8 @@ def offspring(
 
 
 def selection_probabilities(
-    costs: Float[ndarray, "population"], pressure: float
-) -> Float[ndarray, "population"]:
+    costs: Float[ndarray, " population"], pressure: float
+) -> Float[ndarray, " population"]:
     """Slices of the roulette wheel: fitness -cost, scaled linearly.
 
     The scaling keeps the mean at 1 and gives the best individual `pressure`, unless that would
@@ -169,8 +169,8 @@ def selection_probabilities(
 
 
 def roulette(
-    chances: Float[ndarray, "population"], count: int, rng: np.random.Generator
-) -> Int[ndarray, "count"]:
+    chances: Float[ndarray, " population"], count: int, rng: np.random.Generator
+) -> Int[ndarray, " count"]:
     """Spin the wheel `count` times: indices drawn with replacement."""
     return rng.choice(len(chances), size=count, p=chances)
 
@@ -195,7 +195,7 @@ def _evaluate(
     coding: BinaryCoding,
     population: Bool[ndarray, "population length"],
     log: EvaluationLog,
-) -> Float[ndarray, "evaluated"]:
+) -> Float[ndarray, " evaluated"]:
     """Costs of the individuals in turn, as far as the budget goes."""
     costs: list[float] = []
     for z in coding.decode(population):
@@ -205,7 +205,7 @@ def _evaluate(
     return np.array(costs)
 
 
-def _record(number: int, costs: Float[ndarray, "population"], log: EvaluationLog) -> Generation:
+def _record(number: int, costs: Float[ndarray, " population"], log: EvaluationLog) -> Generation:
     finite = costs[np.isfinite(costs)]
     mean = float(finite.mean()) if len(finite) else float("inf")
     return Generation(number, log.evaluations, float(costs.min()), mean, log.best_cost)

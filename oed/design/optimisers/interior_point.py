@@ -105,12 +105,12 @@ def optimise(
 
 def solve_locally(
     problem: DesignProblem,
-    start: Float[ndarray, "size"],
+    start: Float[ndarray, " size"],
     log: EvaluationLog,
     settings: InteriorPointSettings,
     *,
     is_warm: bool = False,
-) -> tuple[Float[ndarray, "size"], bool]:
+) -> tuple[Float[ndarray, " size"], bool]:
     """One local solution: stages, then exchange, then repair.
 
     Args:
@@ -147,17 +147,19 @@ class _Smooth:
 
     problem: DesignProblem
     stage: Stage
-    instants: Float[ndarray, "samples"]
+    instants: Float[ndarray, " samples"]
     iterations: int
 
-    def cost_and_gradient(self, z: Float[ndarray, "size"]) -> tuple[float, Float[ndarray, "size"]]:
+    def cost_and_gradient(
+        self, z: Float[ndarray, " size"]
+    ) -> tuple[float, Float[ndarray, " size"]]:
         return self.problem.cost_and_gradient(
             z, sign_width=self.stage.sign_width, exponent=self.stage.exponent
         )
 
     def solve(
-        self, z: Float[ndarray, "size"], log: EvaluationLog, *, is_warm: bool
-    ) -> tuple[Float[ndarray, "size"], bool]:
+        self, z: Float[ndarray, " size"], log: EvaluationLog, *, is_warm: bool
+    ) -> tuple[Float[ndarray, " size"], bool]:
         iterations, seconds = _left(log)
         solution = solve_program(
             self.cost_and_gradient,
@@ -184,7 +186,7 @@ def _left(log: EvaluationLog) -> tuple[int, float]:
     return max(1, budget.evaluations - log.evaluations), seconds
 
 
-def _violated(problem: DesignProblem, z: Float[ndarray, "size"]) -> Float[ndarray, "samples"]:
+def _violated(problem: DesignProblem, z: Float[ndarray, " size"]) -> Float[ndarray, " samples"]:
     """Instants of local extrema beyond a limit by more than a part in a thousand."""
     t = np.linspace(0.0, problem.trajectory.horizon, 1001)
     found = []
@@ -204,10 +206,10 @@ def _violated(problem: DesignProblem, z: Float[ndarray, "size"]) -> Float[ndarra
 
 def _hop(
     problem: DesignProblem,
-    best: Float[ndarray, "size"],
+    best: Float[ndarray, " size"],
     rng: np.random.Generator,
     settings: InteriorPointSettings,
-) -> Float[ndarray, "size"]:
+) -> Float[ndarray, " size"]:
     """The best point with some variables moved, some hops small and some large."""
     width = np.diff(problem.trajectory.bounds, axis=1)[:, 0]
     size = np.exp(rng.uniform(*np.log(settings.hop_sizes)))

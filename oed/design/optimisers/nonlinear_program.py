@@ -18,7 +18,7 @@ from numpy import ndarray
 from oed.design.constraints import LimitConstraints
 from oed.design.optimisers.bfgs import DampedBfgs
 
-ValueAndGradient = Callable[[Float[ndarray, "size"]], tuple[float, Float[ndarray, "size"]]]
+ValueAndGradient = Callable[[Float[ndarray, " size"]], tuple[float, Float[ndarray, " size"]]]
 CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 WARM_BARRIER = 1e-3  # first barrier parameter of a start that is close to a solution
 # Stands for an infinite objective, which IPOPT would not step back from: any cost in decades is
@@ -37,7 +37,7 @@ class LocalSolution:
         status: That word.
     """
 
-    z: Float[ndarray, "size"]
+    z: Float[ndarray, " size"]
     evaluations: int
     is_converged: bool
     status: str
@@ -46,7 +46,7 @@ class LocalSolution:
 def solve_program(
     objective: ValueAndGradient,
     constraints: LimitConstraints,
-    start: Float[ndarray, "size"],
+    start: Float[ndarray, " size"],
     *,
     iterations: int,
     cpu_seconds: float = np.inf,

@@ -18,13 +18,13 @@ SHRINKAGE = GROWTH**-0.25
 
 def polish(
     problem: DesignProblem,
-    z: Float[ndarray, "size"],
+    z: Float[ndarray, " size"],
     value: float,
     log: EvaluationLog,
     rng: np.random.Generator,
     *,
     evaluations: int,
-) -> Float[ndarray, "size"]:
+) -> Float[ndarray, " size"]:
     """Improve a feasible point by a (1+1) evolution strategy on repaired points.
 
     Every trial is repaired before it is judged, so that the exact criterion is compared where

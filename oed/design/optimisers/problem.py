@@ -28,14 +28,14 @@ class Problem(Protocol):
         """The trajectory class, for its box."""
         ...
 
-    def cost(self, z: Float[ndarray, "size"]) -> float:
+    def cost(self, z: Float[ndarray, " size"]) -> float:
         """The exact criterion, to be minimised; infinite where Lambda is singular."""
         ...
 
-    def quick_repair(self, z: Float[ndarray, "size"]) -> Float[ndarray, "size"]:
+    def quick_repair(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:
         """A feasible point near z, cheaply."""
         ...
 
-    def random_start(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
+    def random_start(self, rng: np.random.Generator) -> Float[ndarray, " size"]:
         """A random feasible point."""
         ...

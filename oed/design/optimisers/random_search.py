@@ -50,7 +50,7 @@ def optimise(
 
 def _draw(
     problem: Problem, rng: np.random.Generator, settings: RandomSearchSettings
-) -> Float[ndarray, "size"]:
+) -> Float[ndarray, " size"]:
     if settings.draw == "start":
         return problem.random_start(rng)
     lower, upper = problem.trajectory.bounds.T

@@ -55,7 +55,7 @@ class OptimiserResult:
         status: One plain sentence.
     """
 
-    z: Float[ndarray, "size"]
+    z: Float[ndarray, " size"]
     cost: float
     history: tuple[HistoryPoint, ...]
     evaluations: int
@@ -100,7 +100,7 @@ class EvaluationLog:
         """Record evaluations that are offered to no one."""
         self.evaluations += evaluations
 
-    def offer(self, z: Float[ndarray, "size"], cost: float) -> bool:
+    def offer(self, z: Float[ndarray, " size"], cost: float) -> bool:
         """Keep a feasible point if it is the best so far; say whether it is."""
         if not cost < self.best_cost:
             return False
@@ -109,7 +109,7 @@ class EvaluationLog:
         return True
 
     def evaluate(
-        self, cost: Callable[[Float[ndarray, "size"]], float], z: Float[ndarray, "size"]
+        self, cost: Callable[[Float[ndarray, " size"]], float], z: Float[ndarray, " size"]
     ) -> float:
         """Evaluate a feasible point, count it and offer it."""
         value = cost(z)

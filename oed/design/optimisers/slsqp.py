@@ -85,10 +85,10 @@ def _exponents(problem: DesignProblem, settings: SlsqpSettings) -> tuple[float, 
 def _descend(
     problem: DesignProblem,
     log: EvaluationLog,
-    start: Float[ndarray, "size"],
+    start: Float[ndarray, " size"],
     exponent: float,
     settings: SlsqpSettings,
-) -> Float[ndarray, "size"]:
+) -> Float[ndarray, " size"]:
     """One call of the solver, in coordinates of the unit box."""
     lower, upper = problem.trajectory.bounds.T
     span = upper - lower
@@ -137,11 +137,11 @@ def limit_inequalities(problem: DesignProblem, instants: int) -> Inequalities:
     rows = LimitConstraints(problem.trajectory, problem.limits, t)
     below, above = np.isfinite(rows.lower), np.isfinite(rows.upper)
 
-    def room(z: Float[ndarray, "size"]) -> Float[ndarray, "rows"]:
+    def room(z: Float[ndarray, " size"]) -> Float[ndarray, " rows"]:
         values = rows.values(z)
         return np.concatenate([(values - rows.lower)[below], (rows.upper - values)[above]])
 
-    def slope(z: Float[ndarray, "size"]) -> Float[ndarray, "rows size"]:
+    def slope(z: Float[ndarray, " size"]) -> Float[ndarray, "rows size"]:
         slopes = rows.jacobian(z).toarray()
         return np.concatenate([slopes[below], -slopes[above]])
 

@@ -14,7 +14,7 @@ from oed.design.trajectories import FourierClass, HarmonicClass
 THIRD_HARMONIC = 1 / 54
 
 
-def structured_start(problem: DesignProblem, rng: np.random.Generator) -> Float[ndarray, "size"]:
+def structured_start(problem: DesignProblem, rng: np.random.Generator) -> Float[ndarray, " size"]:
     """Each joint swings as far and fast as its limits allow, joints at different rates.
 
     Classes other than the paper's and Fourier's get a random start.

@@ -51,13 +51,13 @@ def first_hit(history: Sequence[HistoryPoint], resource: Resource, target: float
 
 
 def hit_curve(
-    hits: Float[ndarray, "seeds"], amounts: Float[ndarray, "points"]
-) -> Float[ndarray, "points"]:
+    hits: Float[ndarray, " seeds"], amounts: Float[ndarray, " points"]
+) -> Float[ndarray, " points"]:
     """Fraction of the seeds that had reached the target after each amount."""
     return (hits[:, None] <= amounts).mean(axis=0)
 
 
-def expected_cost(hits: Float[ndarray, "seeds"], spent: Float[ndarray, "seeds"]) -> float:
+def expected_cost(hits: Float[ndarray, " seeds"], spent: Float[ndarray, " seeds"]) -> float:
     """Expected amount until a restarted run succeeds: all that was spent, per success.
 
     Args:
@@ -71,7 +71,7 @@ def expected_cost(hits: Float[ndarray, "seeds"], spent: Float[ndarray, "seeds"])
 
 
 def median_interval(
-    values: Float[ndarray, "seeds"],
+    values: Float[ndarray, " seeds"],
     rng: np.random.Generator,
     *,
     level: float = 0.95,

@@ -84,22 +84,22 @@ class FourierClass(TrajectoryClass):
         return np.arange(self.joints * own).reshape(self.joints, own)
 
     def derivative(
-        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+        self, z: Float[ndarray, " size"], t: Float[ndarray, " samples"], order: int
     ) -> Float[ndarray, "samples joints"]:
         """Exact time derivative of position."""
         return self.basis(t, order) @ np.asarray(z, dtype=float).reshape(self.joints, -1).T
 
     def sensitivity(
         self,
-        z: Float[ndarray, "size"],  # noqa: ARG002  # the same for every z
-        t: Float[ndarray, "samples"],
+        z: Float[ndarray, " size"],  # noqa: ARG002  # the same for every z
+        t: Float[ndarray, " samples"],
         order: int,
     ) -> Float[ndarray, "samples joints own"]:
         """The basis, the same for every joint and z."""
         basis = self.basis(t, order)
         return np.broadcast_to(basis[:, None, :], (len(t), self.joints, basis.shape[1]))
 
-    def basis(self, t: Float[ndarray, "samples"], order: int) -> Float[ndarray, "samples own"]:
+    def basis(self, t: Float[ndarray, " samples"], order: int) -> Float[ndarray, "samples own"]:
         """Derivative of position by a joint's own variables."""
         series = _series(
             np.ascontiguousarray(t, dtype=float).tobytes(), self.horizon, self.harmonics, order
@@ -108,47 +108,47 @@ class FourierClass(TrajectoryClass):
 
     def pull_back(
         self,
-        z: Float[ndarray, "size"],  # noqa: ARG002  # the same for every z
-        t: Float[ndarray, "samples"],
+        z: Float[ndarray, " size"],  # noqa: ARG002  # the same for every z
+        t: Float[ndarray, " samples"],
         adjoints: tuple[Float[ndarray, "samples joints"], ...],
-    ) -> Float[ndarray, "size"]:
+    ) -> Float[ndarray, " size"]:
         """Gradient by z, one matrix product an order."""
         parts = [adjoint.T @ self.basis(t, order) for order, adjoint in enumerate(adjoints)]
         return sum(parts).reshape(-1)
 
-    def derivative_bound(self, z: Float[ndarray, "size"], order: int) -> Float[ndarray, "joints"]:
+    def derivative_bound(self, z: Float[ndarray, " size"], order: int) -> Float[ndarray, " joints"]:
         """sum_k of the harmonics' magnitudes times (k w)^order."""
         _, sines, cosines = self._parts(z)
         orders = np.arange(1, self.harmonics + 1) * self.fundamental
         return np.hypot(sines, cosines) @ orders**order
 
-    def centre(self, z: Float[ndarray, "size"]) -> Float[ndarray, "joints"]:
+    def centre(self, z: Float[ndarray, " size"]) -> Float[ndarray, " joints"]:
         """The offsets."""
         return np.asarray(z, dtype=float).reshape(self.joints, -1)[:, 0]
 
     def shrink(
-        self, z: Float[ndarray, "size"], factors: Float[ndarray, "joints"]
-    ) -> Float[ndarray, "size"]:
+        self, z: Float[ndarray, " size"], factors: Float[ndarray, " joints"]
+    ) -> Float[ndarray, " size"]:
         """All but the offsets multiplied."""
         own = np.array(z, dtype=float).reshape(self.joints, -1)
         own[:, 1:] *= factors[:, None]
         return own.reshape(-1)
 
     def shift(
-        self, z: Float[ndarray, "size"], distance: Float[ndarray, "joints"]
-    ) -> Float[ndarray, "size"]:
+        self, z: Float[ndarray, " size"], distance: Float[ndarray, " joints"]
+    ) -> Float[ndarray, " size"]:
         """Offsets moved."""
         own = np.array(z, dtype=float).reshape(self.joints, -1)
         own[:, 0] += distance
         return own.reshape(-1)
 
-    def describe(self, z: Float[ndarray, "size"]) -> dict[str, ndarray]:
+    def describe(self, z: Float[ndarray, " size"]) -> dict[str, ndarray]:
         """Offset (n,), sine and cosine coefficients (n, W)."""
         offset, sines, cosines = self._parts(z)
         fundamental = np.array(self.fundamental)
         return {"offset": offset, "sine": sines, "cosine": cosines, "fundamental": fundamental}
 
-    def _parts(self, z: Float[ndarray, "size"]) -> tuple[ndarray, ndarray, ndarray]:
+    def _parts(self, z: Float[ndarray, " size"]) -> tuple[ndarray, ndarray, ndarray]:
         full = np.asarray(z, dtype=float).reshape(self.joints, -1) @ self._subspace.T
         return full[:, 0], full[:, 1 : 1 + self.harmonics], full[:, 1 + self.harmonics :]
 

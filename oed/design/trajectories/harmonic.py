@@ -39,10 +39,10 @@ class HarmonicClass(TrajectoryClass):
     """
 
     horizon: float
-    middle: Float[ndarray, "joints"]
+    middle: Float[ndarray, " joints"]
     terms: int
-    amplitude_bound: Float[ndarray, "joints"]
-    frequency_bound: Float[ndarray, "joints"]
+    amplitude_bound: Float[ndarray, " joints"]
+    frequency_bound: Float[ndarray, " joints"]
     ramp: float = 0.0
     box_keeps_limits: bool = False
     name = "harmonic"
@@ -95,7 +95,7 @@ class HarmonicClass(TrajectoryClass):
         amplitude = np.arange(self.joints * self.terms).reshape(self.joints, self.terms)
         return np.concatenate([amplitude, amplitude + amplitude.size], axis=1)
 
-    def draw(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
+    def draw(self, rng: np.random.Generator) -> Float[ndarray, " size"]:
         """A random point; in a wide box slow terms are likelier and stronger than fast ones.
 
         Drawn evenly, a fast term would use up the acceleration and leave next to no motion.
@@ -109,7 +109,7 @@ class HarmonicClass(TrajectoryClass):
         return np.concatenate([a.reshape(-1), omega.reshape(-1)])
 
     def derivative(
-        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+        self, z: Float[ndarray, " size"], t: Float[ndarray, " samples"], order: int
     ) -> Float[ndarray, "samples joints"]:
         """Exact time derivative of position."""
         a, omega = self._parts(z)
@@ -117,7 +117,7 @@ class HarmonicClass(TrajectoryClass):
         return rest + self._ramped(t, order, lambda t, k: (_wave(t, omega, k) * a).sum(axis=2))
 
     def sensitivity(
-        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+        self, z: Float[ndarray, " size"], t: Float[ndarray, " samples"], order: int
     ) -> Float[ndarray, "samples joints own"]:
         """By each joint's amplitudes, then frequencies."""
         a, omega = self._parts(z)
@@ -132,7 +132,7 @@ class HarmonicClass(TrajectoryClass):
 
         return self._ramped(t, order, parts)
 
-    def derivative_bound(self, z: Float[ndarray, "size"], order: int) -> Float[ndarray, "joints"]:
+    def derivative_bound(self, z: Float[ndarray, " size"], order: int) -> Float[ndarray, " joints"]:
         """sum_k |a_k| omega_k^order, as in (11); with the ramp's own bounds by Leibniz."""
         a, omega = self._parts(z)
         bare = [(np.abs(a) * omega**k).sum(axis=1) for k in range(order + 1)]
@@ -142,8 +142,8 @@ class HarmonicClass(TrajectoryClass):
 
     def centre(
         self,
-        z: Float[ndarray, "size"],  # noqa: ARG002  # the same for every z
-    ) -> Float[ndarray, "joints"]:
+        z: Float[ndarray, " size"],  # noqa: ARG002  # the same for every z
+    ) -> Float[ndarray, " joints"]:
         """The fixed middle."""
         return self.middle
 
@@ -154,21 +154,21 @@ class HarmonicClass(TrajectoryClass):
         return (0.0, *inner, self.horizon)
 
     def shrink(
-        self, z: Float[ndarray, "size"], factors: Float[ndarray, "joints"]
-    ) -> Float[ndarray, "size"]:
+        self, z: Float[ndarray, " size"], factors: Float[ndarray, " joints"]
+    ) -> Float[ndarray, " size"]:
         """Amplitudes multiplied, frequencies kept."""
         a, omega = self._parts(z)
         return np.concatenate([(a * factors[:, None]).reshape(-1), omega.reshape(-1)])
 
     def shift(
         self,
-        z: Float[ndarray, "size"],
-        distance: Float[ndarray, "joints"],  # noqa: ARG002  # the class has no offset
-    ) -> Float[ndarray, "size"]:
+        z: Float[ndarray, " size"],
+        distance: Float[ndarray, " joints"],  # noqa: ARG002  # the class has no offset
+    ) -> Float[ndarray, " size"]:
         """Unchanged: the class has no offset."""
         return z
 
-    def describe(self, z: Float[ndarray, "size"]) -> dict[str, ndarray]:
+    def describe(self, z: Float[ndarray, " size"]) -> dict[str, ndarray]:
         """Centre, amplitudes and frequencies, (n, W) each."""
         a, omega = self._parts(z)
         return {
@@ -178,7 +178,7 @@ class HarmonicClass(TrajectoryClass):
             "ramp": np.array(self.ramp),
         }
 
-    def _parts(self, z: Float[ndarray, "size"]) -> tuple[ndarray, ndarray]:
+    def _parts(self, z: Float[ndarray, " size"]) -> tuple[ndarray, ndarray]:
         a, omega = np.asarray(z, dtype=float).reshape(2, self.joints, self.terms)
         return a, omega
 

@@ -29,7 +29,7 @@ class Ramp:
         if not 0 < self.duration <= self.horizon / 2:
             raise ValueError(f"{self.duration=} is not within (0, {self.horizon / 2}]")
 
-    def derivative(self, t: Float[ndarray, "samples"], order: int) -> Float[ndarray, "samples"]:
+    def derivative(self, t: Float[ndarray, " samples"], order: int) -> Float[ndarray, " samples"]:
         """Time derivative of w [1/s^order]."""
         step = STEP.deriv(order) if order else STEP
         scale = self.duration**-order

@@ -57,54 +57,54 @@ class TrajectoryClass(ABC):
 
     @abstractmethod
     def derivative(
-        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+        self, z: Float[ndarray, " size"], t: Float[ndarray, " samples"], order: int
     ) -> Float[ndarray, "samples joints"]:
         """Exact time derivative of position, of any order from 0 [rad/s^order]."""
 
     @abstractmethod
     def sensitivity(
-        self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"], order: int
+        self, z: Float[ndarray, " size"], t: Float[ndarray, " samples"], order: int
     ) -> Float[ndarray, "samples joints own"]:
         """Partial derivatives of `derivative` by each joint's own `variables`."""
 
     @abstractmethod
-    def derivative_bound(self, z: Float[ndarray, "size"], order: int) -> Float[ndarray, "joints"]:
+    def derivative_bound(self, z: Float[ndarray, " size"], order: int) -> Float[ndarray, " joints"]:
         """An upper bound on |`derivative`| at all t; for order 0 on |position - centre|."""
 
     @abstractmethod
-    def centre(self, z: Float[ndarray, "size"]) -> Float[ndarray, "joints"]:
+    def centre(self, z: Float[ndarray, " size"]) -> Float[ndarray, " joints"]:
         """Position about which each joint moves [rad or m]."""
 
     @abstractmethod
     def shrink(
-        self, z: Float[ndarray, "size"], factors: Float[ndarray, "joints"]
-    ) -> Float[ndarray, "size"]:
+        self, z: Float[ndarray, " size"], factors: Float[ndarray, " joints"]
+    ) -> Float[ndarray, " size"]:
         """The motion with each joint's distance from its centre multiplied by a factor."""
 
     @abstractmethod
     def shift(
-        self, z: Float[ndarray, "size"], distance: Float[ndarray, "joints"]
-    ) -> Float[ndarray, "size"]:
+        self, z: Float[ndarray, " size"], distance: Float[ndarray, " joints"]
+    ) -> Float[ndarray, " size"]:
         """The motion with each joint's centre moved; unchanged where there is no offset."""
 
-    def draw(self, rng: np.random.Generator) -> Float[ndarray, "size"]:
+    def draw(self, rng: np.random.Generator) -> Float[ndarray, " size"]:
         """A random point of the box, from which a motion is to be scaled into its limits."""
         return rng.uniform(*self.bounds.T)
 
     @abstractmethod
-    def describe(self, z: Float[ndarray, "size"]) -> dict[str, ndarray]:
+    def describe(self, z: Float[ndarray, " size"]) -> dict[str, ndarray]:
         """The coefficients by name, for a design file."""
 
-    def motion(self, z: Float[ndarray, "size"], t: Float[ndarray, "samples"]) -> Motion:
+    def motion(self, z: Float[ndarray, " size"], t: Float[ndarray, " samples"]) -> Motion:
         """Position, velocity and acceleration at instants t [s]."""
         return Motion(np.asarray(t, dtype=float), *(self.derivative(z, t, k) for k in range(3)))
 
     def pull_back(
         self,
-        z: Float[ndarray, "size"],
-        t: Float[ndarray, "samples"],
+        z: Float[ndarray, " size"],
+        t: Float[ndarray, " samples"],
         adjoints: tuple[Float[ndarray, "samples joints"], ...],
-    ) -> Float[ndarray, "size"]:
+    ) -> Float[ndarray, " size"]:
         """Gradient by z of a function whose gradients by q, dq, ddq, ... are `adjoints`."""
         gradient = np.zeros(self.size)
         for order, adjoint in enumerate(adjoints):
@@ -117,13 +117,13 @@ class TrajectoryClass(ABC):
         """Instants between which position is infinitely often differentiable, ends included."""
         return (0.0, self.horizon)
 
-    def instants(self, count: int) -> Float[ndarray, "samples"]:
+    def instants(self, count: int) -> Float[ndarray, " samples"]:
         """`count` equally spaced instants k T / count, k = 0 ... count - 1 [s].
 
         The end of the horizon is left out: in a periodic motion it repeats the start.
         """
         return np.arange(count) * (self.horizon / count)
 
-    def clip(self, z: Float[ndarray, "size"]) -> Float[ndarray, "size"]:
+    def clip(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:
         """The nearest point of the box."""
         return np.clip(z, self.bounds[:, 0], self.bounds[:, 1])

@@ -108,7 +108,7 @@ class EccentricityColumns(Effect):
 
 
 def _with_column(
-    values: Float[ndarray, "samples joints"], joint: int, column: Float[ndarray, "samples"]
+    values: Float[ndarray, "samples joints"], joint: int, column: Float[ndarray, " samples"]
 ) -> Float[ndarray, "samples joints"]:
     result = np.array(values)
     result[:, joint] = column

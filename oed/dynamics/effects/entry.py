@@ -96,18 +96,18 @@ class Context:
     """
 
     model: TorqueModel
-    parameters: Float[ndarray, "parameters"]
+    parameters: Float[ndarray, " parameters"]
     duration: float
     position_range: Float[ndarray, "joints 2"]
-    top_speed: Float[ndarray, "joints"]
-    peak_torque: Float[ndarray, "joints"]
+    top_speed: Float[ndarray, " joints"]
+    peak_torque: Float[ndarray, " joints"]
     gear_ratio: tuple[float, ...] | None = None
 
     @classmethod
     def of(
         cls,
         model: TorqueModel,
-        parameters: Float[ndarray, "parameters"],
+        parameters: Float[ndarray, " parameters"],
         motions: Sequence[Motion],
         gear_ratio: tuple[float, ...] | None = None,
     ) -> Context:
@@ -172,8 +172,8 @@ class Context:
 
 Build = Callable[[Context, Target, tuple[float, ...]], Effect]
 Narrow = Callable[[Context, Target, tuple[Shape, ...]], tuple[Shape, ...]]
-Check = Callable[[Context, Target, tuple[float, ...], Float[ndarray, "columns"]], str | None]
-Install = Callable[[Context, Target, tuple[float, ...], Float[ndarray, "columns"]], TorqueModel]
+Check = Callable[[Context, Target, tuple[float, ...], Float[ndarray, " columns"]], str | None]
+Install = Callable[[Context, Target, tuple[float, ...], Float[ndarray, " columns"]], TorqueModel]
 
 
 def _as_they_are(
@@ -235,7 +235,7 @@ class CatalogueEntry:
         context: Context,
         target: Target,
         values: tuple[float, ...],
-        estimates: Float[ndarray, "columns"],
+        estimates: Float[ndarray, " columns"],
     ) -> TorqueModel:
         """The context's model with the effect in it, exactly where columns are a first order.
 

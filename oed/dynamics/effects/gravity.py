@@ -75,7 +75,9 @@ def tilt_directions(
     return tuple((float(x), float(y), float(z)) for x, y, z in axes), magnitude
 
 
-def tilted(gravity: Float[ndarray, "3"], tilt: Float[ndarray, "directions"]) -> Float[ndarray, "3"]:
+def tilted(
+    gravity: Float[ndarray, "3"], tilt: Float[ndarray, " directions"]
+) -> Float[ndarray, "3"]:
     """Gravity after a tilt along `tilt_directions` [rad], of the same magnitude."""
     directions, magnitude = tilt_directions(gravity)
     change = np.array(directions).T @ tilt

@@ -59,7 +59,7 @@ class PreslidingHysteresis(Effect):
         return (f"q_{self.joint + 1}", f"dq_{self.joint + 1}")
 
     @property
-    def distances(self) -> Float[ndarray, "elements"]:
+    def distances(self) -> Float[ndarray, " elements"]:
         """Break-away distance of each element [rad], all of the same share."""
         if self.roundness < SINGLE:
             return np.array([self.distance])

@@ -15,7 +15,7 @@ UNIFORM = 1e-3
 
 
 def respond(
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     u: Float[ndarray, "samples joints columns"],
     numerator: Sequence[float],
     denominator: Sequence[float],

@@ -78,7 +78,7 @@ class SplineTorque(Effect):
         sums = [float(np.sum(product)) for product in self._products(state)]
         return replace(self, kept=tuple(k for k, weight in enumerate(sums) if weight >= least))
 
-    def covered(self, state: State) -> Bool[ndarray, "samples"]:
+    def covered(self, state: State) -> Bool[ndarray, " samples"]:
         """Where every coordinate is within its coverage, and in a cell that the data touch."""
         inside = np.logical_and.reduce([spline.covered(state) for spline in self.splines])
         products = self._products(state)

@@ -49,7 +49,7 @@ class ReferenceTorque:
         cls,
         robot: Robot,
         effects: Sequence[Effect],
-        parameters: Float[ndarray, "parameters"],
+        parameters: Float[ndarray, " parameters"],
     ) -> ReferenceTorque:
         """Split a model's parameter vector into the rigid body's and the rest.
 

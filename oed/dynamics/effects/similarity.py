@@ -30,7 +30,7 @@ class Similarity:
         left: For each effect the largest share of a column that the base does not absorb.
     """
 
-    angles: Float[ndarray, "columns"]
+    angles: Float[ndarray, " columns"]
     left: tuple[float, float]
 
     @property
@@ -49,7 +49,7 @@ def effect_angles(
     first: Effect,
     second: Effect,
     motions: Sequence[Motion],
-    noise: Float[ndarray, "joints"],
+    noise: Float[ndarray, " joints"],
 ) -> Similarity:
     """Principal angles between two effects on recordings, modulo a model's own columns.
 

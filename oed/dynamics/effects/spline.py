@@ -74,7 +74,7 @@ class Spline:
 
     @classmethod
     def covering(
-        cls, coordinate: Coordinate, values: Float[ndarray, "samples"], pieces: int
+        cls, coordinate: Coordinate, values: Float[ndarray, " samples"], pieces: int
     ) -> Spline:
         """Breaks at quantiles of the data, so that every piece is covered equally well.
 
@@ -91,7 +91,7 @@ class Spline:
         return len(self.breaks) - 1 + DEGREE
 
     @property
-    def knots(self) -> Float[ndarray, "knots"]:
+    def knots(self) -> Float[ndarray, " knots"]:
         """Knot sequence, with the ends repeated."""
         return np.concatenate([[self.breaks[0]] * DEGREE, self.breaks, [self.breaks[-1]] * DEGREE])
 
@@ -116,7 +116,7 @@ class Spline:
             ]
         return values
 
-    def covered(self, state: State) -> Bool[ndarray, "samples"]:
+    def covered(self, state: State) -> Bool[ndarray, " samples"]:
         """Where the coordinate is within the coverage."""
         x = np.asarray(self.coordinate.of(state))
         return (x >= self.breaks[0]) & (x <= self.breaks[-1])
@@ -132,7 +132,7 @@ class Spline:
         return np.diff(slopes, axis=0) * (centres[-1] - centres[0])
 
 
-def _raised(x: Scalar, knots: Float[ndarray, "knots"], left: Scalar, right: Scalar) -> Scalar:
+def _raised(x: Scalar, knots: Float[ndarray, " knots"], left: Scalar, right: Scalar) -> Scalar:
     """A B-spline on its knots from the two of one degree less; 0/0 counts as 0."""
     rising, falling = knots[-2] - knots[0], knots[-1] - knots[1]
     up = mul((x - knots[0]) / rising, left) if rising > 0 else 0.0

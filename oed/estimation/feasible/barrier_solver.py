@@ -34,7 +34,7 @@ LEAST_STEP = 1e-12
 
 
 def solve_barrier(
-    problem: FeasibleProblem, start: Float[ndarray, "p"] | None = None
+    problem: FeasibleProblem, start: Float[ndarray, " p"] | None = None
 ) -> SolverResult:
     """Solve by path-following Newton's method.
 
@@ -73,7 +73,7 @@ class _Path:
     problem: FeasibleProblem
     directions: Float[ndarray, "p free"] | None
 
-    def centre(self, x: Float[ndarray, "p"], mu: float) -> tuple[Float[ndarray, "p"], int]:
+    def centre(self, x: Float[ndarray, " p"], mu: float) -> tuple[Float[ndarray, " p"], int]:
         for taken in range(NEWTON_STEPS):
             gradient, hessian = self._derivatives(x, mu)
             step, decrease = self._newton(gradient, hessian)
@@ -91,8 +91,8 @@ class _Path:
         )
 
     def _newton(
-        self, gradient: Float[ndarray, "p"], hessian: Float[ndarray, "p p"]
-    ) -> tuple[Float[ndarray, "p"], float]:
+        self, gradient: Float[ndarray, " p"], hessian: Float[ndarray, "p p"]
+    ) -> tuple[Float[ndarray, " p"], float]:
         free = self.directions
         g = gradient if free is None else free.T @ gradient
         H = hessian if free is None else free.T @ hessian @ free
@@ -105,7 +105,7 @@ class _Path:
             raise SolverFailed("no Newton step", (f"barrier: {error}",)) from error
         return (step if free is None else free @ step), float(-g @ step)
 
-    def _value(self, x: Float[ndarray, "p"], mu: float) -> float:
+    def _value(self, x: Float[ndarray, " p"], mu: float) -> float:
         problem = self.problem
         slack = problem.slack(x)
         margins = np.linalg.eigvalsh(problem.coordinates.relative_inertias(x)) - problem.margin
@@ -114,8 +114,8 @@ class _Path:
         return problem.objective(x) - mu * float(np.log(margins).sum() + np.log(slack).sum())
 
     def _derivatives(
-        self, x: Float[ndarray, "p"], mu: float
-    ) -> tuple[Float[ndarray, "p"], Float[ndarray, "p p"]]:
+        self, x: Float[ndarray, " p"], mu: float
+    ) -> tuple[Float[ndarray, " p"], Float[ndarray, "p p"]]:
         problem = self.problem
         gradient, hessian = problem.gradient(x), problem.hessian(x)
         above = problem.coordinates.relative_inertias(x) - problem.margin * np.eye(4)
@@ -130,7 +130,7 @@ class _Path:
         return gradient, hessian
 
 
-def _start(problem: FeasibleProblem) -> Float[ndarray, "p"]:
+def _start(problem: FeasibleProblem) -> Float[ndarray, " p"]:
     x = problem.coordinates.start
     if np.all(problem.slack(x) > 0) and not len(problem.equality):
         return x

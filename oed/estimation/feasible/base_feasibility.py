@@ -38,7 +38,7 @@ class BaseFeasibility:
     """
 
     margin: float
-    example: Float[ndarray, "p"]
+    example: Float[ndarray, " p"]
     base_error: float
     certificate: Certificate
     blamed: tuple[str, ...]
@@ -52,10 +52,10 @@ class BaseFeasibility:
 def base_feasibility(
     model: TorqueModel,
     base: BaseParameters,
-    values: Float[ndarray, "base"],
+    values: Float[ndarray, " base"],
     *,
     demands: FeasibleSet | None = None,
-    reference: Float[ndarray, "inertial"] | None = None,
+    reference: Float[ndarray, " inertial"] | None = None,
 ) -> BaseFeasibility:
     """Look for standard parameters with given base parameters, as deep inside as there are.
 

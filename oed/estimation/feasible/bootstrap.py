@@ -41,7 +41,7 @@ class Bootstrap:
         return np.percentile(self.samples, [tail, 100 - tail], axis=0).T
 
     @property
-    def std(self) -> Float[ndarray, "p"]:
+    def std(self) -> Float[ndarray, " p"]:
         """Standard deviation over resamples."""
         return self.samples.std(axis=0, ddof=1)
 

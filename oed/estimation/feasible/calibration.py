@@ -52,7 +52,7 @@ class FeasibleSettings:
     """
 
     demands: FeasibleSet | None = None
-    prior: Float[ndarray, "inertial"] | None = None
+    prior: Float[ndarray, " inertial"] | None = None
     kind: RegularisationKind = "entropic"
     weight: float | None = None
     weights: tuple[float, ...] = field(default=WEIGHTS)
@@ -83,7 +83,7 @@ class FeasibleCalibration:
     """
 
     plain: Calibration
-    plain_parameters: Float[ndarray, "p"]
+    plain_parameters: Float[ndarray, " p"]
     estimate: FeasibleEstimate
     curve: WeightCurve | None
     second: FeasibleSolution | None
@@ -157,7 +157,7 @@ def calibrate_feasibly(plain: Calibration, settings: FeasibleSettings) -> Feasib
 
 def validate_parameters(
     model: TorqueModel,
-    parameters: Float[ndarray, "p"],
+    parameters: Float[ndarray, " p"],
     recordings: tuple[ProcessedRecording, ...],
 ) -> Validation:
     """How well full parameters predict the torque of recordings."""

@@ -37,7 +37,7 @@ class SolverResult:
         seconds: Wall time, setting up included.
     """
 
-    x: Float[ndarray, "p"]
+    x: Float[ndarray, " p"]
     multipliers: Multipliers
     solver: str
     status: str

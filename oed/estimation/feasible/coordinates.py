@@ -41,14 +41,14 @@ class Coordinates:
         to_parameters: (p, p) T, block-diagonal: ten by ten a link, then one an effect.
     """
 
-    reference: Float[ndarray, "inertial"]
+    reference: Float[ndarray, " inertial"]
     to_parameters: Float[ndarray, "p p"]
 
     @classmethod
     def relative_to(
         cls,
-        reference: Float[ndarray, "inertial"],
-        effect_scales: Float[ndarray, "effects"],
+        reference: Float[ndarray, " inertial"],
+        effect_scales: Float[ndarray, " effects"],
     ) -> Coordinates:
         """Unknowns relative to reference bodies.
 
@@ -85,25 +85,25 @@ class Coordinates:
         return len(self.to_parameters)
 
     @property
-    def start(self) -> Float[ndarray, "p"]:
+    def start(self) -> Float[ndarray, " p"]:
         """Unknowns of the reference bodies, with effects at one scale each."""
         return np.concatenate(
             [np.tile(IDENTITY, self.links), np.ones(self.size - ENTRIES * self.links)]
         )
 
-    def parameters(self, x: Float[ndarray, "p"]) -> Float[ndarray, "p"]:
+    def parameters(self, x: Float[ndarray, " p"]) -> Float[ndarray, " p"]:
         """Parameters pi in their units."""
         return self.to_parameters @ x
 
-    def unknowns(self, parameters: Float[ndarray, "p"]) -> Float[ndarray, "p"]:
+    def unknowns(self, parameters: Float[ndarray, " p"]) -> Float[ndarray, " p"]:
         """Unknowns x of parameters."""
         return np.linalg.solve(self.to_parameters, parameters)
 
-    def relative_inertias(self, x: Float[ndarray, "p"]) -> Float[ndarray, "links 4 4"]:
+    def relative_inertias(self, x: Float[ndarray, " p"]) -> Float[ndarray, "links 4 4"]:
         """J^ of every link."""
         return np.tensordot(x[: ENTRIES * self.links].reshape(-1, ENTRIES), BASIS, axes=1)
 
 
-def adjoint(matrices: Float[ndarray, "links 4 4"]) -> Float[ndarray, "inertial"]:
+def adjoint(matrices: Float[ndarray, "links 4 4"]) -> Float[ndarray, " inertial"]:
     """Gradient by x of sum_i <matrices_i, J^_i>."""
     return np.einsum("lij,kij->lk", matrices, BASIS).reshape(-1)

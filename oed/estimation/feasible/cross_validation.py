@@ -34,10 +34,10 @@ class WeightCurve:
             section 3.4.3): what the data cannot tell apart, the reference decides.
     """
 
-    weights: Float[ndarray, "w"]
+    weights: Float[ndarray, " w"]
     held_out: Float[ndarray, "w folds"]
     fitted: Float[ndarray, "w folds"]
-    least_squares: Float[ndarray, "folds"]
+    least_squares: Float[ndarray, " folds"]
     best: int
     chosen: int
 
@@ -47,7 +47,7 @@ class WeightCurve:
         return float(self.weights[self.chosen])
 
     @property
-    def mean(self) -> Float[ndarray, "w"]:
+    def mean(self) -> Float[ndarray, " w"]:
         """Held-out error, mean over folds."""
         return self.held_out.mean(axis=1)
 
@@ -109,7 +109,7 @@ def cross_validate(
 
 
 def _largest_as_good(
-    weights: Float[ndarray, "w"], held_out: Float[ndarray, "w folds"], best: int
+    weights: Float[ndarray, " w"], held_out: Float[ndarray, "w folds"], best: int
 ) -> int:
     excess = held_out - held_out[best]
     error = excess.std(axis=1, ddof=1) / np.sqrt(held_out.shape[1])

@@ -32,7 +32,7 @@ class DataFactor:
         cls,
         regressor: Float[ndarray, "rows p"],
         torque: Float[ndarray, "samples joints"],
-        variances: Float[ndarray, "joints"],
+        variances: Float[ndarray, " joints"],
     ) -> DataFactor:
         """Factor of stacked rows, sample-major, weighted by the joints' torque variances."""
         joints = torque.shape[1]
@@ -59,7 +59,7 @@ class DataFactor:
         return self.triangle[:-1, :-1]
 
     @property
-    def target(self) -> Float[ndarray, "p"]:
+    def target(self) -> Float[ndarray, " p"]:
         """The right-hand side z."""
         return self.triangle[:-1, -1]
 
@@ -68,7 +68,7 @@ class DataFactor:
         """The residual norm rho that no parameter changes."""
         return float(self.triangle[-1, -1])
 
-    def misfit(self, parameters: Float[ndarray, "p"]) -> float:
+    def misfit(self, parameters: Float[ndarray, " p"]) -> float:
         """Mean squared weighted residual."""
         return float(np.sum((self.triangle @ np.append(-parameters, 1.0)) ** 2) / self.rows)
 
@@ -76,7 +76,7 @@ class DataFactor:
 def block_factors(
     model: TorqueModel,
     recordings: Sequence[ProcessedRecording],
-    variances: Float[ndarray, "joints"],
+    variances: Float[ndarray, " joints"],
     *,
     blocks: int,
 ) -> tuple[DataFactor, ...]:

@@ -44,13 +44,13 @@ class FeasibleEstimate:
     """
 
     model: TorqueModel
-    parameters: Float[ndarray, "p"]
+    parameters: Float[ndarray, " p"]
     problem: FeasibleProblem
     solution: FeasibleSolution
     misfit: float
     unconstrained_misfit: float
-    from_data: Float[ndarray, "p"]
-    reference: Float[ndarray, "inertial"]
+    from_data: Float[ndarray, " p"]
+    reference: Float[ndarray, " inertial"]
     has_prior: bool
 
     @property
@@ -69,12 +69,12 @@ class FeasibleEstimate:
         return self.model.robot.with_parameters(self.parameters[: ENTRIES * self.model.robot.n])
 
     @property
-    def relative_margins(self) -> Float[ndarray, "links"]:
+    def relative_margins(self) -> Float[ndarray, " links"]:
         """Least eigenvalue of each link's pseudo-inertia relative to its reference body."""
         return self.problem.link_margins(self.solution.x)
 
     @property
-    def margins(self) -> Float[ndarray, "links"]:
+    def margins(self) -> Float[ndarray, " links"]:
         """Least eigenvalue of each link's pseudo-inertia itself [mixed units, SI]."""
         inertial = self.robot.parameters.reshape(-1, ENTRIES)
         return np.array([np.linalg.eigvalsh(pseudo_inertia(link))[0] for link in inertial])
@@ -112,7 +112,7 @@ def estimate_feasible(
     data: DataFactor,
     *,
     demands: FeasibleSet | None = None,
-    prior: Float[ndarray, "inertial"] | None = None,
+    prior: Float[ndarray, " inertial"] | None = None,
     regularisation: Regularisation,
     solvers: Sequence[SolverName] = ("clarabel", "barrier"),
 ) -> FeasibleEstimate:
@@ -165,7 +165,7 @@ def complete_estimate(
     )
 
 
-def share_from_data(problem: FeasibleProblem, x: Float[ndarray, "p"]) -> Float[ndarray, "p"]:
+def share_from_data(problem: FeasibleProblem, x: Float[ndarray, " p"]) -> Float[ndarray, " p"]:
     """Diagonal of the resolution matrix H^-1 H_data, in parameters.
 
     H is the objective's Hessian and H_data that of the misfit: a parameter at 1 moves with the

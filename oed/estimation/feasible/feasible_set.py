@@ -148,7 +148,7 @@ class Rows:
     """
 
     matrix: Float[ndarray, "k p"]
-    bound: Float[ndarray, "k"]
+    bound: Float[ndarray, " k"]
     names: tuple[str, ...]
 
     def __len__(self) -> int:

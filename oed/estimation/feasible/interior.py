@@ -47,9 +47,9 @@ class Certificate:
     """
 
     bound: float
-    links: Float[ndarray, "links"]
-    inequality: Float[ndarray, "k"]
-    equality: Float[ndarray, "m"]
+    links: Float[ndarray, " links"]
+    inequality: Float[ndarray, " k"]
+    equality: Float[ndarray, " m"]
     residual: float
 
 
@@ -63,7 +63,7 @@ class Interior:
         certificate: That no point has a larger one.
     """
 
-    x: Float[ndarray, "p"]
+    x: Float[ndarray, " p"]
     margin: float
     certificate: Certificate
 
@@ -115,7 +115,7 @@ def most_interior(coordinates: Coordinates, inequality: Rows, equality: Rows) ->
 
 def _certificate(
     duals: Float[ndarray, "links 4 4"],
-    prices: Float[ndarray, "k"],
+    prices: Float[ndarray, " k"],
     inequality: Rows,
     equality: Rows,
     coordinates: Coordinates,

@@ -13,7 +13,7 @@ from oed.dynamics.torque_model import TorqueModel
 
 
 def mass_matrices(
-    model: TorqueModel, parameters: Float[ndarray, "p"], q: Float[ndarray, "poses joints"]
+    model: TorqueModel, parameters: Float[ndarray, " p"], q: Float[ndarray, "poses joints"]
 ) -> Float[ndarray, "poses joints joints"]:
     """M(q) of rigid body and rotors: column j is the torque of a unit acceleration of joint j.
 
@@ -50,8 +50,8 @@ def share_positive_definite(matrices: Float[ndarray, "poses joints joints"]) -> 
 
 
 def _rotor_inertias(
-    model: TorqueModel, parameters: Float[ndarray, "p"]
-) -> Float[ndarray, "joints"]:
+    model: TorqueModel, parameters: Float[ndarray, " p"]
+) -> Float[ndarray, " joints"]:
     rotor, column = np.zeros(model.robot.n), 0
     for effect in model.effects:
         if isinstance(effect, RotorInertia):

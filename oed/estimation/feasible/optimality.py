@@ -27,7 +27,7 @@ class Multipliers:
     """
 
     links: Float[ndarray, "links 4 4"]
-    inequality: Float[ndarray, "k"]
+    inequality: Float[ndarray, " k"]
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Optimality:
 
 
 def check_optimality(
-    problem: FeasibleProblem, x: Float[ndarray, "p"], multipliers: Multipliers
+    problem: FeasibleProblem, x: Float[ndarray, " p"], multipliers: Multipliers
 ) -> Optimality:
     """Evaluate the optimality conditions at a point.
 
@@ -84,7 +84,7 @@ def check_optimality(
 
 
 def _decrement(
-    problem: FeasibleProblem, x: Float[ndarray, "p"], rest: Float[ndarray, "p"]
+    problem: FeasibleProblem, x: Float[ndarray, " p"], rest: Float[ndarray, " p"]
 ) -> float:
     hessian = problem.hessian(x)
     if len(problem.equality):
@@ -98,7 +98,7 @@ def _decrement(
     return float(0.5 * np.sum(along**2 / np.maximum(values, np.finfo(float).eps)))
 
 
-def primal_violation(problem: FeasibleProblem, x: Float[ndarray, "p"]) -> float:
+def primal_violation(problem: FeasibleProblem, x: Float[ndarray, " p"]) -> float:
     """Largest violation of a demand; 0 for a feasible point."""
     violations = [
         float(np.max(problem.margin - problem.link_margins(x))),

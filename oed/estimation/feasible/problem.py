@@ -45,7 +45,7 @@ class FeasibleProblem:
 
     coordinates: Coordinates
     factor: Float[ndarray, "p p"]
-    target: Float[ndarray, "p"]
+    target: Float[ndarray, " p"]
     constant: float
     margin: float
     inequality: Rows
@@ -53,43 +53,43 @@ class FeasibleProblem:
     regularisation: Regularisation
 
     @property
-    def tie_break(self) -> Float[ndarray, "p"]:
+    def tie_break(self) -> Float[ndarray, " p"]:
         """Second derivative of the pull on each unknown that keeps effects determined."""
         pull = np.full(self.coordinates.size, TIE_BREAK)
         pull[: ENTRIES * self.coordinates.links] = 0.0
         return pull
 
-    def misfit(self, x: Float[ndarray, "p"]) -> float:
+    def misfit(self, x: Float[ndarray, " p"]) -> float:
         """Mean squared weighted residual."""
         return float(np.sum((self.factor @ x - self.target) ** 2) + self.constant)
 
-    def objective(self, x: Float[ndarray, "p"]) -> float:
+    def objective(self, x: Float[ndarray, " p"]) -> float:
         """What is minimised."""
         pull = 0.5 * float(np.sum(self.tie_break * x**2))
         distance = self.regularisation.value(self.coordinates, x)
         return self.misfit(x) + pull + self.regularisation.weight * distance
 
-    def size(self, x: Float[ndarray, "p"]) -> float:
+    def size(self, x: Float[ndarray, " p"]) -> float:
         """What an error of the objective is relative to."""
         return self.objective(x) + ROUNDING * float(np.sum(self.target**2) + self.constant)
 
-    def gradient(self, x: Float[ndarray, "p"]) -> Float[ndarray, "p"]:
+    def gradient(self, x: Float[ndarray, " p"]) -> Float[ndarray, " p"]:
         """Gradient of the objective."""
         data = 2 * self.factor.T @ (self.factor @ x - self.target)
         distance = self.regularisation.gradient(self.coordinates, x)
         return data + self.tie_break * x + self.regularisation.weight * distance
 
-    def hessian(self, x: Float[ndarray, "p"]) -> Float[ndarray, "p p"]:
+    def hessian(self, x: Float[ndarray, " p"]) -> Float[ndarray, "p p"]:
         """Second derivatives of the objective."""
         data = 2 * self.factor.T @ self.factor
         distance = self.regularisation.hessian(self.coordinates, x)
         return data + np.diag(self.tie_break) + self.regularisation.weight * distance
 
-    def slack(self, x: Float[ndarray, "p"]) -> Float[ndarray, "k"]:
+    def slack(self, x: Float[ndarray, " p"]) -> Float[ndarray, " k"]:
         """By how much each inequality row is exceeded."""
         return self.inequality.matrix @ x - self.inequality.bound
 
-    def link_margins(self, x: Float[ndarray, "p"]) -> Float[ndarray, "links"]:
+    def link_margins(self, x: Float[ndarray, " p"]) -> Float[ndarray, " links"]:
         """Least eigenvalue of each J^_i."""
         return np.linalg.eigvalsh(self.coordinates.relative_inertias(x))[:, 0]
 
@@ -108,7 +108,7 @@ def build_problem(
     model: TorqueModel,
     data: DataFactor,
     demands: FeasibleSet,
-    reference: Float[ndarray, "inertial"],
+    reference: Float[ndarray, " inertial"],
     regularisation: Regularisation,
 ) -> FeasibleProblem:
     """Put data and demands into unknowns of size one.
@@ -148,7 +148,7 @@ def build_problem(
 
 def _in_unknowns(
     data: DataFactor, coordinates: Coordinates
-) -> tuple[Float[ndarray, "p p"], Float[ndarray, "p"], float]:
+) -> tuple[Float[ndarray, "p p"], Float[ndarray, " p"], float]:
     root = np.sqrt(data.rows)
     return (
         data.factor @ coordinates.to_parameters / root,

@@ -34,7 +34,7 @@ class InfeasiblePrior(OedError):
         self.margins = margins
 
 
-def neutral_bodies(robot: Robot) -> Float[ndarray, "inertial"]:
+def neutral_bodies(robot: Robot) -> Float[ndarray, " inertial"]:
     """Consistent parameters (10 n,) from the kinematics alone, at one kilogram a typical length.
 
     Each link is a rod from its joint to the mean of the joints that it carries, as long as a
@@ -53,8 +53,8 @@ def neutral_bodies(robot: Robot) -> Float[ndarray, "inertial"]:
 
 
 def scaled_neutral_bodies(
-    robot: Robot, factor: Float[ndarray, "p p"], target: Float[ndarray, "p"]
-) -> Float[ndarray, "inertial"]:
+    robot: Robot, factor: Float[ndarray, "p p"], target: Float[ndarray, " p"]
+) -> Float[ndarray, " inertial"]:
     """Neutral bodies of the one density that explains the data best.
 
     Args:
@@ -72,7 +72,7 @@ def scaled_neutral_bodies(
     return bodies * (density if used[0] and density > 0 else 1.0)
 
 
-def require_consistent(robot: Robot, prior: Float[ndarray, "inertial"]) -> None:
+def require_consistent(robot: Robot, prior: Float[ndarray, " inertial"]) -> None:
     """Refuse a prior that is no set of bodies.
 
     Raises:

@@ -42,7 +42,7 @@ class Regularisation:
         if self.kind not in ("entropic", "quadratic"):
             raise ValueError(f"regularisation {self.kind!r} is neither entropic nor quadratic")
 
-    def value(self, coordinates: Coordinates, x: Float[ndarray, "p"]) -> float:
+    def value(self, coordinates: Coordinates, x: Float[ndarray, " p"]) -> float:
         """Distance from the reference; inf where a link is not consistent (entropic)."""
         if self.kind == "quadratic":
             return float(np.sum((quadratic_root(coordinates) @ (x - coordinates.start)) ** 2) / 2)
@@ -52,7 +52,7 @@ class Regularisation:
             return np.inf
         return float(np.sum(eigenvalues - np.log(eigenvalues) - 1.0))
 
-    def gradient(self, coordinates: Coordinates, x: Float[ndarray, "p"]) -> Float[ndarray, "p"]:
+    def gradient(self, coordinates: Coordinates, x: Float[ndarray, " p"]) -> Float[ndarray, " p"]:
         """Gradient of `value`."""
         if self.kind == "quadratic":
             root = quadratic_root(coordinates)
@@ -64,7 +64,7 @@ class Regularisation:
         )
         return result
 
-    def hessian(self, coordinates: Coordinates, x: Float[ndarray, "p"]) -> Float[ndarray, "p p"]:
+    def hessian(self, coordinates: Coordinates, x: Float[ndarray, " p"]) -> Float[ndarray, "p p"]:
         """Second derivatives of `value`."""
         if self.kind == "quadratic":
             root = quadratic_root(coordinates)

@@ -65,7 +65,7 @@ class FeasibleSolution:
         attempts: One line for each solver that was tried.
     """
 
-    x: Float[ndarray, "p"]
+    x: Float[ndarray, " p"]
     multipliers: Multipliers
     objective: float
     optimality: Optimality
@@ -149,7 +149,7 @@ def require_interior(problem: FeasibleProblem) -> Interior:
     )
 
 
-def _drawn_inside(problem: FeasibleProblem, x: Float[ndarray, "p"]) -> Float[ndarray, "p"]:
+def _drawn_inside(problem: FeasibleProblem, x: Float[ndarray, " p"]) -> Float[ndarray, " p"]:
     """X with eigenvalues and slacks that rounding left below their bounds put back on them."""
     links = problem.coordinates.links
     inside = np.array(x)

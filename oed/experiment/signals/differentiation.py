@@ -6,8 +6,8 @@ from numpy import ndarray
 
 
 def central_difference(
-    x: Float[ndarray, "samples *columns"], rate: float
-) -> Float[ndarray, "samples *columns"]:
+    x: Float[ndarray, " samples *columns"], rate: float
+) -> Float[ndarray, " samples *columns"]:
     """First derivative on a uniform grid, (x(k+1) - x(k-1)) rate / 2.
 
     The gain at frequency f is sin(2 pi f / rate) / (2 pi f / rate) of the true one, with no
@@ -31,8 +31,8 @@ def central_difference(
 
 
 def harmonic_content(
-    x: Float[ndarray, "samples *columns"], repetitions: int = 1
-) -> Float[ndarray, "harmonics *columns"]:
+    x: Float[ndarray, " samples *columns"], repetitions: int = 1
+) -> Float[ndarray, " harmonics *columns"]:
     """Amplitude of each harmonic of a periodic signal, the mean first.
 
     Args:
@@ -50,13 +50,13 @@ def harmonic_content(
 
 
 def spectral_derivative(
-    x: Float[ndarray, "samples *columns"],
+    x: Float[ndarray, " samples *columns"],
     rate: float,
     *,
     repetitions: int = 1,
     harmonics: int | None = None,
     order: int = 1,
-) -> Float[ndarray, "samples *columns"]:
+) -> Float[ndarray, " samples *columns"]:
     """Derivative of periodic motion, exact for the harmonics kept.
 
     Swevers et al., "Optimal robot excitation and identification", IEEE Trans. Robotics and

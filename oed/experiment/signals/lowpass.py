@@ -9,8 +9,8 @@ PADDING = 3.0  # periods of the cut-off reflected at each end: the filter has se
 
 
 def lowpass(
-    x: Float[ndarray, "samples *columns"], rate: float, cutoff: float, order: int = 4
-) -> Float[ndarray, "samples *columns"]:
+    x: Float[ndarray, " samples *columns"], rate: float, cutoff: float, order: int = 4
+) -> Float[ndarray, " samples *columns"]:
     """Low-pass along the first axis without shifting phase.
 
     Two passes square the gain: at `cutoff` it is 1/2 (-6 dB), not -3 dB, and the

@@ -73,7 +73,7 @@ class SecondOrderFilter:
         )
         return float(found.root)
 
-    def apply(self, u: Float[ndarray, "samples *columns"]) -> Float[ndarray, "samples *columns"]:
+    def apply(self, u: Float[ndarray, " samples *columns"]) -> Float[ndarray, " samples *columns"]:
         """Filter (N, ...) samples, as if the first had stood for ever."""
         start = np.asarray(u[:1]) * self.dc_gain
         denominator = [1.0, -self.l2, -self.l3]

@@ -24,13 +24,13 @@ class RepetitionAverage:
     """
 
     mean: Float[ndarray, "phases columns"]
-    variance: Float[ndarray, "columns"]
+    variance: Float[ndarray, " columns"]
     repetitions: int
     degrees_of_freedom: int
 
 
 def fold(
-    t: Float[ndarray, "samples"],
+    t: Float[ndarray, " samples"],
     x: Float[ndarray, "samples columns"],
     period: float,
     phases: int,
@@ -63,7 +63,7 @@ def fold(
 
 
 def fold_by_index(
-    x: Float[ndarray, "samples columns"], repetition: Int[ndarray, "samples"]
+    x: Float[ndarray, "samples columns"], repetition: Int[ndarray, " samples"]
 ) -> Float[ndarray, "repetitions phases columns"]:
     """Cut a signal into the repetitions that `repetition` (N,) numbers, sample by sample.
 

@@ -11,8 +11,8 @@ Interpolation = Literal["linear", "pchip", "cubic"]
 
 
 def fresh_rows(
-    *signals: Float[ndarray, "samples *columns"], longest: int = 20
-) -> Bool[ndarray, "samples"]:
+    *signals: Float[ndarray, " samples *columns"], longest: int = 20
+) -> Bool[ndarray, " samples"]:
     """Which rows are not exact repeats of the row before.
 
     Where a state is read faster than it is updated, a row repeats all numbers of its
@@ -40,7 +40,7 @@ def fresh_rows(
     return ~repeats
 
 
-def uniform_grid(t: Float[ndarray, "samples"], rate: float) -> Float[ndarray, "grid"]:
+def uniform_grid(t: Float[ndarray, " samples"], rate: float) -> Float[ndarray, " grid"]:
     """Instants t[0], t[0] + 1/rate, … up to t[-1] [s].
 
     Raises:
@@ -54,11 +54,11 @@ def uniform_grid(t: Float[ndarray, "samples"], rate: float) -> Float[ndarray, "g
 
 
 def resample(
-    t: Float[ndarray, "samples"],
-    x: Float[ndarray, "samples *columns"],
-    grid: Float[ndarray, "grid"],
+    t: Float[ndarray, " samples"],
+    x: Float[ndarray, " samples *columns"],
+    grid: Float[ndarray, " grid"],
     kind: Interpolation = "cubic",
-) -> Float[ndarray, "grid *columns"]:
+) -> Float[ndarray, " grid *columns"]:
     """Interpolate samples at other instants.
 
     "linear" loses up to (pi f h)^2 / 2 of an amplitude at frequency f for steps of h;
@@ -92,8 +92,8 @@ def resample(
 
 
 def decimate(
-    x: Float[ndarray, "samples *columns"], factor: int
-) -> Float[ndarray, "fewer *columns"]:
+    x: Float[ndarray, " samples *columns"], factor: int
+) -> Float[ndarray, " fewer *columns"]:
     """Every `factor`-th sample, the first included.
 
     Nothing is filtered here: what lies above half the new rate must be gone already.

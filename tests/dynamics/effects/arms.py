@@ -43,7 +43,7 @@ def smooth_motion(robot: Robot, duration: float = 10.0, step: float = 2e-3) -> M
     return Motion(t, q, dq, ddq)
 
 
-def parameters_of(model: TorqueModel) -> Float[ndarray, "parameters"]:
+def parameters_of(model: TorqueModel) -> Float[ndarray, " parameters"]:
     """The robot's own inertia, and round numbers for friction."""
     friction = {"Fc": 2.0, "Fv": 1.0}
     rest = [friction[p.name[:2]] for p in model.parameters[10 * model.robot.n :]]

@@ -40,7 +40,7 @@ def _stribeck_plausible(
     context: Context,
     target: Target,
     values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint, rise = joint_of(target), float(estimates[0])
     return first_reason(
@@ -94,7 +94,7 @@ def _nonlinear_viscous_plausible(
     context: Context,
     target: Target,
     values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint = joint_of(target)
     top = float(context.top_speed[joint])
@@ -146,7 +146,7 @@ def _asymmetric_plausible(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint = joint_of(target)
     viscous = context.viscous(joint)
@@ -187,7 +187,7 @@ def _offset_plausible(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint = joint_of(target)
     return at_most(

@@ -45,7 +45,7 @@ def _hysteresis_plausible(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     built_up = float(estimates[0])
     return first_reason(
@@ -88,7 +88,7 @@ def _backlash_plausible(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint = joint_of(target)
     peak = max(float(context.peak_torque[joint]), 1e-9)
@@ -141,7 +141,7 @@ def _thermal_plausible(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint = joint_of(target)
     viscous, coulomb = (float(x) for x in estimates)
@@ -206,7 +206,7 @@ def _payload_plausible(
     context: Context,
     _target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     robot = context.model.robot
     kept = visible_load_parameters(robot, robot.outward[-1])

@@ -28,7 +28,7 @@ def _load_friction_plausible(
     _context: Context,
     _target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     share = float(estimates[0])
     return first_reason(
@@ -68,7 +68,7 @@ def _saturation_plausible(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     lost, peak = float(estimates[0]), float(context.peak_torque[joint_of(target)])
     return first_reason(
@@ -106,7 +106,7 @@ def _gain_plausible(
     _context: Context,
     _target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     return at_most(float(estimates[0]), 0.6, "the gain error", "1", "a mistake in the file")
 
@@ -115,7 +115,7 @@ def _with_gain(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
     return context.model.with_measurement(TorqueGain(joint_of(target), 1 + float(estimates[0])))
 

@@ -24,7 +24,7 @@ def _by_construction(
     _context: Context,
     _target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     share = float(estimates[0])
     return first_reason(
@@ -49,7 +49,7 @@ def _with_delay(
     context: Context,
     _target: Target,
     values: tuple[float, ...],
-    _estimates: Float[ndarray, "columns"],
+    _estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
     return context.model.with_measurement(TimeDelay(values[0]))
 
@@ -83,7 +83,7 @@ def _with_lag(
     context: Context,
     _target: Target,
     values: tuple[float, ...],
-    _estimates: Float[ndarray, "columns"],
+    _estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
     return context.model.with_measurement(FilterLag(values[0], values[1]))
 
@@ -121,7 +121,7 @@ def _with_elasticity(
     context: Context,
     target: Target,
     values: tuple[float, ...],
-    _estimates: Float[ndarray, "columns"],
+    _estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
     model = context.model
     first = model.effects[0]
@@ -164,7 +164,7 @@ def _eccentricity_plausible(
     _context: Context,
     _target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     amplitude = float(np.linalg.norm(estimates))
     return at_most(amplitude, 0.05, "the angle's error", "rad", "what any joint would show")
@@ -174,7 +174,7 @@ def _with_eccentricity(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
     sine, cosine = (float(x) for x in estimates)
     error = EncoderEccentricity(joint_of(target), sine, cosine)
@@ -208,7 +208,7 @@ def _gravity_plausible(
     _context: Context,
     _target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     tilt = float(np.linalg.norm(estimates))
     return at_most(tilt, 2.0, "the tilt", "rad", "what one linear step can mean")
@@ -218,7 +218,7 @@ def _with_gravity(
     context: Context,
     _target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
     robot = context.model.robot
     turned = robot.with_gravity(tilted(robot.gravity, estimates))

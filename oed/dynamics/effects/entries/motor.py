@@ -26,7 +26,7 @@ def _rotor_plausible(
     _context: Context,
     _target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     return positive(float(estimates[0]), "rotor inertia", "kg m^2")
 
@@ -64,7 +64,7 @@ def _coupling_plausible(
     _context: Context,
     _target: Target,
     values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     if abs(values[0]) < ONE_WAY:
         return finite(estimates)

@@ -62,6 +62,6 @@ def first_reason(reasons: Iterable[str | None]) -> str | None:
     return next((reason for reason in reasons if reason is not None), None)
 
 
-def finite(estimates: Float[ndarray, "columns"]) -> str | None:
+def finite(estimates: Float[ndarray, " columns"]) -> str | None:
     """An estimate that is no number."""
     return None if np.isfinite(estimates).all() else "an estimate is not finite"

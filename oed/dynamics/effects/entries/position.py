@@ -53,7 +53,7 @@ def _wave_plausible(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     amplitude = float(np.linalg.norm(estimates))
     return share_of_coulomb(context, joint_of(target), amplitude, 1.0, "the amplitude")
@@ -121,7 +121,7 @@ def _spring_plausible(
     context: Context,
     target: Target,
     _values: tuple[float, ...],
-    estimates: Float[ndarray, "columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint, stiffness = joint_of(target), float(estimates[0])
     least, largest = context.position_range[joint]
