@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import itertools
-import sysconfig
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,6 +32,7 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.report.provenance import Provenance
 from oed.robot import JointLimits, Robot, arm_joints, load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile
+from studies.data_folders import PANDA
 from studies.optimiser_summary import write_summary
 
 OPTIMISERS = {
@@ -46,7 +46,6 @@ HORIZON = 10.0  # [s]
 INSTANTS = 80  # the paper's, section 5
 TERMS = 3  # the paper's W
 HARMONICS = 5
-PANDA_FILE = "cmeel.prefix/share/example-robot-data/robots/panda_description/urdf/panda.urdf"
 # The URDF has none. Franka Emika, "Control parameters specifications", joint space, q-double-dot max.
 PANDA_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)  # [rad/s^2]
 
@@ -193,8 +192,7 @@ def _robot(name: str) -> Robot:
     if name == "scara":
         return load_robot("builtin:imi_scara")
     if name == "panda":
-        path = Path(sysconfig.get_path("purelib"), PANDA_FILE)
-        robot = load_robot(path, joints=arm_joints(path))
+        robot = load_robot(PANDA, joints=arm_joints(PANDA))
         acceleration = np.array(PANDA_ACCELERATION)
         both = np.stack([-acceleration, acceleration], axis=1)
         return robot.with_limits(robot.limits.with_(acceleration=both))

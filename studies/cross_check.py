@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import sysconfig
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,8 +20,8 @@ from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
+from studies.data_folders import EXAMPLE_ROBOTS
 
-EXAMPLES = Path(sysconfig.get_path("purelib"), "cmeel.prefix/share/example-robot-data/robots")
 ARMS = (
     "ur_description/urdf/ur3_robot.urdf",
     "ur_description/urdf/ur5_robot.urdf",
@@ -56,7 +55,7 @@ class Config:
 
 def run(config: Config) -> list[Row]:
     """One row a robot; a robot that cannot be compared is a row that says why."""
-    robots = config.robots or ("builtin:imi_scara", *(str(EXAMPLES / arm) for arm in ARMS))
+    robots = config.robots or ("builtin:imi_scara", *(str(EXAMPLE_ROBOTS / arm) for arm in ARMS))
     rows = []
     for source in progress(robots, "cross-check"):
         try:
@@ -124,7 +123,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     given = parser.parse_args(arguments)
     robots = tuple(given.robot)
     if given.smoke and not robots:
-        robots = ("builtin:imi_scara", str(EXAMPLES / ARMS[1]))
+        robots = ("builtin:imi_scara", str(EXAMPLE_ROBOTS / ARMS[1]))
     states = 50 if given.smoke else Config.states
     return Config(robots=robots, out=given.out, states=states, seed=given.seed)
 

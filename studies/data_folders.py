@@ -1,10 +1,14 @@
-"""Which data sets there are to work on."""
+"""Which data sets and example robots there are to work on."""
 
+import sysconfig
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 # Recordings are too large to commit: they lie beside the checkout where there are any.
 SHARED = REPOSITORY.parent / "shared" / "data"
+# The URDF files of the package example-robot-data.
+EXAMPLE_ROBOTS = Path(sysconfig.get_path("purelib"), "cmeel.prefix/share/example-robot-data/robots")
+PANDA = EXAMPLE_ROBOTS / "panda_description/urdf/panda.urdf"
 
 
 def data_sets(data: Path | None) -> tuple[Path, ...]:

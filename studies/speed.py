@@ -26,6 +26,7 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.report.json_file import write_json
 from oed.report.provenance import Provenance
 from oed.robot import arm_joints, load_robot
+from studies.data_folders import PANDA
 
 SIGN_WIDTH = 0.02  # [rad/s]
 
@@ -154,7 +155,7 @@ def write(result: Result, config: Config, out: Path) -> None:
 def main(argv: list[str] | None = None) -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--robot", required=True, help="URDF file")
+    parser.add_argument("--robot", default=str(PANDA), help="URDF file; the Panda by default")
     parser.add_argument("--instants", type=int, default=Config.instants)
     parser.add_argument("--seed", type=int, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="few instants, few repetitions")

@@ -11,7 +11,6 @@ from __future__ import annotations
 import argparse
 import resource
 import sys
-import sysconfig
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,11 +28,8 @@ from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
+from studies.data_folders import PANDA
 
-PANDA = Path(
-    sysconfig.get_path("purelib"),
-    "cmeel.prefix/share/example-robot-data/robots/panda_description/urdf/panda.urdf",
-)
 BLOCK = 2000  # samples taken in at once
 PINOCCHIO_SAMPLES = 5000  # enough for a rate; the comparison is per sample
 NOISE = 0.1  # [N m] of the simulated torque

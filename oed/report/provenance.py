@@ -12,6 +12,7 @@ from pathlib import Path
 
 from oed.report.json_file import plain_value, write_json
 
+CHECKOUT = Path(__file__).resolve().parents[2]
 # The packages whose arithmetic or random streams can move a number.
 KEY_PACKAGES = (
     "numpy",
@@ -70,7 +71,7 @@ class Provenance:
         if not dataclasses.is_dataclass(configuration) or isinstance(configuration, type):
             raise ValueError(f"not an instance of a dataclass: {configuration!r}")
         settings = {
-            f.name: plain_value(getattr(configuration, f.name), f.name)
+            f.name: _without_checkout(plain_value(getattr(configuration, f.name), f.name))
             for f in dataclasses.fields(configuration)
         }
         commit, dirty = git_state(Path(__file__).resolve().parent)
@@ -89,6 +90,17 @@ class Provenance:
     def write(self, path: str | Path) -> None:
         """Write as JSON, whole or not at all."""
         write_json(path, self)
+
+
+def _without_checkout(value: object) -> object:
+    """Paths inside the checkout made relative to it: where it lies changes no number."""
+    if isinstance(value, str):
+        return value.removeprefix(f"{CHECKOUT}/")
+    if isinstance(value, list):
+        return [_without_checkout(item) for item in value]
+    if isinstance(value, dict):
+        return {key: _without_checkout(item) for key, item in value.items()}
+    return value
 
 
 def package_versions(packages: tuple[str, ...]) -> dict[str, str]:
