@@ -33,7 +33,8 @@ CURVE_LOSSES = np.geomspace(0.01, 3.0, 25)
 CURVE_POINTS = 200
 INTRODUCTION = """\
 A cell is a problem, a class and a criterion. Every run goes on until it has used both budgets, or
-{longest:g} times the CPU budget; values are read at the budget. Its *target* is the best value that
+{longest:g} times the CPU budget, which can leave it short of evaluations (see median_evaluations);
+values are read at the budget. Its *target* is the best value that
 any run of the cell found: within 5 % means J_k at most 1.05 times it, or a D-efficiency
 (det Lambda / det best)^(1/b) of at least 1 / 1.05. The figure counts, after each amount, the pairs of
 a run and one of {targets} targets, from 1 % to three times worse than the best, that had been hit. Medians are over seeds, in brackets their 95 %
