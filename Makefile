@@ -12,8 +12,8 @@ STAMP := $(VENV)/environment.sha256
 WORKERS ?= 2
 DATA ?=
 
-# The tests run in parallel already: more BLAS threads would only wait for one another.
-test: export OMP_NUM_THREADS = 1
+# Tests and studies run in parallel already: more BLAS threads would only wait for one another.
+test paper: export OMP_NUM_THREADS = 1
 
 .DEFAULT_GOAL := help
 .PHONY: help setup test paper lint clean
