@@ -10,6 +10,7 @@ cond Lambda without column scaling, position, velocity and effort limits of the 
 from __future__ import annotations
 
 import argparse
+import json
 import subprocess
 import sysconfig
 from collections.abc import Sequence
@@ -28,10 +29,12 @@ from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.report.json_file import read_json, write_atomically
+from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
-from oed.report.table import Row, markdown_table, write_csv
+from oed.report.table import markdown_table, write_csv
 from oed.robot import Robot, arm_joints, load_robot
+
+Row = dict[str, str | int | float]
 
 UR5_FILE = "cmeel.prefix/share/example-robot-data/robots/ur_description/urdf/ur5_robot.urdf"
 PEER_SCRIPT = Path(__file__).with_name("figaroh_design.py")
@@ -77,8 +80,6 @@ def run(config: Config, out: Path) -> list[Row]:
 def _problem(robot: Robot) -> DesignProblem:
     """Periodic motions at rest at the ends, as figaroh's; torque of the file's own inertia."""
     model = TorqueModel.standard(robot)
-    nominal = np.zeros(len(model.parameters))
-    nominal[: len(robot.parameters)] = robot.parameters
     motions = FourierClass(HORIZON, robot.limits, harmonics=5, at_rest=True)
     problem = DesignProblem(
         model,
@@ -87,11 +88,18 @@ def _problem(robot: Robot) -> DesignProblem:
         robot.limits,
         np.linspace(0.0, HORIZON, SAMPLES),
         "J_k",
-        nominal=nominal,
+        nominal=_nominal(model),
     )
     start = problem.random_start(np.random.default_rng(0))
     problem.cost_and_gradient(start)  # compiles, which no run should pay for
     return problem
+
+
+def _nominal(model: TorqueModel) -> np.ndarray:
+    """The file's own inertia, without friction."""
+    nominal = np.zeros(len(model.parameters))
+    nominal[: len(model.robot.parameters)] = model.robot.parameters
+    return nominal
 
 
 def _peer_row(problem: DesignProblem, source: str, seed: int, config: Config, out: Path) -> Row:
@@ -105,7 +113,7 @@ def _peer_row(problem: DesignProblem, source: str, seed: int, config: Config, ou
             subprocess.run(command, check=True, timeout=config.timeout, capture_output=True)  # noqa: S603 - the caller's own interpreter
         except (OSError, subprocess.SubprocessError) as error:
             return {"tool": "figaroh", "seed": seed, "status": f"failed: {type(error).__name__}"}
-    record = read_json(file)
+    record = json.loads(file.read_text(encoding="utf-8"))
     row: Row = {"tool": "figaroh", "seed": seed, "cpu_s": record["cpu_s"]}
     if not record["is_found"]:
         return {**row, "status": "no feasible trajectory"}
@@ -129,7 +137,7 @@ def _peer_row(problem: DesignProblem, source: str, seed: int, config: Config, ou
 def _sampled_violation(problem: DesignProblem, motion: Motion) -> float:
     """Worst violation of position, velocity and torque at the samples, relative to the limit."""
     limits = problem.model.robot.limits
-    torque = problem.model.torque(problem.nominal, motion)
+    torque = problem.model.torque(_nominal(problem.model), motion)
     worst = -1.0
     for kind, values in (("position", motion.q), ("velocity", motion.dq), ("torque", torque)):
         ranges = np.stack([values.min(axis=0), values.max(axis=0)], axis=1)

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy import ndarray
 
-from oed.design.criteria import condition, log10_det
+from oed.design.criteria import Criterion, condition, log10_det
 from oed.design.optimisers import evolution, genetic, interior_point, random_search, slsqp
 from oed.design.optimisers.result import Budget, OptimiserResult
 from oed.design.optimisers.target_hits import compress, cost_at, write_history
@@ -86,7 +86,7 @@ class Config:
     """
 
     problems: tuple[tuple[str, str], ...] = PROBLEMS
-    criteria: tuple[str, ...] = ("J_k", "J_d")
+    criteria: tuple[Criterion, ...] = ("J_k", "J_d")
     optimisers: tuple[str, ...] = tuple(OPTIMISERS)
     seeds: int = 30
     evaluations: int = 500
@@ -113,7 +113,7 @@ class Case:
 
     problem: str
     trajectory: str
-    criterion: str
+    criterion: Criterion
     optimiser: str
     seed: int
     evaluations: int
@@ -168,7 +168,7 @@ def value_of(cost: float, criterion: str) -> float:
 
 
 @lru_cache(maxsize=8)
-def build_problem(name: str, trajectory: str, criterion: str) -> DesignProblem:
+def build_problem(name: str, trajectory: str, criterion: Criterion) -> DesignProblem:
     """The problem, compiled and warmed up, so that no run pays for that."""
     robot = _robot(name)
     model, base = _model(name)

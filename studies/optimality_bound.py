@@ -27,7 +27,7 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.report.json_file import write_atomically
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
-from oed.report.table import Row, markdown_table, write_csv
+from oed.report.table import markdown_table, write_csv
 from oed.robot import JointLimits, load_robot
 
 INSTANTS = 80
@@ -57,13 +57,16 @@ class Config:
     bound: BoundSettings = field(default_factory=BoundSettings)
 
 
-def run(config: Config) -> tuple[list[Row], list[Row]]:
+Rows = list[dict[str, str | int | float]]
+
+
+def run(config: Config) -> tuple[Rows, Rows]:
     """Bounds by degree, and designs with their efficiency against the best bound."""
     robot = load_robot("builtin:imi_scara")
     model = TorqueModel.standard(robot)
     base = base_parameters(model)
     bounds: list[InformationBound] = []
-    rows: list[Row] = []
+    rows: Rows = []
     for degree in progress(config.degrees, "bounds"):
         started = time.process_time()
         settings = replace(config.bound, degree=degree)
@@ -75,7 +78,7 @@ def run(config: Config) -> tuple[list[Row], list[Row]]:
     cases = [
         (*named, optimiser) for named in _classes(robot.limits, config) for optimiser in OPTIMISERS
     ]
-    designs = []
+    designs: Rows = []
     for label, motions, optimiser in progress(cases, "designs"):
         instants = motions.instants(INSTANTS)
         problem = DesignProblem(model, base, motions, robot.limits, instants, "J_d")
@@ -84,19 +87,21 @@ def run(config: Config) -> tuple[list[Row], list[Row]]:
 
 
 def _classes(limits: JointLimits, config: Config) -> list[tuple[str, TrajectoryClass]]:
-    fourier = [
+    fourier: list[tuple[str, TrajectoryClass]] = [
         (f"fourier, {harmonics} harmonics, {horizon:g} s", FourierClass(horizon, limits, harmonics))
         for horizon in config.horizons
         for harmonics in config.harmonics
     ]
-    harmonic = [
+    harmonic: list[tuple[str, TrajectoryClass]] = [
         (f"harmonic, W = 3, {horizon:g} s", HarmonicClass.exact(limits, horizon))
         for horizon in config.horizons
     ]
     return fourier + harmonic
 
 
-def _bound_row(degree: int, bound: InformationBound, seconds: float) -> Row:
+def _bound_row(
+    degree: int, bound: InformationBound, seconds: float
+) -> dict[str, str | int | float]:
     return {
         "degree": degree,
         "test_functions": bound.functions,
@@ -111,7 +116,7 @@ def _bound_row(degree: int, bound: InformationBound, seconds: float) -> Row:
 
 def _design_row(
     problem: DesignProblem, optimiser: str, bound: InformationBound, config: Config
-) -> dict[str, str | float]:
+) -> dict[str, str | int | float]:
     """Design, and hold it against the bound; a motion that does not return pays for that."""
     rng = np.random.default_rng(config.seed)
     result = OPTIMISERS[optimiser](problem, Budget(cpu_seconds=config.cpu_seconds), rng)
@@ -129,7 +134,7 @@ def _design_row(
     }
 
 
-def write(result: tuple[list[Row], list[Row]], config: Config, out: Path) -> None:
+def write(result: tuple[Rows, Rows], config: Config, out: Path) -> None:
     """Leave bounds.csv, designs.csv, summary.md and provenance.json."""
     bounds, designs = result
     write_csv(out / "bounds.csv", bounds)

@@ -27,6 +27,9 @@ from oed.report.table import markdown_table, write_csv
 Row = Mapping[str, str]
 Cell = tuple[str, str, str]  # problem, class, criterion
 BOOTSTRAP_SEED = 0
+RESOURCES: tuple[Resource, Resource] = ("evaluations", "cpu_s")
+UNITS = ("evaluations", "CPU seconds")
+LABELS = ("evaluations", "CPU time [s]")
 LOSSES = (0.05, 0.01)
 # Of the figure: from 1 % to three times worse than the best.
 CURVE_LOSSES = np.geomspace(0.01, 3.0, 25)
@@ -131,7 +134,7 @@ def lines(
             zip(("problem", "class", "criterion"), cell, strict=True)
         )
         line |= {"optimiser": name, "seeds": len(runs.histories), "failed": runs.failed}
-        for resource, budget in zip(("evaluations", "cpu_s"), budgets, strict=True):
+        for resource, budget in zip(RESOURCES, budgets, strict=True):
             low, middle, high = _at_budget(runs, resource, budget)
             line |= {
                 f"median_at_{resource}": value_of(middle, criterion),
@@ -173,10 +176,7 @@ def statements(cells: Mapping[Cell, Mapping[str, Runs]], budgets: tuple[float, f
     """One sentence a cell and budget: the best median, and which others are not told apart."""
     sentences = []
     for cell, by_optimiser in cells.items():
-        for resource, budget, unit in (
-            ("evaluations", budgets[0], "evaluations"),
-            ("cpu_s", budgets[1], "CPU seconds"),
-        ):
+        for resource, budget, unit in zip(RESOURCES, budgets, UNITS, strict=True):
             sentences.append(_sentence(cell, by_optimiser, resource, budget, unit))
     return sentences
 
@@ -210,10 +210,7 @@ def hit_panels(
     for cell, by_optimiser in cells.items():
         best = min(runs.best for runs in by_optimiser.values())
         targets = [target_cost(best, loss, cell[2], sizes[cell[0]]) for loss in CURVE_LOSSES]
-        for resource, budget, label in (
-            ("evaluations", budgets[0], "evaluations"),
-            ("cpu_s", budgets[1], "CPU time [s]"),
-        ):
+        for resource, budget, label in zip(RESOURCES, budgets, LABELS, strict=True):
             amounts = np.geomspace(budget / 50, budget * longest, CURVE_POINTS)
             curves = {
                 name: hit_curve(

@@ -6,22 +6,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-import casadi
 import numpy as np
-import scipy.linalg
 from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.bound.balance import Monomials
-from oed.design.bound.branch_and_bound import Boxes, ProvenMaximum, SmoothFunction, prove_maximum
+from oed.design.bound.branch_and_bound import ProvenMaximum, prove_maximum
+from oed.design.bound.state_information import StateInformation, dual_values
 from oed.design.bound.states import ViableStates
 from oed.design.bound.weights import WeightedDesign, WeightsNotFound, optimal_weights
-from oed.design.criteria import whitening
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import JointLimits
 
-FIRST_CELLS = 4  # that branch and bound starts from, along each coordinate
 KEPT_SLACK = 0.3  # atoms further below the dual's maximum are dropped, relative to it
 KEPT_WEIGHT = 1e-9  # unless they have a weight
 
@@ -98,71 +95,6 @@ class InformationBound:
         return float(10 ** ((J_d - self.J_d(instants, horizon)) / self.size))
 
 
-@dataclass(frozen=True)
-class StateInformation:
-    """What one state tells, for a model: the atoms of the relaxation.
-
-    Attributes:
-        model: The torque model; its columns must be affine in the acceleration.
-        base: Its base parameters, b of them.
-        states: Admissible states.
-        functions: Test functions.
-        covariance: R_v at one instant, (n,) or (n, n); the identity if None.
-    """
-
-    model: TorqueModel
-    base: BaseParameters
-    states: ViableStates
-    functions: Monomials
-    covariance: Float[ndarray, "..."] | None = None
-
-    @property
-    def white(self) -> Float[ndarray, "joints joints"]:
-        """Factor that makes the noise of an instant white."""
-        n = self.model.robot.n
-        if self.covariance is None:
-            return np.eye(n)
-        full = np.diag(self.covariance) if self.covariance.ndim == 1 else self.covariance
-        return whitening(full)
-
-    def atoms(
-        self, x: Float[ndarray, "states coordinates"], ddq: Float[ndarray, "states joints"]
-    ) -> tuple[Float[ndarray, "states joints base"], Float[ndarray, "states functions"]]:
-        """Regressor rows and rates of the test functions."""
-        motion = self.states.motion(x, ddq)
-        rows = self.white @ self.base.reduce(self.model.columns(motion))
-        return rows, self.functions.rates(motion)
-
-    def dual(self, design: WeightedDesign) -> SmoothFunction:
-        """tr(M D' R_v^-1 D) - sum_k y_k d phi_k / dt as a function of the state."""
-        n = self.states.joints
-        x, ddq = casadi.SX.sym("x", 2 * n), casadi.SX.sym("ddq", n)
-        q, v = casadi.SX.sym("q", n), casadi.SX.sym("v", n)
-        columns = self.model.symbolic_columns(q, v, ddq, 0.0)
-        _require_affine(columns, ddq)
-        factor = np.linalg.inv(np.linalg.cholesky(design.information)).T
-        reduced = columns[:, self.base.columns.tolist()]
-        told = casadi.sumsqr(casadi.DM(self.white) @ reduced @ casadi.DM(factor))
-        phi = self.functions.symbolic_sum(design.multipliers, q, v)
-        rate = casadi.dot(casadi.gradient(phi, q), v) + casadi.dot(casadi.gradient(phi, v), ddq)
-        at_q, at_v = self.states.symbolic(x)
-        value = casadi.substitute(told - rate, casadi.vertcat(q, v), casadi.vertcat(at_q, at_v))
-        return SmoothFunction.of(value, x, ddq)
-
-    def boxes(self) -> Boxes:
-        """The whole set of states, cut at zero velocity, with every vertex of acceleration."""
-        edges = []
-        for lower, upper in self.states.box:
-            cells = np.linspace(lower, upper, FIRST_CELLS + 1)
-            edges.append(np.stack([cells[:-1], cells[1:]], axis=1))
-        grid = np.meshgrid(*[np.arange(len(e)) for e in edges], indexing="ij")
-        cells = np.stack([e[g.ravel()] for e, g in zip(edges, grid, strict=True)], axis=1)
-        vertices = self.states.vertices
-        middle = np.repeat(cells.mean(axis=2), len(vertices), axis=0)
-        half = np.repeat(np.diff(cells, axis=2)[:, :, 0] / 2, len(vertices), axis=0)
-        return Boxes(middle, half, np.tile(vertices, (len(cells), 1)))
-
-
 def information_bound(
     model: TorqueModel,
     base: BaseParameters,
@@ -196,12 +128,11 @@ def information_bound(
     functions = Monomials.up_to(settings.degree, centre, scale, even=settings.even)
     source = StateInformation(model, base, states, functions, covariance)
     certify = states.joints <= 2 if certify is None else certify
-    best: InformationBound | None = None
-    for design, highest, boxes in _tighten(source, rng, settings, certify):
-        bound = _bound(design, highest, boxes, source)
-        if best is None or bound.log10_det < best.log10_det:
-            best = bound
-    return best
+    bounds = [
+        _bound(design, highest, boxes, source)
+        for design, highest, boxes in _tighten(source, rng, settings, certify)
+    ]
+    return min(bounds, key=lambda bound: bound.log10_det)
 
 
 def _bound(
@@ -235,32 +166,36 @@ def _tighten(
     """
     x, ddq = source.states.sample(settings.first_atoms, rng)
     atoms = (x, ddq, *source.atoms(x, ddq))
-    is_proven = False
+    design, highest, is_proven = optimal_weights(*atoms[2:]), np.inf, False
     for _ in range(settings.rounds):
-        try:
-            design = optimal_weights(*atoms[2:])
-        except WeightsNotFound:
-            if is_proven:
-                return
-            raise
-        least = design.mass_multiplier
-        value = dual_values(design, *atoms[2:])
-        kept = (value > (1 - KEPT_SLACK) * least) | (design.weights > KEPT_WEIGHT)
-        atoms = tuple(part[kept] for part in atoms)
-        more = _search(source, design, (*atoms[:2], design.weights[kept]), rng, settings)
-        highest = float(max(dual_values(design, *more[2:]).max(), least))
-        if highest <= (1 + settings.tolerance) * least:
+        more, highest = _search(source, design, (x, ddq, design.weights), rng, settings)
+        if highest <= (1 + settings.tolerance) * design.mass_multiplier:
             if not certify:
                 break
             proof = _prove(source, design, settings)
             yield design, proof.upper, proof.boxes
             is_proven = True
-            if proof.attained <= (1 + settings.tolerance) * least:
+            if proof.attained <= (1 + settings.tolerance) * design.mass_multiplier:
                 return
             more = _worth_adding(source, design, proof, settings)
-        atoms = tuple(np.concatenate(both) for both in zip(atoms, more, strict=True))
+        value = dual_values(design, *atoms[2:])
+        kept = value > (1 - KEPT_SLACK) * design.mass_multiplier
+        kept |= design.weights > KEPT_WEIGHT
+        x, ddq, rows, rates = (
+            np.concatenate([old[kept], new]) for old, new in zip(atoms, more, strict=True)
+        )
+        atoms = (x, ddq, rows, rates)
+        try:
+            design = optimal_weights(rows, rates)
+        except WeightsNotFound:
+            if is_proven:  # what is proven stays proven
+                return
+            raise
     if not certify:
         yield design, highest, 0
+    elif not is_proven:
+        proof = _prove(source, design, settings)
+        yield design, proof.upper, proof.boxes
 
 
 def _worth_adding(
@@ -277,26 +212,14 @@ def _worth_adding(
     return proof.points[much], proof.fixed[much], rows[much], rates[much]
 
 
-def dual_values(
-    design: WeightedDesign,
-    rows: Float[ndarray, "states joints base"],
-    rates: Float[ndarray, "states functions"],
-) -> Float[ndarray, " states"]:
-    """tr(M A) - multipliers . rates of each state."""
-    factor = np.linalg.cholesky(design.information)
-    flat = scipy.linalg.solve_triangular(factor, rows.reshape(-1, rows.shape[2]).T, lower=True)
-    told = (flat**2).sum(axis=0).reshape(rows.shape[:2]).sum(axis=1)
-    return told - rates @ design.multipliers
-
-
 def _search(
     source: StateInformation,
     design: WeightedDesign,
     support: tuple[ndarray, ndarray, ndarray],
     rng: np.random.Generator,
     settings: BoundSettings,
-) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-    """States where the dual is largest: random ones and neighbours of the support."""
+) -> tuple[tuple[ndarray, ndarray, ndarray, ndarray], float]:
+    """States where the dual is largest, random ones and neighbours of the support, and how large."""
     x, ddq, weights = support
     lower, upper = source.states.box.T
     fresh = source.states.sample(settings.states_per_round // 2, rng)
@@ -314,7 +237,8 @@ def _search(
     best = best[value[best] > design.mass_multiplier * (1 - settings.tolerance)]
     if not len(best):
         best = np.array([int(value.argmax())])
-    return candidates[0][best], candidates[1][best], rows[best], rates[best]
+    found = (candidates[0][best], candidates[1][best], rows[best], rates[best])
+    return found, float(max(value.max(), design.mass_multiplier))
 
 
 def _prove(
@@ -327,9 +251,3 @@ def _prove(
         at_least=design.mass_multiplier,
         most_boxes=settings.most_boxes,
     )
-
-
-def _require_affine(columns: casadi.SX, ddq: casadi.SX) -> None:
-    bend = casadi.jacobian(casadi.vec(casadi.jacobian(casadi.vec(columns), ddq)), ddq)
-    if bend.nnz():
-        raise ValueError("the bound needs torque columns that are affine in the acceleration")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -72,39 +73,109 @@ def optimal_weights(
     Raises:
         WeightsNotFound: If it does not converge.
     """
-    atoms, _, columns = factors.shape
     scale = np.abs(balance).max(axis=0, initial=0.0)
     scale = np.where(scale > 0, scale, 1.0)
-    equalities = np.column_stack([np.ones(atoms), balance / scale])
-    target = np.zeros(equalities.shape[1])
-    target[0] = 1.0
-    w, z, y = np.full(atoms, 1 / atoms), np.full(atoms, float(columns)), np.zeros(len(target))
-    y[0] = 2.0 * columns
+    equalities = np.column_stack([np.ones(len(factors)), balance / scale])
+    iterate = _Iterate.first(factors, equalities)
     for _ in range(ITERATIONS):
-        information = np.einsum("i,irc,ird->cd", w, factors, factors, optimize=True)
-        whitened = _whiten(factors, information)
-        gradient = np.einsum("irc,irc->i", whitened, whitened)
-        dual = -gradient + equalities @ y - z
-        primal = equalities.T @ w - target
-        gap = float(w @ z) / atoms
-        # Complementarity is w z, summed: p times the relative gap of det^(1/p).
-        is_optimal = max(gap * atoms, np.abs(dual).max() * DUAL_SLACK) < tolerance * columns
-        if is_optimal and np.abs(primal).max() < tolerance:
-            return WeightedDesign(w, information, float(y[0]), y[1:] / scale, gap)
-        dw, dz, dy = _direction(
-            w, z, (dual, primal, w * z - CENTRING * gap), equalities, _curvature(whitened)
+        if iterate.is_optimal(tolerance, tolerance):
+            break
+        iterate = iterate.next()
+    if not iterate.is_optimal(tolerance, NEARLY):
+        raise WeightsNotFound(
+            f"no optimal weights after {ITERATIONS} iterations: equalities off by "
+            f"{np.abs(iterate.primal).max():.1e}, complementarity {iterate.gap:.1e}",
+            float(np.abs(iterate.primal).max()),
+            iterate.gap,
         )
-        step = min(_longest(w, dw), _longest(z, dz))
-        w, z, y = w + step * dw, z + step * dz, y + step * dy
-    residual = float(np.abs(primal).max())
-    if residual < tolerance and gap * atoms < NEARLY * columns:
-        return WeightedDesign(w, information, float(y[0]), y[1:] / scale, gap)
-    raise WeightsNotFound(
-        f"no optimal weights after {ITERATIONS} iterations: equalities off by {residual:.1e}, "
-        f"complementarity {gap:.1e}",
-        residual,
-        gap,
+    y = iterate.multipliers
+    return WeightedDesign(
+        iterate.weights, iterate.information, float(y[0]), y[1:] / scale, iterate.gap
     )
+
+
+@dataclass(frozen=True)
+class _Iterate:
+    """A point of the interior path: weights w, slacks z, multipliers y, and its residuals."""
+
+    factors: Float[ndarray, "atoms rows columns"]
+    equalities: Float[ndarray, "atoms all"]
+    weights: Float[ndarray, " atoms"]
+    slacks: Float[ndarray, " atoms"]
+    multipliers: Float[ndarray, " all"]
+
+    @classmethod
+    def first(
+        cls,
+        factors: Float[ndarray, "atoms rows columns"],
+        equalities: Float[ndarray, "atoms all"],
+    ) -> _Iterate:
+        """Equal weights; slacks and the mass's multiplier of the size they have at the optimum."""
+        atoms, _, columns = factors.shape
+        y = np.zeros(equalities.shape[1])
+        y[0] = 2.0 * columns
+        return cls(
+            factors, equalities, np.full(atoms, 1 / atoms), np.full(atoms, float(columns)), y
+        )
+
+    @cached_property
+    def information(self) -> Float[ndarray, "columns columns"]:
+        """sum_i w_i F_i' F_i."""
+        both = (self.weights, self.factors, self.factors)
+        return np.einsum("i,irc,ird->cd", *both, optimize=True)
+
+    @cached_property
+    def whitened(self) -> Float[ndarray, "atoms rows columns"]:
+        """Atoms in coordinates in which the information is the identity."""
+        return _whiten(self.factors, self.information)
+
+    @cached_property
+    def dual(self) -> Float[ndarray, " atoms"]:
+        """Residual of stationarity."""
+        gradient = np.einsum("irc,irc->i", self.whitened, self.whitened)
+        return -gradient + self.equalities @ self.multipliers - self.slacks
+
+    @cached_property
+    def primal(self) -> Float[ndarray, " all"]:
+        """Residual of the equalities."""
+        residual = self.equalities.T @ self.weights
+        residual[0] -= 1.0
+        return residual
+
+    @property
+    def gap(self) -> float:
+        """Mean complementarity."""
+        return float(self.weights @ self.slacks) / len(self.weights)
+
+    def is_optimal(self, feasibility: float, loss: float) -> bool:
+        """Whether the equalities hold, and at most a fraction `loss` of det^(1/p) is lost.
+
+        The gap summed over the atoms is p times that loss.
+        """
+        columns = self.factors.shape[2]
+        return bool(
+            self.gap * len(self.weights) < loss * columns
+            and np.abs(self.dual).max() < loss / DUAL_SLACK * columns
+            and np.abs(self.primal).max() < feasibility
+        )
+
+    def next(self) -> _Iterate:
+        """One Newton step towards a smaller gap, as far as weights and slacks stay positive."""
+        complementarity = self.weights * self.slacks - CENTRING * self.gap
+        dw, dz, dy = _direction(
+            self.weights,
+            self.slacks,
+            (self.dual, self.primal, complementarity),
+            self.equalities,
+            _curvature(self.whitened),
+        )
+        step = min(_longest(self.weights, dw), _longest(self.slacks, dz))
+        return replace(
+            self,
+            weights=self.weights + step * dw,
+            slacks=self.slacks + step * dz,
+            multipliers=self.multipliers + step * dy,
+        )
 
 
 def _whiten(
@@ -146,7 +217,7 @@ def _direction(
     system[np.diag_indices(len(system))] *= 1 + REGULARISATION
     load = both.T @ (inverse * right)
     load[:count] += primal
-    solution = scipy.linalg.lstsq(system, load, cond=1e-15, lapack_driver="gelsy")[0]
+    solution = np.linalg.lstsq(system, load, rcond=1e-15)[0]
     dw = inverse * (right - both @ solution)
     dz = (-complementarity - z * dw) / w
     return dw, dz, solution[:count]
