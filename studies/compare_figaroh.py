@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import json
 import subprocess
-import sysconfig
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,10 +32,11 @@ from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import Robot, arm_joints, load_robot
+from studies.data_folders import EXAMPLE_ROBOTS
 
 Row = dict[str, str | int | float]
 
-UR5_FILE = "cmeel.prefix/share/example-robot-data/robots/ur_description/urdf/ur5_robot.urdf"
+UR5 = EXAMPLE_ROBOTS / "ur_description/urdf/ur5_robot.urdf"
 PEER_SCRIPT = Path(__file__).with_name("figaroh_design.py")
 HORIZON = 8.0  # [s], four segments of two seconds
 SAMPLES = 161  # figaroh's at 20 Hz, both ends included
@@ -66,7 +66,7 @@ class Config:
 
 def run(config: Config, out: Path) -> list[Row]:
     """Rows of figaroh, then rows of ours; a run that fails is a row."""
-    source = config.robot or str(Path(sysconfig.get_path("purelib"), UR5_FILE))
+    source = config.robot or str(UR5)
     robot = load_robot(source, joints=arm_joints(source))
     problem = _problem(robot)
     rows = [_peer_row(problem, source, seed, config, out) for seed in range(config.seeds)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import sysconfig
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,8 +16,8 @@ from oed.robot import JointLimits, Robot, load_robot
 from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
 from oed.robot.inertia import parameters_from_pseudo_inertia
 from studies.bench.arm import Arm, least_inertia
+from studies.data_folders import EXAMPLE_ROBOTS
 
-EXAMPLE_ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
 LINK_SPREAD = 0.05  # relative scatter of each link's true mass about the declared one
 FRICTION_SPREAD = 0.15
 # With four Runge-Kutta steps a millisecond, this many decay times of Coulomb friction's flank
@@ -119,7 +118,7 @@ def _panda(folder: Path) -> Robot:
 
 
 def _example(name: str) -> Path:
-    return Path(sysconfig.get_path("purelib"), EXAMPLE_ROBOTS, name)
+    return EXAMPLE_ROBOTS / name
 
 
 def _as_declared(robot: Robot) -> Float[ndarray, " standard"]:
