@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.diagnosis.direction import certainty, trusted_samples
 from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.free_terms import coordinate
-from oed.diagnosis.linear_fit import LinearFit, fit_regressor, whitened_regressor
+from oed.diagnosis.linear_fit import LinearFit, fit_model, fit_regressor, whitened_regressor
 from oed.diagnosis.model_columns import WIDTH_PER_SIGMA, effect_columns, with_uncertain_sign
 from oed.diagnosis.noise_floor import (
     NoiseFloor,
@@ -20,12 +22,14 @@ from oed.diagnosis.noise_floor import (
     repetition_series,
 )
 from oed.diagnosis.prepare import Prepared
-from oed.diagnosis.rows import Rows, trusted_samples, weigh
+from oed.diagnosis.rows import Rows, weigh
+from oed.diagnosis.sign_width import with_fitted_sign
 from oed.diagnosis.whitening import Autoregression
 from oed.dynamics.effects import Coulomb
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 
+REFITS = 2  # of the base model with the noise that it left
 ROWS_PER_FREE_COLUMN = 8  # least rows for each column of the rich fit
 
 
@@ -44,6 +48,10 @@ class Baseline:
     columns: Int[ndarray, " base"]
     floor: NoiseFloor
     coulomb: Float[ndarray, " joints"]
+
+    def certainty(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
+        """Weights of the errors of recordings: below one where the direction is uncertain."""
+        return [certainty(p, self.coulomb, self.floor.deviation) for p in prepared]
 
     def rows(self, prepared: tuple[Prepared, ...], scales: tuple[float, ...] | None = None) -> Rows:
         """White rows of any recordings of the same robot."""
@@ -64,10 +72,16 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     flat = _scaled(prepared, rough)
     rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
     has_repetitions = any(p.period is not None for p in prepared)
-    floor = (
-        _repetition_floor(rough, prepared) if has_repetitions else _free_form_floor(rough, prepared)
-    )
-    return Baseline(sharp, columns, floor, coulomb_of(rough))
+    read_floor = _repetition_floor if has_repetitions else _free_form_floor
+    found = Baseline(sharp, columns, read_floor(rough, prepared), coulomb_of(rough))
+    # What encoder noise does to the torque depends on the inertias, and a fit that does not yet
+    # know the noise's colour takes them for too small.
+    for _ in range(REFITS):
+        rows = found.rows(prepared)
+        model = with_fitted_sign(sharp, columns, rows)
+        fit = fit_model(model, columns, rows)
+        found = Baseline(model, columns, read_floor(fit, prepared), coulomb_of(fit))
+    return found
 
 
 def coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
@@ -115,7 +129,7 @@ def _repetition_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> Noise
         fine = np.stack(
             [trusted_samples(p, j, coulomb[j], deviation[j]) for j in range(len(coulomb))], axis=1
         )
-        trusted.append(fine[p.band.reach :][repetition_samples(p)])
+        trusted.append(fine[repetition_samples(p)])
     return floor_from_repetitions(series, trusted)
 
 
@@ -171,9 +185,7 @@ def _free_form_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseF
     trusted = [
         np.stack(
             [
-                trusted_samples(p, j, coulomb[j], deviation[j])[
-                    p.band.reach : len(p.motion) - p.band.reach : p.band.factor
-                ]
+                trusted_samples(p, j, coulomb[j], deviation[j])[:: p.band.factor]
                 for j in range(joints)
             ],
             axis=1,

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline import find_baseline
+from oed.diagnosis.baseline import Baseline, find_baseline
 from oed.diagnosis.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.encoder_steps import encoder_steps, rounding_squares
-from oed.diagnosis.final_model import FinalModel, errors_of, fit_final, install, rms_of
+from oed.diagnosis.final_model import FinalModel, errors_of, fit_final, install
 from oed.diagnosis.lack_of_fit import LackOfFit, lack_of_fit
+from oed.diagnosis.predict import rms
 from oed.diagnosis.prepare import Prepared, prepare
 from oed.diagnosis.proof import RoleProof, prove
 from oed.diagnosis.selection import Refused, Selection, search
@@ -147,7 +148,7 @@ def _conclude(
         unexplained=unexplained,
         before=before,
         after=after,
-        proof=_proof(before, after, by_role, settings),
+        proof=_proof(before, after, by_role, shop.baseline, settings),
         noise_floor=baseline.floor.deviation,
         noise_source=baseline.floor.source,
         lack_before=lack_of_fit(before.fit, freedom, rounding),
@@ -173,13 +174,14 @@ def _never_worse(
     The search judges columns of first order where an effect acts on the whole model. Only the
     exact form, all parameters refitted together, can prove that nothing got worse.
     """
-    old = rms_of(before, validation) if validation else None
+    weights = shop.baseline.certainty(validation)
+    old = rms(errors_of(before, validation), weights) if validation else None
     kept = selection
     while kept.trials:
         layout = shop.layout_for(kept.trials)
         found = shop.fit(kept.trials, layout)
         final = fit_final(shop.baseline, layout, install(shop.baseline, found, shop.context))
-        if old is None or np.mean((rms_of(final, validation) / old) ** 2) < 1:
+        if old is None or np.mean((rms(errors_of(final, validation), weights) / old) ** 2) < 1:
             return Selection(kept.accepted, found, kept.refused), final
         last = [a for a in kept.accepted if a.stands_in][-1]
         gone = Refused(
@@ -199,6 +201,7 @@ def _proof(
     before: FinalModel,
     after: FinalModel,
     by_role: dict[str, tuple[Prepared, ...]],
+    baseline: Baseline,
     settings: DiagnosisSettings,
 ) -> tuple[RoleProof, ...]:
     rng = np.random.default_rng(settings.seed)
@@ -208,6 +211,7 @@ def _proof(
             errors_of(before, prepared),
             errors_of(after, prepared),
             [p.torque[p.valid] for p in prepared],
+            baseline.certainty(prepared),
             rate=prepared[0].band.analysis_rate,
             replicates=settings.bootstrap,
             rng=rng,

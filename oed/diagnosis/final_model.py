@@ -12,7 +12,6 @@ from numpy import ndarray
 
 from oed.diagnosis.baseline import Baseline
 from oed.diagnosis.linear_fit import LinearFit, fit_model
-from oed.diagnosis.predict import rms
 from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.trials import Trial
 from oed.diagnosis.workbench import Augmented, Layout
@@ -78,11 +77,6 @@ def errors_of(final: FinalModel, prepared: Sequence[Prepared]) -> list[Float[nda
         (p.torque - p.band.apply(final.model.torque(final.parameters, p.motion)))[p.valid]
         for p in prepared
     ]
-
-
-def rms_of(final: FinalModel, prepared: Sequence[Prepared]) -> Float[ndarray, " joints"]:
-    """Root mean square error of each joint [N m]."""
-    return rms(errors_of(final, prepared))
 
 
 def _acts_on_model(trial: Trial) -> bool:

@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.rows import Rows, reversal_shapes
+from oed.diagnosis.direction import reversal_shapes
+from oed.diagnosis.rows import Rows
 from oed.dynamics.torque_model import TorqueModel
 
 RANK_TOLERANCE = 1e-7  # of the largest singular value of the normalised regressor

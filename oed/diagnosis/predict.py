@@ -54,6 +54,9 @@ def addition_torque(
     return recording.band.apply(fine)
 
 
-def rms(errors: Sequence[Float[ndarray, "_ joints"]]) -> Float[ndarray, " joints"]:
-    """Root mean square of each joint over all recordings [N m]."""
-    return np.sqrt(np.mean(np.concatenate(list(errors)) ** 2, axis=0))
+def rms(
+    errors: Sequence[Float[ndarray, "_ joints"]], weights: Sequence[Float[ndarray, "_ joints"]]
+) -> Float[ndarray, " joints"]:
+    """Root weighted mean square of each joint over all recordings [N m]."""
+    squares = sum(np.sum((e * w) ** 2, axis=0) for e, w in zip(errors, weights, strict=True))
+    return np.sqrt(squares / sum(np.sum(w**2, axis=0) for w in weights))

@@ -21,6 +21,7 @@ from oed.experiment.signals.resampling import resample, uniform_grid
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
 GAP = 10.0  # sampling steps without a row that make a gap
+LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 
 
@@ -87,7 +88,11 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     """
     rate = fine_rate(recordings)
     raw = [_uniform(recording, rate) for recording in recordings]
-    positions = [q for _, q, _ in raw]
+    positions = [
+        stretch
+        for recording, (t, q, _) in zip(recordings, raw, strict=True)
+        for stretch in _stretches(q, _recorded(recording, t, rate), rate)
+    ]
     highest = settings.highest_cutoff
     if all(recording.repetitions < 2 for recording in recordings):
         highest = min(highest, _motion_band(recordings, rate))
@@ -190,6 +195,17 @@ def _repetition(recording: Recording, instants: Float[ndarray, " rows"]) -> Int[
         return np.full(len(instants), -1)
     before = np.searchsorted(recording.t, instants + 1e-9, side="right") - 1
     return recording.repetition[before]
+
+
+def _stretches(
+    q: Float[ndarray, "samples joints"], recorded: Bool[ndarray, " samples"], rate: float
+) -> list[Float[ndarray, "_ joints"]]:
+    """Positions between gaps of the log: the leap across a gap would pass for fast motion."""
+    edges = np.flatnonzero(np.diff(recorded, prepend=False, append=False))
+    stretches = [q[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    longest = max((len(s) for s in stretches), default=0)
+    # Short stretches tell little of slow motion, and would shorten the spectra of all.
+    return [s for s in stretches if len(s) >= max(longest / 2, LEAST_STRETCH * rate)] or [q]
 
 
 def _period(recording: Recording) -> float | None:

@@ -17,8 +17,12 @@ INTERVAL = (2.5, 97.5)  # [%]
 class RoleProof:
     """Errors on the recordings of one role, joint by joint.
 
+    All are weighted: rows where the direction of motion is uncertain count less, since dry
+    friction makes them uncertain for every model.
+
     Attributes:
         role: "estimation", "validation" or "test".
+        counted: (n,) share of the rows that the weights leave.
         before: (n,) rms of the base model's error [N m].
         after: (n,) rms with the additions [N m].
         torque: (n,) rms of the torque [N m].
@@ -28,6 +32,7 @@ class RoleProof:
     """
 
     role: str
+    counted: Float[ndarray, " joints"]
     before: Float[ndarray, " joints"]
     after: Float[ndarray, " joints"]
     torque: Float[ndarray, " joints"]
@@ -41,6 +46,7 @@ def prove(
     before: Sequence[Float[ndarray, "_ joints"]],
     after: Sequence[Float[ndarray, "_ joints"]],
     torque: Sequence[Float[ndarray, "_ joints"]],
+    weights: Sequence[Float[ndarray, "_ joints"]],
     *,
     rate: float,
     replicates: int,
@@ -53,20 +59,24 @@ def prove(
         before: Errors of the base model, one array a recording [N m].
         after: Errors with the additions [N m].
         torque: Measured torque [N m].
+        weights: Of the rows, from 0 to 1.
         rate: Rows a second [Hz].
         replicates: Of the bootstrap.
         rng: Draws blocks.
     """
-    old, new = (_block_squares(x, rate) for x in (before, after))
-    lengths = _block_lengths(before, rate)
-    draws = rng.integers(0, len(lengths), (replicates, len(lengths)))
-    counts = lengths[draws].sum(axis=1)[:, None]
+    old, new = (
+        _block_sums([e * w for e, w in zip(x, weights, strict=True)], rate) for x in (before, after)
+    )
+    mass = _block_sums(weights, rate)
+    draws = rng.integers(0, len(mass), (replicates, len(mass)))
+    counts = mass[draws].sum(axis=1)
     old_rms = np.sqrt(old[draws].sum(axis=1) / counts)
     new_rms = np.sqrt(new[draws].sum(axis=1) / counts)
     return RoleProof(
         role=role,
-        before=np.sqrt(old.sum(axis=0) / lengths.sum()),
-        after=np.sqrt(new.sum(axis=0) / lengths.sum()),
+        counted=mass.sum(axis=0) / sum(len(w) for w in weights),
+        before=np.sqrt(old.sum(axis=0) / mass.sum(axis=0)),
+        after=np.sqrt(new.sum(axis=0) / mass.sum(axis=0)),
         torque=np.sqrt(np.mean(np.concatenate(list(torque)) ** 2, axis=0)),
         before_interval=np.percentile(old_rms, INTERVAL, axis=0).T,
         after_interval=np.percentile(new_rms, INTERVAL, axis=0).T,
@@ -74,19 +84,11 @@ def prove(
     )
 
 
-def _block_squares(
-    errors: Sequence[Float[ndarray, "_ joints"]], rate: float
+def _block_sums(
+    series: Sequence[Float[ndarray, "_ joints"]], rate: float
 ) -> Float[ndarray, "blocks joints"]:
+    """Sums of squares of half-second blocks."""
     length = max(1, round(BLOCK * rate))
     return np.concatenate(
-        [np.add.reduceat(e**2, np.arange(0, len(e), length), axis=0) for e in errors]
+        [np.add.reduceat(x**2, np.arange(0, len(x), length), axis=0) for x in series]
     )
-
-
-def _block_lengths(
-    errors: Sequence[Float[ndarray, "_ joints"]], rate: float
-) -> Float[ndarray, " blocks"]:
-    length = max(1, round(BLOCK * rate))
-    return np.concatenate(
-        [np.diff(np.append(np.arange(0, len(e), length), len(e))) for e in errors]
-    ).astype(float)

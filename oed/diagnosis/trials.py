@@ -17,6 +17,7 @@ from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.rows import Rows
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Shape, Target
+from oed.dynamics.motion import Motion
 
 FREE_FORM = "free_form"
 
@@ -88,7 +89,10 @@ def white_group(
         rows: Where.
         contrast: Whether to keep only what differs between repetitions of one phase.
     """
-    fine = [effect_columns(effect, p.motion, 0.0) for p in rows.prepared]
+    # What differs between repetitions by chance moves the arm as well as the torque: only the
+    # mean motion is free of it, so that nothing but time can make these columns differ.
+    motions = [phase_means(p) if contrast else p.motion for p in rows.prepared]
+    fine = [effect_columns(effect, motion, 0.0) for motion in motions]
     if contrast:
         fine = [
             {joint: between_repetitions(block, p) for joint, block in blocks.items()}
@@ -111,12 +115,26 @@ def between_repetitions(
     block: Float[ndarray, "samples columns"], prepared: Prepared
 ) -> Float[ndarray, "samples columns"]:
     """Columns less their mean over the repetitions at the same phase; as they are without."""
+    return block if prepared.period is None else block - _at_phase(block, prepared)
+
+
+def phase_means(prepared: Prepared) -> Motion:
+    """The motion with every state replaced by its mean over the repetitions."""
+    motion = prepared.motion
     if prepared.period is None:
-        return block
-    phase = np.arange(len(block)) % round(prepared.period * prepared.band.rate)
-    counts = np.bincount(phase)
+        return motion
+    return Motion(motion.t, *(_at_phase(x, prepared) for x in (motion.q, motion.dq, motion.ddq)))
+
+
+def _at_phase(
+    block: Float[ndarray, "samples columns"], prepared: Prepared
+) -> Float[ndarray, "samples columns"]:
+    """Mean over the repetitions at the phase of each sample."""
+    step = prepared.period * prepared.band.rate
+    phase = np.floor(np.mod(np.arange(len(block)) + 0.5, step)).astype(int)
+    counts = np.maximum(np.bincount(phase), 1)
     means = np.stack([np.bincount(phase, weights=column) for column in block.T], axis=1)
-    return block - (means / counts[:, None])[phase]
+    return (means / counts[:, None])[phase]
 
 
 def catalogue_trial(
@@ -170,7 +188,8 @@ def _free_form_block(
 ) -> Float[ndarray, "_ columns"]:
     """A term in the analysis band; a smooth one is slow enough to be sampled as it is."""
     if term.directed or contrast:
-        fine = effect_columns(term, prepared.motion, width)[term.joint]
+        motion = phase_means(prepared) if contrast else prepared.motion
+        fine = effect_columns(term, motion, width)[term.joint]
         return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)
     band = prepared.band
     settled = slice(band.reach, len(prepared.motion) - band.reach, band.factor)

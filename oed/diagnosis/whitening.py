@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -19,6 +20,7 @@ LARGEST_ORDER = 24
 # Least power of the spectrum as a share of its mean: beyond the band's edge there is nothing,
 # and the inverse of nothing would be noise of the arithmetic.
 FLOOR = 1e-3
+RESPONSE = 2000  # rows after which an innovation is forgotten
 TAPER = 4  # lags that the tapered covariance reaches, in largest orders
 
 
@@ -38,6 +40,12 @@ class Autoregression:
     def order(self) -> int:
         """P."""
         return len(self.coefficients) - 1
+
+    @cached_property
+    def deviation(self) -> float:
+        """Standard deviation of the noise itself [unit of x]."""
+        response = lfilter([1.0], self.coefficients, np.eye(1, RESPONSE)[0])
+        return float(self.scale * np.sqrt(np.sum(response**2)))
 
     def whiten(self, x: Float[ndarray, " rows *columns"]) -> Float[ndarray, " rows *columns"]:
         """Innovations of unit variance; the first p rows lack their past and are approximate."""

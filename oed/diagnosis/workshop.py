@@ -44,6 +44,7 @@ class Workshop:
         self.before = self.fit(())
         self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
         self._validation_columns = base_columns(self.before.fit, validation)
+        self._validation_weights = baseline.certainty(validation)
 
     def layout(self, trial: Trial) -> Layout:
         """The rows on which a trial is judged."""
@@ -75,7 +76,8 @@ class Workshop:
         """Held-out error of each joint [N m]; None without validation recordings."""
         if not self.validation:
             return None
-        return rms(prediction_errors(found, self.validation, self._validation_columns))
+        errors = prediction_errors(found, self.validation, self._validation_columns)
+        return rms(errors, self._validation_weights)
 
     @cached_property
     def physical(self) -> tuple[Trial, ...]:
