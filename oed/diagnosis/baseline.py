@@ -49,6 +49,11 @@ class Baseline:
     floor: NoiseFloor
     coulomb: Float[ndarray, " joints"]
 
+    def with_model(self, model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baseline:
+        """The same columns with other shapes, and the noise that these leave."""
+        fit = fit_model(model, self.columns, self.rows(prepared))
+        return Baseline(model, self.columns, _read_floor(fit, prepared), coulomb_of(fit))
+
     def certainty(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
         """Weights of the errors of recordings: below one where the direction is uncertain."""
         return [certainty(p, self.coulomb, self.floor.deviation) for p in prepared]
@@ -71,16 +76,11 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
     flat = _scaled(prepared, rough)
     rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
-    has_repetitions = any(p.period is not None for p in prepared)
-    read_floor = _repetition_floor if has_repetitions else _free_form_floor
-    found = Baseline(sharp, columns, read_floor(rough, prepared), coulomb_of(rough))
+    found = Baseline(sharp, columns, _read_floor(rough, prepared), coulomb_of(rough))
     # What encoder noise does to the torque depends on the inertias, and a fit that does not yet
     # know the noise's colour takes them for too small.
     for _ in range(REFITS):
-        rows = found.rows(prepared)
-        model = with_fitted_sign(sharp, columns, rows)
-        fit = fit_model(model, columns, rows)
-        found = Baseline(model, columns, read_floor(fit, prepared), coulomb_of(fit))
+        found = found.with_model(with_fitted_sign(sharp, columns, found.rows(prepared)), prepared)
     return found
 
 
@@ -117,6 +117,11 @@ def _scaled(prepared: tuple[Prepared, ...], rough: LinearFit) -> Rows:
         for s, r in zip(scales, left, strict=True)
     )
     return Rows(prepared, noise, rough.rows.scales, rough.rows.weights)
+
+
+def _read_floor(fit: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:
+    has_repetitions = any(p.period is not None for p in prepared)
+    return (_repetition_floor if has_repetitions else _free_form_floor)(fit, prepared)
 
 
 def _repetition_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:

@@ -118,7 +118,7 @@ def diagnose(
     ratio = dataset.drive.gear_ratio
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio)
-    selection = search(shop)
+    shop, selection = search(shop)
     say(f"{len(selection.accepted)} additions, {len(selection.refused)} candidates refused")
     steps = encoder_steps(dataset.estimation)
     return _conclude(shop, selection, by_role, steps, settings)

@@ -7,7 +7,7 @@ joint's motion. Outside the range that the data covered, a term keeps the value 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
@@ -65,11 +65,15 @@ class FreeForm(Effect):
         joint: On which the torque acts.
         coordinates: One or two.
         directed: Whether it is multiplied by the sign of the joint's velocity.
+        mixing: Combinations of the basis functions that are its columns; None for each alone.
     """
 
     joint: int
     coordinates: tuple[Coordinate, ...]
     directed: bool = False
+    mixing: Float[ndarray, "functions columns"] | None = field(
+        default=None, repr=False, compare=False
+    )
     name = "free_form"
 
     @property
@@ -80,8 +84,10 @@ class FreeForm(Effect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """One a basis function."""
+        """One a column."""
         count = int(np.prod([c.pieces + DEGREE for c in self.coordinates]))
+        if self.mixing is not None:
+            count = self.mixing.shape[1]
         tag = "_".join(c.name for c in self.coordinates) + ("_s" if self.directed else "")
         return tuple(
             Parameter(f"f_{self.joint + 1}[{tag}]_{k}", "N m", self.joint) for k in range(count)
@@ -102,4 +108,6 @@ class FreeForm(Effect):
             product = (product[:, :, None] * other[:, None, :]).reshape(len(product), -1)
         if self.directed:
             product = product * np.asarray(state.sign(state.dq[self.joint]))[:, None]
+        if self.mixing is not None:
+            product = product @ self.mixing
         return [{self.joint: product[:, k]} for k in range(product.shape[1])]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -9,6 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from oed.diagnosis.held_out import cross_validate
+from oed.diagnosis.restraint import restrained
 from oed.diagnosis.scan import (
     Score,
     family_p_value,
@@ -23,7 +25,6 @@ from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
-LEAST_T = 2.0  # of the held-out gain over segments
 WORSE = 1.02  # largest ratio by which a joint's held-out error may rise while the sum falls
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
@@ -83,8 +84,8 @@ class Selection:
         return tuple(a.trial for a in self.accepted if a.stands_in)
 
 
-def search(shop: Workshop) -> Selection:
-    """Add, exchange and drop until nothing passes all tests."""
+def search(shop: Workshop) -> tuple[Workshop, Selection]:
+    """Add, exchange and drop until nothing passes all tests; the tables may be made anew."""
     accepted: list[Accepted] = []
     refused: list[Refused] = []
     while len(accepted) < shop.settings.max_effects:
@@ -93,6 +94,10 @@ def search(shop: Workshop) -> Selection:
             break
         accepted.append(pick)
         accepted = _settle(shop, accepted)
+        sharper = shop.sharpened([a.trial for a in accepted])
+        if sharper is not None:
+            shop = sharper
+            accepted = _settle(shop, [_at_home(shop, a) for a in accepted])
     for _ in range(shop.settings.max_effects):
         pick = _next_free_form(shop, accepted, refused)
         if pick is None:
@@ -100,7 +105,16 @@ def search(shop: Workshop) -> Selection:
         accepted.append(pick)
     accepted = _review_names(shop, accepted, refused)
     trials = [a.trial for a in accepted if a.stands_in]
-    return Selection(tuple(accepted), shop.fit(trials, shop.layout_for(trials)), tuple(refused))
+    found = shop.fit(trials, shop.layout_for(trials))
+    return shop, Selection(tuple(accepted), found, tuple(refused))
+
+
+def _at_home(shop: Workshop, item: Accepted) -> Accepted:
+    """An addition on the rows of new tables."""
+    trial = item.trial
+    rows = shop.layout(trial).rows
+    trial = moved(trial, rows, shop.context, contrast=trial.contrast)
+    return dataclasses.replace(item, trial=trial)
 
 
 def ranked(
@@ -165,7 +179,13 @@ def _next_free_form(
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= shop.settings.free_form_margin:
             break
-        passed = _judge(shop, candidate, accepted, pool, refused)
+        layout = shop.layout(candidate.trial)
+        fit = shop.fit(others, layout).fit
+        trial = restrained(candidate.trial, fit)
+        if trial is None:
+            continue
+        sure = score(trial, fit.projection, fit.residual)
+        passed = _judge(shop, sure, accepted, pool, refused)
         if passed is not None:
             return passed
     return None
@@ -210,8 +230,6 @@ def _judge(
         reason = entry.plausible(
             shop.context, candidate.trial.target, candidate.trial.values, candidate.coefficients
         )
-    if reason is None and candidate.trial.shapes and not candidate.trial.fixed:
-        reason = undetermined(shop, others, candidate.trial)
     p_value = 1.0
     if reason is None:
         p_value = _p_value(shop, candidate, others, pool)
@@ -222,21 +240,6 @@ def _judge(
         refused.append(_refusal(candidate, reason or str(fault)))
         return None
     return Accepted(candidate.trial, candidate.gain, p_value, stands_in=fault is None)
-
-
-def undetermined(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
-    """Why the size of an effect is not known beside its shape and the model; None if it is.
-
-    A shape that comes near a term of the model trades places with it: a good fit by the
-    difference of two large torques, which names nothing.
-    """
-    found = shop.fit([*others, trial], shop.layout(trial))
-    values = found.coefficients[-1]
-    deviations = np.sqrt(np.maximum(np.diag(found.covariances[-1])[: len(values)], 1e-300))
-    strongest = float(np.max(np.abs(values) / deviations))
-    if strongest >= LEAST_T:
-        return None
-    return f"its size is undetermined: {strongest:.2g} standard deviations from zero"
 
 
 def _p_value(
@@ -257,9 +260,9 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     before, after = shop.fit(others, layout), shop.fit([*others, trial], layout, bend=False)
     plain = shop.fit(others, layout, bend=False)
     folds = shop.settings.folds
-    gain, t = cross_validate(after, folds).gain_over(cross_validate(plain, folds))
-    if gain <= 0 or t < LEAST_T:
-        return f"left-out segments: gain {gain:.3g}, t = {t:.2g}"
+    gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(plain, folds))
+    if others_gain <= 0:
+        return f"left-out segments: gain {gain:.3g}, {others_gain:.3g} without the best of them"
     old, new = shop.validation_rms(plain), shop.validation_rms(after)
     if old is None or new is None:
         return None

@@ -35,7 +35,7 @@ class DiagnosisSettings:
     decisive: float = 6.0
     free_form_margin: float = 10.0
     family_share: float = 0.85
-    floor_ratio: float = 1.05
+    floor_ratio: float = 1.15
     lowest_cutoff: float = 8.0
     highest_cutoff: float = 30.0
     folds: int = 5

@@ -19,7 +19,8 @@ def from_axis(position: float, shape: Shape) -> float:
     inside = float(np.clip(position, 0.0, 1.0))
     if shape.scale == "log":
         return float(shape.lower * (shape.upper / shape.lower) ** inside)
-    return float(shape.lower + inside * (shape.upper - shape.lower))
+    value = shape.lower + inside * (shape.upper - shape.lower)
+    return float(round(value)) if shape.scale == "choice" else float(value)
 
 
 def axis_slope(value: float, shape: Shape) -> float:

@@ -26,7 +26,7 @@ from oed.diagnosis.rows import Rows
 from oed.dynamics.effects import Coulomb
 from oed.dynamics.torque_model import TorqueModel
 
-LARGEST_WIDTH = 0.1  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
+LARGEST_WIDTH = 0.05  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
 SMALLEST_WIDTH = 1e-4
 POINTS = 14
 # Fall of -2 log likelihood that a wider sign must bring, besides Schwarz's log of the rows.
@@ -34,7 +34,10 @@ DECISIVE = 10.0
 
 
 def with_fitted_sign(
-    model: TorqueModel, columns: Int[ndarray, " parameters"], rows: Rows
+    model: TorqueModel,
+    columns: Int[ndarray, " parameters"],
+    rows: Rows,
+    beside: Float[ndarray, "joints rows additions"] | None = None,
 ) -> TorqueModel:
     """The model whose Coulomb terms turn over the velocities that fit best, joint by joint.
 
@@ -44,9 +47,10 @@ def with_fitted_sign(
         model: With a Coulomb term for each joint, or for some.
         columns: Of its columns that are estimated.
         rows: White rows.
+        beside: White columns of what else is fitted.
     """
-    regressor = whitened_regressor(model, columns, rows)
-    nuisances = reversal_nuisances(rows)
+    fixed = [whitened_regressor(model, columns, rows), reversal_nuisances(rows)]
+    regressor = np.concatenate([*fixed, *([] if beside is None else [beside])], axis=2)
     torque = rows.torque()
     effects = list(model.effects)
     column = 0
@@ -55,11 +59,15 @@ def with_fitted_sign(
         column += len(effect.parameters)
         if not isinstance(effect, Coulomb) or not own.size:
             continue
-        rest = np.concatenate([np.delete(regressor, own[0], axis=2), nuisances], axis=2)
-        projection = project(rest)
+        projection = project(np.delete(regressor, own[0], axis=2))
         width = _best_width(effect, rows, projection, projection.residual(torque))
         effects[place] = dataclasses.replace(effect, width=width)
     return dataclasses.replace(model, effects=tuple(effects))
+
+
+def widths_of(model: TorqueModel) -> list[float]:
+    """Width of each Coulomb term [rad/s]."""
+    return [effect.width for effect in model.effects if isinstance(effect, Coulomb)]
 
 
 def _best_width(
@@ -86,5 +94,8 @@ def _best_width(
     found = minimize_scalar(
         lambda x: -gain(float(np.exp(x))), bounds=bounds, method="bounded", options={"xatol": 0.02}
     )
-    margin = DECISIVE + np.log(rows.count)
+    # What the model lacks is noise to this question.
+    weight = max(float(np.sum(rows.weights[:, joint] ** 2)), 1.0)
+    noise = max(1.0, (float(np.sum(residual[joint] ** 2)) + found.fun) / weight)
+    margin = noise * (DECISIVE + np.log(rows.count))
     return float(np.exp(found.x)) if -found.fun > gain(effect.width) + margin else effect.width

@@ -12,7 +12,7 @@ from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.lack_of_fit import LackOfFit
 from oed.diagnosis.noise_floor import NoiseSource
 from oed.diagnosis.scan import Score, score
-from oed.diagnosis.selection import Accepted, Selection, held_out_fault, ranked, undetermined
+from oed.diagnosis.selection import Accepted, Selection, held_out_fault, ranked
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.shape_axes import axis_slope
 from oed.diagnosis.trials import Trial
@@ -234,8 +234,6 @@ def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial], fit
     reason = entry.plausible(
         shop.context, rival.trial.target, rival.trial.values, rival.coefficients
     )
-    if reason is None and rival.trial.shapes and not rival.trial.fixed:
-        reason = undetermined(shop, others, rival.trial)
     if reason is not None or held_out_fault(shop, others, rival.trial) is not None:
         return False
     if rival.trial.name != own.trial.name:

@@ -126,6 +126,18 @@ def fit_with(
     return _augmented(tuple(chosen), coefficients, bent, places, bends)
 
 
+def added_columns(
+    found: Augmented, layout: Layout, context: Context
+) -> Float[ndarray, "joints rows columns"]:
+    """White columns of the additions of a fit, and of the derivatives by their shapes."""
+    joints, rows, _ = layout.regressor.shape
+    blocks = [np.zeros((joints, rows, 0))]
+    for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
+        blocks.append(_dense(trial, joints, rows))
+        blocks.append(shape_derivatives(trial, coefficients, layout.rows, context))
+    return np.concatenate(blocks, axis=2)
+
+
 def shape_derivatives(
     trial: Trial, coefficients: Float[ndarray, " columns"], rows: Rows, context: Context
 ) -> Float[ndarray, "joints rows shapes"]:

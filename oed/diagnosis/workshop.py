@@ -16,9 +16,12 @@ from oed.diagnosis.predict import base_columns, prediction_errors, rms
 from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.repeat_mean import mean_of_repetitions
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.sign_width import widths_of, with_fitted_sign
 from oed.diagnosis.trials import Trial, catalogue_trial, context_of, free_form_trials, grid_of
-from oed.diagnosis.workbench import Augmented, Layout, fit_with, lay_out, moved
+from oed.diagnosis.workbench import Augmented, Layout, added_columns, fit_with, lay_out, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
+
+WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made anew
 
 
 class Workshop:
@@ -39,12 +42,32 @@ class Workshop:
         self.full = lay_out(baseline, estimation, mean=False)
         repeated = any(mean_of_repetitions(p)[1] > 1 for p in estimation)
         self.mean = lay_out(baseline, estimation, mean=True) if repeated else self.full
-        self.validation = validation
+        self.estimation, self.validation = estimation, validation
         self.rng = np.random.default_rng(settings.seed)
         self.before = self.fit(())
         self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
         self._validation_columns = base_columns(self.before.fit, validation)
         self._validation_weights = baseline.certainty(validation)
+
+    def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
+        """The tables anew, with signs that turn as they fit best beside these additions.
+
+        None where no joint's width changes enough to matter. What the first fit could not
+        explain may have passed for a sign that turns slowly.
+        """
+        layout = self.mean
+        found = self.fit(chosen, layout)
+        model = with_fitted_sign(
+            self.baseline.model,
+            self.baseline.columns,
+            layout.rows,
+            added_columns(found, layout, self.context),
+        )
+        pairs = zip(widths_of(model), widths_of(self.baseline.model), strict=True)
+        if all(max(a, b) < WIDER * max(min(a, b), 1e-12) for a, b in pairs):
+            return None
+        baseline = self.baseline.with_model(model, self.estimation)
+        return Workshop(baseline, self.estimation, self.validation, self.settings, self.gear_ratio)
 
     def layout(self, trial: Trial) -> Layout:
         """The rows on which a trial is judged."""

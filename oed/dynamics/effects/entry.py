@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import pairwise, product
 from typing import Literal
 
 import numpy as np
@@ -34,7 +34,7 @@ class Shape:
         unit: SI unit.
         lower: Least plausible value.
         upper: Largest plausible value.
-        scale: How to space trial values, "log" or "linear".
+        scale: How to space trial values, "log" or "linear"; "choice" for whole numbers.
         points: Number of trial values in a first scan.
         default: The value if nothing is known.
     """
@@ -43,7 +43,7 @@ class Shape:
     unit: str
     lower: float
     upper: float
-    scale: Literal["log", "linear"]
+    scale: Literal["log", "linear", "choice"]
     points: int
     default: float
 
@@ -93,6 +93,8 @@ class Context:
         top_speed: (n,) largest speed [rad/s].
         peak_torque: (n,) largest predicted torque [N m].
         gear_ratio: Motor turns a joint turn, None where unknown.
+        session: First and last time of recordings that one clock timed, one after another [s];
+            None for a single recording, or if every one starts its own clock.
     """
 
     model: TorqueModel
@@ -102,6 +104,7 @@ class Context:
     top_speed: Float[ndarray, " joints"]
     peak_torque: Float[ndarray, " joints"]
     gear_ratio: tuple[float, ...] | None = None
+    session: tuple[float, float] | None = None
 
     @classmethod
     def of(
@@ -125,6 +128,7 @@ class Context:
             top_speed=np.max([np.abs(motion.dq).max(axis=0) for motion in motions], axis=0),
             peak_torque=np.abs(torque).max(axis=0),
             gear_ratio=gear_ratio,
+            session=_session(motions),
         )
 
     @property
@@ -168,6 +172,13 @@ class Context:
                 found += float(self.parameters[start])
             start += len(effect.parameters)
         return found
+
+
+def _session(motions: Sequence[Motion]) -> tuple[float, float] | None:
+    """First and last time of motions that follow one another on one clock [s]."""
+    spans = sorted((float(motion.t[0]), float(motion.t[-1])) for motion in motions)
+    one_clock = all(later[0] > earlier[1] for earlier, later in pairwise(spans))
+    return (spans[0][0], spans[-1][1]) if len(spans) > 1 and one_clock else None
 
 
 Build = Callable[[Context, Target, tuple[float, ...]], Effect]

@@ -11,7 +11,9 @@ from numpy import ndarray
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.newton_euler import inverse_dynamics
 from oed.dynamics.scalars import Scalar
+from oed.robot.inertia import PARAMETER_SYMBOLS
 
 STANDARD_GRAVITY = 9.80665  # [m/s^2], ISO 80000-3
 LEVEL = 1e-9  # [m/s^2] declared gravity below which the arm is declared weightless
@@ -29,17 +31,26 @@ class GravityDirection(Effect):
         reference: Gives the parameters.
         directions: Unit vectors in the base frame along which gravity may change.
         magnitude: Of gravity [m/s^2]: parameters are in units of it, that is in rad.
+        unseen: Standard parameters that the declared gravity does not move, and a tilt does,
+            such as the first moment of a link that turns about the vertical.
     """
 
     reference: ReferenceTorque
     directions: tuple[tuple[float, float, float], ...]
     magnitude: float = STANDARD_GRAVITY
+    unseen: tuple[int, ...] = ()
     name = "gravity_direction"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The change along each direction, over the magnitude."""
-        return tuple(Parameter(f"tilt_{k + 1}", "rad", None) for k in range(len(self.directions)))
+        """The change along each direction, over the magnitude; then its products with `unseen`."""
+        tilts = [f"tilt_{k + 1}" for k in range(len(self.directions))]
+        products = [
+            Parameter(f"{tilt} {PARAMETER_SYMBOLS[k % 10]}_{k // 10 + 1}", "rad kg m", None)
+            for tilt in tilts
+            for k in self.unseen
+        ]
+        return (*(Parameter(tilt, "rad", None) for tilt in tilts), *products)
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -48,10 +59,17 @@ class GravityDirection(Effect):
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Torque of every joint at rest under each unit change."""
-        return [
-            dict(enumerate(self.reference.gravity(state, self.magnitude * np.array(direction))))
-            for direction in self.directions
+        robot = self.reference.robot
+        units = [robot.with_parameters(np.eye(1, 10 * robot.n, k)[0]) for k in self.unseen]
+        changes = [self.magnitude * np.array(direction) for direction in self.directions]
+        known = [self.reference.gravity(state, change) for change in changes]
+        rest = [0.0] * robot.n
+        products = [
+            inverse_dynamics(unit.with_gravity(change), state.q, rest, rest)
+            for change in changes
+            for unit in units
         ]
+        return [dict(enumerate(torque)) for torque in (*known, *products)]
 
 
 def tilt_directions(

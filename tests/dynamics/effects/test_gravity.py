@@ -50,7 +50,8 @@ def test_repeated_steps_reach_a_tilt_of_any_size(degrees: float) -> None:
     for _ in range(25):
         context = Context.of(model, _fit(model, torque, motion), [motion])
         effect = entry.build(context, None, ())
-        tilt = _fit(model.with_effects(effect), torque, motion)[-2:]
+        first = len(model.parameters)
+        tilt = _fit(model.with_effects(effect), torque, motion)[first : first + 2]
         if np.linalg.norm(tilt) < 1e-4:
             break
         # As far as one linear step can mean.
@@ -64,6 +65,28 @@ def test_an_arm_declared_weightless_can_be_given_any_gravity() -> None:
     context = context_of(robot)
     entry = CATALOGUE["gravity_direction"]
     effect = entry.build(context, None, ())
-    assert len(effect.parameters) == 3
+    assert [p.name for p in effect.parameters[:3]] == ["tilt_1", "tilt_2", "tilt_3"]
     model = entry.apply(context, None, (), np.array([0.0, -1.0, 0.0]))
     assert model.robot.gravity == pytest.approx([0.0, -9.80665, 0.0])
+
+
+def test_a_level_arm_shows_its_first_moments_when_it_is_tilted() -> None:
+    robot = scara()
+    motion = smooth_motion(robot, step=0.05)
+    angle = np.deg2rad(2.0)
+    true = TorqueModel.standard(
+        robot.with_gravity(9.81 * np.array([np.sin(angle), 0.0, -np.cos(angle)]))
+    )
+    torque = true.torque(parameters_of(true), motion)
+    model = TorqueModel.standard(robot)
+    first = len(model.parameters)
+    parameters = _fit(model, torque, motion)
+    # Its columns hold for the parameters known so far, which the tilt itself has spoilt.
+    for _ in range(8):
+        context = Context.of(model, parameters, [motion])
+        with_effect = model.with_effects(CATALOGUE["gravity_direction"].build(context, None, ()))
+        found = _fit(with_effect, torque, motion)
+        parameters = found[:first]
+    # Linear in the sine of the tilt, so that nothing is left but rounding.
+    assert with_effect.torque(found, motion) == pytest.approx(torque, abs=1e-9)
+    assert found[first : first + 2] == pytest.approx([np.sin(angle), 0.0], abs=1e-6)

@@ -118,23 +118,45 @@ BACKLASH = CatalogueEntry(
 )
 
 
-def _by_duration(context: Context, shape: Shape, least: float, largest: float) -> tuple[Shape, ...]:
+# Which clock counts: 0, every recording has its own; 1, one clock runs through the session.
+CLOCK = Shape("clock", "1", 0.0, 1.0, "choice", 2, 0.0)
+
+
+def _by_duration(
+    context: Context, shapes: tuple[Shape, ...], least: float, largest: float
+) -> tuple[Shape, ...]:
+    shape, clock = shapes
+    longest = context.duration
+    if context.session is None:
+        clock = dataclasses.replace(clock, upper=0.0, points=1)
+    else:
+        longest = context.session[1] - context.session[0]
     lower = max(least * context.duration, shape.lower)
-    upper = max(largest * context.duration, 2 * lower)
+    upper = max(largest * longest, 2 * lower)
     middle = float(np.sqrt(lower * upper)) if shape.scale == "log" else (lower + upper) / 2
-    return (dataclasses.replace(shape, lower=lower, upper=upper, default=middle),)
+    points = shape.points
+    if shape.scale == "linear":
+        points = round(points * longest / context.duration)
+    shape = dataclasses.replace(shape, lower=lower, upper=upper, default=middle, points=points)
+    return shape, clock
+
+
+def _start(context: Context, clock: float) -> float | None:
+    """Origin of time [s]; None for the first sample of each recording."""
+    return context.session[0] if context.session is not None and clock >= 0.5 else None
 
 
 def _time_constants(
     context: Context, _target: Target, shapes: tuple[Shape, ...]
 ) -> tuple[Shape, ...]:
     # Beyond a few durations the decay is a straight line, whatever its time constant.
-    return _by_duration(context, shapes[0], 0.05, 3.0)
+    return _by_duration(context, shapes, 0.05, 3.0)
 
 
 def _thermal(context: Context, target: Target, values: tuple[float, ...]) -> ThermalDrift:
     joint = joint_of(target)
-    return ThermalDrift(joint, values[0], width=context.sign_width(joint))
+    start = _start(context, values[1])
+    return ThermalDrift(joint, values[0], start, width=context.sign_width(joint))
 
 
 def _thermal_plausible(
@@ -157,13 +179,13 @@ def _thermal_plausible(
 THERMAL_DRIFT = CatalogueEntry(
     name="thermal_drift",
     scope="joint",
-    shapes=(Shape("time_constant", "s", 0.1, 2e4, "log", 8, 600.0),),
+    shapes=(Shape("time_constant", "s", 0.1, 2e4, "log", 8, 600.0), CLOCK),
     build=_thermal,
     plausible=_thermal_plausible,
     narrow=_time_constants,
     between_repetitions=True,
     page=EffectPage(
-        equation="exp(-t/T) (a dq + b s), t since the start of the recording",
+        equation="exp(-t/T) (a dq + b s), t since the start of the recording or of the session",
         source="Bittencourt and Gunnarsson 2012, J. Dynamic Systems, Measurement, and Control "
         "134(5); Simoni, Beschi, Legnani, Visioli 2015, IEEE/RSJ IROS",
         parameters="a in N m s/rad and b in N m, 5 to 40 % of the warm values; T in s",
@@ -175,13 +197,14 @@ THERMAL_DRIFT = CatalogueEntry(
 
 
 def _moments(context: Context, _target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
-    return _by_duration(context, shapes[0], 0.03, 0.97)
+    return _by_duration(context, shapes, 0.03, 0.97)
 
 
 def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> PayloadChange:
     robot = context.model.robot
     last = robot.outward[-1]
-    return PayloadChange(robot, last, values[0], visible_load_parameters(robot, last))
+    kept = visible_load_parameters(robot, last)
+    return PayloadChange(robot, last, values[0], kept, _start(context, values[1]))
 
 
 def visible_load_parameters(robot: Robot, link: int) -> tuple[int, ...]:
@@ -222,7 +245,7 @@ def _payload_plausible(
 PAYLOAD_CHANGE = CatalogueEntry(
     name="payload_change",
     scope="arm",
-    shapes=(Shape("moment", "s", 0.0, 1e5, "linear", 19, 10.0),),
+    shapes=(Shape("moment", "s", 0.0, 1e5, "linear", 19, 10.0), CLOCK),
     build=_payload,
     plausible=_payload_plausible,
     narrow=_moments,
@@ -232,7 +255,8 @@ PAYLOAD_CHANGE = CatalogueEntry(
         equation="H_last(q, dq, ddq) π_load from t_0 on",
         source="Khalil, Gautier, Lemoine 2007, IEEE Int. Conf. Robotics and Automation, 3492-3497; "
         "Swevers, Verdonck, Naumer, Pieters, Biber 2002, Int. J. Robotics Research 21(8)",
-        parameters="up to ten standard parameters of the load in the last body's frame; t_0 in s",
+        parameters="up to ten standard parameters of the load in the last body's frame; t_0 in s "
+        "since the start of the recording or of the session",
         signature="repetitions before a moment differ from those after it, in inertia and gravity",
         confused_with=("thermal_drift", "gravity_direction"),
         exposed_by="the same motion with a known mass",

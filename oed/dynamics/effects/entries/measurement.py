@@ -17,7 +17,10 @@ from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shap
 from oed.dynamics.effects.gravity import GravityDirection, tilt_directions, tilted
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.torque_change import TorqueChange
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.robot import Robot
 
 
 def _by_construction(
@@ -199,18 +202,52 @@ ENCODER_ECCENTRICITY = CatalogueEntry(
 )
 
 
+# Some tilt along every direction: which parameters it makes visible does not depend on the angle.
+SLANTED = np.array([0.3, 0.4, 0.5])
+
+
 def _gravity(context: Context, _target: Target, _values: tuple[float, ...]) -> GravityDirection:
     directions, magnitude = tilt_directions(context.reference.robot.gravity)
-    return GravityDirection(context.reference, directions, magnitude)
+    return GravityDirection(context.reference, directions, magnitude, _unseen(context.model))
+
+
+def _unseen(model: TorqueModel) -> tuple[int, ...]:
+    """Base columns of a tilted rigid body that a level one lacks, where gravity moves no joint.
+
+    An arm whose joints feel some gravity shows nearly all its first moments as it is. The rest,
+    of the links that turn about the vertical, would blur a large tilt more than they help.
+    """
+    robot = model.robot
+    if _feels_gravity(robot):
+        return ()
+    directions = len(tilt_directions(robot.gravity)[0])
+    turned = robot.with_gravity(tilted(robot.gravity, SLANTED[:directions]))
+    level, slanted = (
+        set(base_parameters(TorqueModel(r, (RigidBody(r),))).columns) for r in (robot, turned)
+    )
+    return tuple(int(k) for k in sorted(slanted - level))
+
+
+def _feels_gravity(robot: Robot) -> bool:
+    angles = np.linspace(-1.0, 1.0, 3 * robot.n).reshape(3, robot.n)
+    rest = np.zeros_like(angles)
+    columns = TorqueModel(robot, (RigidBody(robot),)).columns(
+        Motion(np.arange(3.0), angles, rest, rest)
+    )
+    return bool(np.abs(columns).max() > 1e-9)
+
+
+def _tilt(robot: Robot, estimates: Float[ndarray, " columns"]) -> Float[ndarray, " directions"]:
+    return estimates[: len(tilt_directions(robot.gravity)[0])]
 
 
 def _gravity_plausible(
-    _context: Context,
+    context: Context,
     _target: Target,
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    tilt = float(np.linalg.norm(estimates))
+    tilt = float(np.linalg.norm(_tilt(context.model.robot, estimates)))
     return at_most(tilt, 2.0, "the tilt", "rad", "what one linear step can mean")
 
 
@@ -221,7 +258,7 @@ def _with_gravity(
     estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
     robot = context.model.robot
-    turned = robot.with_gravity(tilted(robot.gravity, estimates))
+    turned = robot.with_gravity(tilted(robot.gravity, _tilt(robot, estimates)))
     effects = tuple(
         RigidBody(turned) if isinstance(effect, RigidBody) else effect
         for effect in context.model.effects

@@ -25,6 +25,7 @@ PHASE_STEP = 2.0  # [rad]
 MOST_TRIALS = 600
 # Multiples of the gear ratio worth looking at: once, twice and four times a motor turn.
 MOTOR_HARMONICS = 4.2
+LEAST_PERIODS = 2.0
 LEAST_RANGE = 0.05  # [rad]
 
 
@@ -39,6 +40,11 @@ def _ripple_harmonics(
     context: Context, target: Target, shapes: tuple[Shape, ...]
 ) -> tuple[Shape, ...]:
     joint, shape = joint_of(target), shapes[0]
+    # Fewer periods within the motion than these are a slope and a bend: any function of position.
+    swing = max(float(np.ptp(context.position_range[joint])), LEAST_RANGE)
+    least = max(shape.lower, LEAST_PERIODS * 2 * np.pi / swing)
+    default, upper = max(shape.default, least), max(shape.upper, 2 * least)
+    shape = dataclasses.replace(shape, lower=least, upper=upper, default=default)
     if context.gear_ratio is not None:
         upper = max(MOTOR_HARMONICS * abs(context.gear_ratio[joint]), shape.upper)
         shape = dataclasses.replace(shape, upper=upper)
