@@ -13,11 +13,12 @@ from oed.diagnosis.baseline import Baseline, find_baseline
 from oed.diagnosis.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.encoder_steps import encoder_steps, rounding_squares
 from oed.diagnosis.final_model import FinalModel, errors_of, fit_final, install
+from oed.diagnosis.judgement import Refused
 from oed.diagnosis.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.predict import rms
 from oed.diagnosis.prepare import Prepared, prepare
 from oed.diagnosis.proof import RoleProof, prove
-from oed.diagnosis.selection import Refused, Selection, search
+from oed.diagnosis.selection import Selection, search
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.trials import Trial
 from oed.diagnosis.verdict import (

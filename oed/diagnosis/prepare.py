@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -62,6 +63,31 @@ class Prepared:
         window = len(self.band.taps)
         start = np.arange(self.rows) * self.band.factor
         return missing[start + window] == missing[start]
+
+    @cached_property
+    def place_in_period(self) -> Int[ndarray, " samples"]:
+        """Index of each fine sample's phase; of the sample itself without repetitions."""
+        index = np.arange(len(self.motion))
+        if self.period is None:
+            return index
+        return np.floor(np.mod(index + 0.5, self.period * self.band.rate)).astype(int)
+
+    @cached_property
+    def mean_motion(self) -> Motion:
+        """The motion with every state replaced by its mean over the repetitions."""
+        motion = self.motion
+        if self.period is None:
+            return motion
+        return Motion(motion.t, *(self.phase_mean(x) for x in (motion.q, motion.dq, motion.ddq)))
+
+    def phase_mean(
+        self, fine: Float[ndarray, "samples columns"]
+    ) -> Float[ndarray, "samples columns"]:
+        """Mean over the repetitions at the phase of each fine sample."""
+        place = self.place_in_period
+        counts = np.maximum(np.bincount(place), 1)
+        means = np.stack([np.bincount(place, weights=column) for column in fine.T], axis=1)
+        return (means / counts[:, None])[place]
 
     @property
     def rows(self) -> int:

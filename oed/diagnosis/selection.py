@@ -9,59 +9,20 @@ from itertools import combinations
 
 import numpy as np
 
-from oed.diagnosis.held_out import cross_validate
+from oed.diagnosis.judgement import Accepted, Refused, held_out_fault, judge, refusal
 from oed.diagnosis.restraint import restrained
 from oed.diagnosis.scan import (
     Score,
-    family_p_value,
-    inflation_of,
     refine,
     scan,
     score,
-    surrogate_surprise,
 )
 from oed.diagnosis.trials import Trial
 from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
-WORSE = 1.02  # largest ratio by which a joint's held-out error may rise while the sum falls
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
-
-
-@dataclass(frozen=True)
-class Accepted:
-    """An addition with the evidence at the time it was accepted.
-
-    Attributes:
-        trial: The addition.
-        gain: Fall of the white sum of squares.
-        p_value: Family-wise, over the whole search.
-        stands_in: Whether it is part of the model. A free-form term that does not predict
-            what it was not fitted to only says where something is missing.
-    """
-
-    trial: Trial
-    gain: float
-    p_value: float
-    stands_in: bool = True
-
-
-@dataclass(frozen=True)
-class Refused:
-    """A candidate that looked good and was turned down.
-
-    Attributes:
-        name: Of the catalogue, or the free-form term's label.
-        joint: Index, None for the whole arm.
-        gain: Fall of the white sum of squares that it promised.
-        reason: Why it was turned down.
-    """
-
-    name: str
-    joint: int | None
-    gain: float
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -162,9 +123,9 @@ def _next_physical(
             reason = (
                 f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
             )
-            refused.append(_refusal(candidate, reason))
+            refused.append(refusal(candidate, reason))
             continue
-        passed = _judge(shop, candidate, accepted, shop.physical, refused)
+        passed = judge(shop, candidate, accepted, shop.physical, refused)
         if passed is not None:
             return passed
     return None
@@ -185,7 +146,7 @@ def _next_free_form(
         if trial is None:
             continue
         sure = score(trial, fit.projection, fit.residual)
-        passed = _judge(shop, sure, accepted, pool, refused)
+        passed = judge(shop, sure, accepted, pool, refused)
         if passed is not None:
             return passed
     return None
@@ -204,72 +165,6 @@ def _outdone_by(shop: Workshop, candidate: Score, rivals: list[Score]) -> Score 
         ):
             return rival
     return None
-
-
-def _judge(
-    shop: Workshop,
-    candidate: Score,
-    accepted: list[Accepted],
-    pool: Sequence[Trial],
-    refused: list[Refused],
-) -> Accepted | None:
-    """All tests in the order of their cost; the first that fails is the reason given."""
-    others = [a.trial for a in accepted]
-    layout = shop.layout(candidate.trial)
-    before = shop.fit(others, layout)
-    joints = list(candidate.trial.group)
-    first = max((a.gain for a in accepted if set(a.trial.group) & set(joints)), default=0.0)
-    share = candidate.gain / float(np.sum(before.fit.residual[joints] ** 2))
-    reason = None
-    if candidate.gain < shop.settings.mop_up_floor * first:
-        reason = f"gains {candidate.gain / first:.1%} of the first addition to its joint"
-    elif share < shop.settings.least_share:
-        reason = f"removes {share:.2%} of the residual's variance"
-    elif not candidate.trial.is_free_form:
-        entry = CATALOGUE[candidate.trial.name]
-        reason = entry.plausible(
-            shop.context, candidate.trial.target, candidate.trial.values, candidate.coefficients
-        )
-    p_value = 1.0
-    if reason is None:
-        p_value = _p_value(shop, candidate, others, pool)
-        if p_value > shop.settings.level:
-            reason = f"p = {p_value:.2g} after the multiplicity of the search"
-    fault = held_out_fault(shop, others, candidate.trial) if reason is None else None
-    if reason is not None or (fault is not None and not candidate.trial.is_free_form):
-        refused.append(_refusal(candidate, reason or str(fault)))
-        return None
-    return Accepted(candidate.trial, candidate.gain, p_value, stands_in=fault is None)
-
-
-def _p_value(
-    shop: Workshop, candidate: Score, others: Sequence[Trial], pool: Sequence[Trial]
-) -> float:
-    """Family-wise p-value; chance is what the model with the candidate leaves."""
-    between = candidate.trial.between_repetitions
-    layout = shop.layout(candidate.trial)
-    after = shop.fit([*others, candidate.trial], layout).fit
-    kin = [t for t in pool if t.between_repetitions == between]
-    null = surrogate_surprise(kin, after, shop.settings.surrogates, shop.rng)
-    return family_p_value(candidate.surprise(inflation_of(after)), null)
-
-
-def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
-    """Why an addition does not pay on rows that it was not fitted to; None if it does."""
-    layout = shop.layout_for([*others, trial])
-    before, after = shop.fit(others, layout), shop.fit([*others, trial], layout, bend=False)
-    plain = shop.fit(others, layout, bend=False)
-    folds = shop.settings.folds
-    gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(plain, folds))
-    if others_gain <= 0:
-        return f"left-out segments: gain {gain:.3g}, {others_gain:.3g} without the best of them"
-    old, new = shop.validation_rms(plain), shop.validation_rms(after)
-    if old is None or new is None:
-        return None
-    ratio = new / old
-    if np.mean(ratio**2) >= 1 or ratio.max() > WORSE:
-        return f"validation error changes by the factors {np.round(ratio, 3).tolist()}"
-    return None if before.fit.squares > 0 else "nothing is left to explain"
 
 
 def _settle(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
@@ -357,8 +252,3 @@ def _review_names(
                 reason = f"free form explains its part: {alone / together:.0%} of what both do"
                 refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
     return kept
-
-
-def _refusal(candidate: Score, reason: str) -> Refused:
-    trial = candidate.trial
-    return Refused(str(trial.key[0]), trial.joint, candidate.gain, reason)

@@ -13,6 +13,8 @@ class DiagnosisSettings:
         max_effects: Most effects that may be added.
         level: Family-wise error of a search over all candidates.
         mop_up_floor: Least gain of a further effect as a share of the first one's.
+        family_floor: The same where an earlier one has the candidate's family: it is more
+            likely the same physics in another formula than a second effect.
         least_share: Least share of a joint's residual variance that a named effect removes.
             Below it, errors of smoothing and sampling look like physics.
         decisive: Difference in -2 log likelihood that separates two rivals.
@@ -31,6 +33,7 @@ class DiagnosisSettings:
     max_effects: int = 4
     level: float = 0.01
     mop_up_floor: float = 0.01
+    family_floor: float = 0.1
     least_share: float = 0.004
     decisive: float = 6.0
     free_form_margin: float = 10.0

@@ -17,7 +17,6 @@ from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.rows import Rows
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Shape, Target
-from oed.dynamics.motion import Motion
 
 FREE_FORM = "free_form"
 
@@ -91,7 +90,7 @@ def white_group(
     """
     # What differs between repetitions by chance moves the arm as well as the torque: only the
     # mean motion is free of it, so that nothing but time can make these columns differ.
-    motions = [phase_means(p) if contrast else p.motion for p in rows.prepared]
+    motions = [p.mean_motion if contrast else p.motion for p in rows.prepared]
     fine = [effect_columns(effect, motion, 0.0) for motion in motions]
     if contrast:
         fine = [
@@ -115,26 +114,7 @@ def between_repetitions(
     block: Float[ndarray, "samples columns"], prepared: Prepared
 ) -> Float[ndarray, "samples columns"]:
     """Columns less their mean over the repetitions at the same phase; as they are without."""
-    return block if prepared.period is None else block - _at_phase(block, prepared)
-
-
-def phase_means(prepared: Prepared) -> Motion:
-    """The motion with every state replaced by its mean over the repetitions."""
-    motion = prepared.motion
-    if prepared.period is None:
-        return motion
-    return Motion(motion.t, *(_at_phase(x, prepared) for x in (motion.q, motion.dq, motion.ddq)))
-
-
-def _at_phase(
-    block: Float[ndarray, "samples columns"], prepared: Prepared
-) -> Float[ndarray, "samples columns"]:
-    """Mean over the repetitions at the phase of each sample."""
-    step = prepared.period * prepared.band.rate
-    phase = np.floor(np.mod(np.arange(len(block)) + 0.5, step)).astype(int)
-    counts = np.maximum(np.bincount(phase), 1)
-    means = np.stack([np.bincount(phase, weights=column) for column in block.T], axis=1)
-    return (means / counts[:, None])[phase]
+    return block if prepared.period is None else block - prepared.phase_mean(block)
 
 
 def catalogue_trial(
@@ -188,7 +168,7 @@ def _free_form_block(
 ) -> Float[ndarray, "_ columns"]:
     """A term in the analysis band; a smooth one is slow enough to be sampled as it is."""
     if term.directed or contrast:
-        motion = phase_means(prepared) if contrast else prepared.motion
+        motion = prepared.mean_motion if contrast else prepared.motion
         fine = effect_columns(term, motion, width)[term.joint]
         return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)
     band = prepared.band

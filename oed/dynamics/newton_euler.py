@@ -7,7 +7,7 @@ body i are in its own frame, at its origin; gravity enters as the base accelerat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,12 +134,14 @@ def regressor_entries(
     q: Sequence[Scalar],
     dq: Sequence[Scalar],
     ddq: Sequence[Scalar],
+    links: Collection[int] | None = None,
 ) -> list[dict[int, Scalar]]:
     """Torque per unit of each standard parameter: for column c, joint -> entry (4).
 
     The axis of every joint on the path is carried outward as a screw (angular part,
     linear part at the body's origin) and meets the wrench of a unit parameter there:
-    no 6 x 10 matrix is ever sent back along the chain.
+    no 6 x 10 matrix is ever sent back along the chain. Columns of other links than `links`,
+    if given, stay empty.
     """
     bodies = forward_recursion(robot, q, dq, ddq)
     columns: list[dict[int, Scalar]] = [{} for _ in range(10 * robot.n)]
@@ -156,6 +158,8 @@ def regressor_entries(
         }
         carried[i] = (axis, ZERO) if joint.kind == "revolute" else (ZERO, axis)
         screws[i] = carried
+        if links is not None and i not in links:
+            continue
         for j, (angular, linear) in carried.items():
             for k, entry in enumerate(_screw_on_unit_wrenches(angular, linear, body)):
                 columns[10 * i + k][j] = entry

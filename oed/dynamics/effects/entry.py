@@ -207,6 +207,8 @@ class CatalogueEntry:
         between_repetitions: Whether it makes repetitions differ.
         unit_coefficient: Whether its one coefficient is 1 by construction: the size is in
             the shapes, and a free coefficient would confound it with others.
+        families: What its torque depends on, in words. Two effects of one family are near to
+            one another: the second may only mend the formula of the first.
         equivalent: Names that no motion tells from this one, and why.
         narrow: Ranges of the shapes for an arm and its data.
         install: The model with the effect in its exact form; None if the columns are exact.
@@ -220,6 +222,7 @@ class CatalogueEntry:
     page: EffectPage
     between_repetitions: bool = False
     unit_coefficient: bool = False
+    families: tuple[str, ...] = ()
     equivalent: tuple[str, ...] = ()
     narrow: Narrow = _as_they_are
     install: Install | None = None

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.thermal import since
-from oed.dynamics.newton_euler import regressor_entries
 from oed.dynamics.scalars import Scalar, mul
 from oed.robot import Robot
 
@@ -28,6 +28,7 @@ class PayloadChange(Effect):
         kept: Which of the ten standard parameters are columns; the rest make no torque of
             their own.
         start: Origin of `moment` [s]; None for the first sample of each recording.
+        reference: Remembers the columns, which a search for the moment asks for again and again.
     """
 
     robot: Robot
@@ -35,6 +36,7 @@ class PayloadChange(Effect):
     moment: float
     kept: tuple[int, ...] = tuple(range(10))
     start: float | None = None
+    reference: ReferenceTorque | None = None
     name = "payload_change"
 
     @property
@@ -54,8 +56,6 @@ class PayloadChange(Effect):
         """The link's columns where the load is held, zero before."""
         held = np.asarray(since(state.t, self.start) >= self.moment, dtype=float)
         gate = float(held) if held.ndim == 0 else held
-        columns = regressor_entries(self.robot, state.q, state.dq, state.ddq)
-        return [
-            {joint: mul(gate, entry) for joint, entry in columns[10 * self.link + k].items()}
-            for k in self.kept
-        ]
+        reference = self.reference or ReferenceTorque(self.robot)
+        columns = reference.link_columns(state, self.link)
+        return [{joint: mul(gate, entry) for joint, entry in columns[k].items()} for k in self.kept]

@@ -20,7 +20,7 @@ from numpy import ndarray
 from oed.dynamics.effects.effect import Effect, State
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.motion import Motion
-from oed.dynamics.newton_euler import inverse_dynamics, joint_components
+from oed.dynamics.newton_euler import inverse_dynamics, joint_components, regressor_entries
 from oed.dynamics.scalars import Scalar, add, mul
 from oed.robot import Robot
 
@@ -89,6 +89,15 @@ class ReferenceTorque:
         rest = [0.0] * self.robot.n
         return inverse_dynamics(self.robot.with_gravity(gravity), state.q, rest, rest)
 
+    def link_columns(self, state: State, link: int) -> list[dict[int, Scalar]]:
+        """Regressor columns of a link's ten parameters, by the joints that they move."""
+        own = slice(10 * link, 10 * link + 10)
+        return self._remembered(
+            f"columns {link}",
+            state,
+            lambda: regressor_entries(self.robot, state.q, state.dq, state.ddq, {link})[own],
+        )
+
     def inertia(self, state: State, joint: int) -> Scalar:
         """Diagonal entry M_jj of the inertia matrix [kg m^2]."""
         return self._remembered(f"inertia {joint}", state, lambda: self._inertia(state, joint))[0]
@@ -126,12 +135,10 @@ class ReferenceTorque:
         return torque
 
     @cached_property
-    def _memory(self) -> OrderedDict[tuple[str, bytes], list[Scalar]]:
+    def _memory(self) -> OrderedDict[tuple[str, bytes], list]:
         return OrderedDict()
 
-    def _remembered(
-        self, what: str, state: State, compute: Callable[[], list[Scalar]]
-    ) -> list[Scalar]:
+    def _remembered(self, what: str, state: State, compute: Callable[[], list]) -> list:
         fingerprint = _fingerprint(state)
         if fingerprint is None:
             return compute()

@@ -58,6 +58,7 @@ def _hysteresis_plausible(
 
 PRESLIDING_HYSTERESIS = CatalogueEntry(
     name="presliding_hysteresis",
+    families=("odd in speed", "reversal"),
     scope="joint",
     shapes=(
         Shape("distance", "rad", 3e-4, 0.08, "log", 12, 5e-3),
@@ -102,6 +103,7 @@ def _backlash_plausible(
 
 BACKLASH = CatalogueEntry(
     name="backlash",
+    families=("reversal", "compliance"),
     scope="joint",
     shapes=(Shape("gap", "rad", 5e-5, 0.02, "log", 10, 1e-3),),
     build=_backlash,
@@ -178,6 +180,7 @@ def _thermal_plausible(
 
 THERMAL_DRIFT = CatalogueEntry(
     name="thermal_drift",
+    families=("time",),
     scope="joint",
     shapes=(Shape("time_constant", "s", 0.1, 2e4, "log", 8, 600.0), CLOCK),
     build=_thermal,
@@ -204,7 +207,8 @@ def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> Pa
     robot = context.model.robot
     last = robot.outward[-1]
     kept = visible_load_parameters(robot, last)
-    return PayloadChange(robot, last, values[0], kept, _start(context, values[1]))
+    start = _start(context, values[1])
+    return PayloadChange(robot, last, values[0], kept, start, context.reference)
 
 
 def visible_load_parameters(robot: Robot, link: int) -> tuple[int, ...]:
@@ -244,6 +248,7 @@ def _payload_plausible(
 
 PAYLOAD_CHANGE = CatalogueEntry(
     name="payload_change",
+    families=("time",),
     scope="arm",
     shapes=(Shape("moment", "s", 0.0, 1e5, "linear", 19, 10.0), CLOCK),
     build=_payload,

@@ -41,6 +41,7 @@ def _load_friction_plausible(
 
 LOAD_DEPENDENT_FRICTION = CatalogueEntry(
     name="load_dependent_friction",
+    families=("friction over position",),
     scope="joint",
     shapes=(Shape("share", "1", 0.0, 1.0, "linear", 2, 0.0),),
     build=_load_friction,
@@ -81,6 +82,7 @@ def _saturation_plausible(
 
 TORQUE_SATURATION = CatalogueEntry(
     name="torque_saturation",
+    families=("torque",),
     scope="joint",
     shapes=(Shape("exponent", "1", 2.0, 7.0, "log", 3, 3.0),),
     build=_saturation,
@@ -122,6 +124,7 @@ def _with_gain(
 
 TORQUE_GAIN = CatalogueEntry(
     name="torque_gain",
+    families=("torque",),
     scope="joint",
     shapes=(),
     build=_gain,

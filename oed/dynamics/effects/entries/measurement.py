@@ -59,6 +59,7 @@ def _with_delay(
 
 TIME_DELAY = CatalogueEntry(
     name="time_delay",
+    families=("lag",),
     scope="arm",
     shapes=(Shape("delay", "s", 2e-4, 0.12, "log", 14, 3e-3),),
     build=_delay,
@@ -93,6 +94,7 @@ def _with_lag(
 
 FILTER_LAG = CatalogueEntry(
     name="filter_lag",
+    families=("lag",),
     scope="arm",
     shapes=(
         Shape("time_constant", "s", 2e-4, 0.05, "log", 12, 3e-3),
@@ -136,6 +138,7 @@ def _with_elasticity(
 
 JOINT_ELASTICITY = CatalogueEntry(
     name="joint_elasticity",
+    families=("lag", "compliance"),
     scope="joint",
     shapes=(
         Shape("frequency", "Hz", 1.5, 40.0, "log", 14, 8.0),
@@ -268,6 +271,7 @@ def _with_gravity(
 
 GRAVITY_DIRECTION = CatalogueEntry(
     name="gravity_direction",
+    families=("position",),
     scope="arm",
     shapes=(),
     build=_gravity,

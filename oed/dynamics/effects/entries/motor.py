@@ -33,6 +33,7 @@ def _rotor_plausible(
 
 ROTOR_INERTIA = CatalogueEntry(
     name="rotor_inertia",
+    families=("acceleration",),
     scope="joint",
     shapes=(),
     build=_rotor,
@@ -79,6 +80,7 @@ def _coupling_plausible(
 
 MOTOR_COUPLING = CatalogueEntry(
     name="motor_coupling",
+    families=("acceleration",),
     scope="pair",
     shapes=(Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0),),
     build=_coupling,

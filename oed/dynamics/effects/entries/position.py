@@ -67,6 +67,7 @@ def _wave_plausible(
 
 TORQUE_RIPPLE = CatalogueEntry(
     name="torque_ripple",
+    families=("position",),
     scope="joint",
     shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0),),
     build=_ripple,
@@ -100,6 +101,7 @@ def _position_friction(
 
 POSITION_DEPENDENT_FRICTION = CatalogueEntry(
     name="position_dependent_friction",
+    families=("friction over position",),
     scope="joint",
     shapes=(Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0),),
     build=_position_friction,
@@ -143,6 +145,7 @@ def _spring_plausible(
 
 JOINT_SPRING = CatalogueEntry(
     name="joint_spring",
+    families=("position",),
     scope="joint",
     shapes=(),
     build=_spring,

@@ -1,0 +1,141 @@
+"""Whether one candidate may be added: plausible, significant, and paying on what it has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from oed.diagnosis.held_out import cross_validate
+from oed.diagnosis.scan import Score, family_p_value, inflation_of, surrogate_surprise
+from oed.diagnosis.trials import Trial
+from oed.diagnosis.workshop import Workshop
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+WORSE = 1.02  # largest ratio by which a joint's held-out error may rise while the sum falls
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """An addition with the evidence at the time it was accepted.
+
+    Attributes:
+        trial: The addition.
+        gain: Fall of the white sum of squares.
+        p_value: Family-wise, over the whole search.
+        stands_in: Whether it is part of the model. A free-form term that does not predict
+            what it was not fitted to only says where something is missing.
+    """
+
+    trial: Trial
+    gain: float
+    p_value: float
+    stands_in: bool = True
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A candidate that looked good and was turned down.
+
+    Attributes:
+        name: Of the catalogue, or the free-form term's label.
+        joint: Index, None for the whole arm.
+        gain: Fall of the white sum of squares that it promised.
+        reason: Why it was turned down.
+    """
+
+    name: str
+    joint: int | None
+    gain: float
+    reason: str
+
+
+def judge(
+    shop: Workshop,
+    candidate: Score,
+    accepted: list[Accepted],
+    pool: Sequence[Trial],
+    refused: list[Refused],
+) -> Accepted | None:
+    """All tests in the order of their cost; the first that fails is the reason given."""
+    others = [a.trial for a in accepted]
+    reason = _too_little(shop, candidate, accepted) or _implausible(shop, candidate)
+    p_value = 1.0
+    if reason is None:
+        p_value = _p_value(shop, candidate, others, pool)
+        if p_value > shop.settings.level:
+            reason = f"p = {p_value:.2g} after the multiplicity of the search"
+    fault = held_out_fault(shop, others, candidate.trial) if reason is None else None
+    if reason is not None or (fault is not None and not candidate.trial.is_free_form):
+        refused.append(refusal(candidate, reason or str(fault)))
+        return None
+    return Accepted(candidate.trial, candidate.gain, p_value, stands_in=fault is None)
+
+
+def _too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> str | None:
+    """Why a candidate only wipes up what an earlier addition left; None if it does more."""
+    for earlier in accepted:
+        if not set(earlier.trial.group) & set(candidate.trial.group):
+            continue
+        share = candidate.gain / max(earlier.gain, 1e-300)
+        if share < shop.settings.mop_up_floor:
+            return f"gains {share:.1%} of what {earlier.trial.name} gained"
+        if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
+            return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
+    others = [a.trial for a in accepted]
+    residual = shop.fit(others, shop.layout(candidate.trial)).fit.residual
+    share = candidate.gain / float(np.sum(residual[list(candidate.trial.group)] ** 2))
+    return (
+        f"removes {share:.2%} of the residual's variance"
+        if share < shop.settings.least_share
+        else None
+    )
+
+
+def _implausible(shop: Workshop, candidate: Score) -> str | None:
+    trial = candidate.trial
+    if trial.is_free_form:
+        return None
+    entry = CATALOGUE[trial.name]
+    return entry.plausible(shop.context, trial.target, trial.values, candidate.coefficients)
+
+
+def _families(item: Accepted | Score) -> set[str]:
+    return set() if item.trial.is_free_form else set(CATALOGUE[item.trial.name].families)
+
+
+def _p_value(
+    shop: Workshop, candidate: Score, others: Sequence[Trial], pool: Sequence[Trial]
+) -> float:
+    """Family-wise p-value; chance is what the model with the candidate leaves."""
+    between = candidate.trial.between_repetitions
+    layout = shop.layout(candidate.trial)
+    after = shop.fit([*others, candidate.trial], layout).fit
+    kin = [t for t in pool if t.between_repetitions == between]
+    null = surrogate_surprise(kin, after, shop.settings.surrogates, shop.rng)
+    return family_p_value(candidate.surprise(inflation_of(after)), null)
+
+
+def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
+    """Why an addition does not pay on rows that it was not fitted to; None if it does."""
+    layout = shop.layout_for([*others, trial])
+    before, after = shop.fit(others, layout), shop.fit([*others, trial], layout, bend=False)
+    plain = shop.fit(others, layout, bend=False)
+    folds = shop.settings.folds
+    gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(plain, folds))
+    if others_gain <= 0:
+        return f"left-out segments: gain {gain:.3g}, {others_gain:.3g} without the best of them"
+    old, new = shop.validation_rms(plain), shop.validation_rms(after)
+    if old is None or new is None:
+        return None
+    ratio = new / old
+    if np.mean(ratio**2) >= 1 or ratio.max() > WORSE:
+        return f"validation error changes by the factors {np.round(ratio, 3).tolist()}"
+    return None if before.fit.squares > 0 else "nothing is left to explain"
+
+
+def refusal(candidate: Score, reason: str) -> Refused:
+    """A candidate turned down, in words."""
+    trial = candidate.trial
+    return Refused(str(trial.key[0]), trial.joint, candidate.gain, reason)
