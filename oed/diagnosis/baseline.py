@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.direction import certainty, trusted_samples
-from oed.diagnosis.free_form import FreeForm
-from oed.diagnosis.free_terms import coordinate
 from oed.diagnosis.linear_fit import LinearFit, fit_model, fit_regressor, whitened_regressor
-from oed.diagnosis.model_columns import WIDTH_PER_SIGMA, effect_columns, with_uncertain_sign
+from oed.diagnosis.model_columns import with_uncertain_sign
 from oed.diagnosis.noise_floor import (
     NoiseFloor,
     floor_from_free_form,
@@ -22,6 +20,7 @@ from oed.diagnosis.noise_floor import (
     repetition_series,
 )
 from oed.diagnosis.prepare import Prepared
+from oed.diagnosis.rich_fit import rich_fit
 from oed.diagnosis.rows import Rows, weigh
 from oed.diagnosis.sign_width import with_fitted_sign
 from oed.diagnosis.whitening import Autoregression
@@ -30,7 +29,6 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 
 REFITS = 2  # of the base model with the noise that it left
-ROWS_PER_FREE_COLUMN = 8  # least rows for each column of the rich fit
 
 
 @dataclass(frozen=True)
@@ -49,10 +47,21 @@ class Baseline:
     floor: NoiseFloor
     coulomb: Float[ndarray, " joints"]
 
-    def with_model(self, model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baseline:
-        """The same columns with other shapes, and the noise that these leave."""
+    def with_model(
+        self,
+        model: TorqueModel,
+        prepared: tuple[Prepared, ...],
+        known: Sequence[Float[ndarray, "_ joints"]] | None = None,
+    ) -> Baseline:
+        """The same columns with other shapes, and the noise that these leave.
+
+        Args:
+            model: With the other shapes.
+            prepared: The estimation recordings.
+            known: Torque of additions to the model, one array a recording [N m].
+        """
         fit = fit_model(model, self.columns, self.rows(prepared))
-        return Baseline(model, self.columns, _read_floor(fit, prepared), coulomb_of(fit))
+        return Baseline(model, self.columns, _read_floor(fit, prepared, known), coulomb_of(fit))
 
     def certainty(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
         """Weights of the errors of recordings: below one where the direction is uncertain."""
@@ -119,9 +128,15 @@ def _scaled(prepared: tuple[Prepared, ...], rough: LinearFit) -> Rows:
     return Rows(prepared, noise, rough.rows.scales, rough.rows.weights)
 
 
-def _read_floor(fit: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:
-    has_repetitions = any(p.period is not None for p in prepared)
-    return (_repetition_floor if has_repetitions else _free_form_floor)(fit, prepared)
+def _read_floor(
+    fit: LinearFit,
+    prepared: tuple[Prepared, ...],
+    known: Sequence[Float[ndarray, "_ joints"]] | None = None,
+) -> NoiseFloor:
+    if any(p.period is not None for p in prepared):
+        return _repetition_floor(fit, prepared)
+    silent = [np.zeros_like(p.torque) for p in prepared]
+    return _free_form_floor(fit, prepared, silent if known is None else known)
 
 
 def _repetition_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:
@@ -138,78 +153,33 @@ def _repetition_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> Noise
     return floor_from_repetitions(series, trusted)
 
 
-def rich_columns(
-    prepared: tuple[Prepared, ...], fit: LinearFit, joint: int, most: int
-) -> list[Float[ndarray, "_ columns"]]:
-    """Filtered columns of a rich free-form fit of one joint, one array a recording.
-
-    Splines in the joint's own coordinates and in the others' positions, with and without the
-    direction of motion, and the rate of the model torque, which a delay would leave.
-    """
-    n = fit.model.robot.n
-    terms = [
-        FreeForm(joint, (coordinate(prepared, "dq", joint, 10),)),
-        FreeForm(joint, (coordinate(prepared, "q", joint, 10),)),
-        FreeForm(joint, (coordinate(prepared, "q", joint, 6),), directed=True),
-        FreeForm(joint, (coordinate(prepared, "ddq", joint, 6),)),
-    ]
-    for other in range(n):
-        if other != joint:
-            terms.append(FreeForm(joint, (coordinate(prepared, "dq", other, 5),)))
-            terms.append(FreeForm(joint, (coordinate(prepared, "q", other, 5),)))
-    while len(terms) > 1 and sum(len(t.parameters) for t in terms) > most:
-        terms.pop()
-    width = WIDTH_PER_SIGMA * float(prepared[0].sign_noise[joint])
-    blocks = []
-    for p in prepared:
-        torque = fit.model.torque(fit.full_parameters(), p.motion)[:, joint]
-        rate = np.gradient(torque, 1 / p.band.rate)
-        fine = [effect_columns(t, p.motion, width)[joint] for t in terms]
-        fine.append(rate[:, None])
-        fine.append((np.abs(torque) * np.tanh(p.motion.dq[:, joint] / max(width, 1e-9)))[:, None])
-        blocks.append(p.band.apply(np.concatenate(fine, axis=1)))
-    return blocks
+def _free_form_floor(
+    fit: LinearFit, prepared: tuple[Prepared, ...], known: Sequence[Float[ndarray, "_ joints"]]
+) -> NoiseFloor:
+    """What a rich fit of each joint leaves of the torque less `known`."""
+    joints = fit.model.robot.n
+    coulomb = coulomb_of(fit)
+    torque = np.concatenate([p.torque - k for p, k in zip(prepared, known, strict=True)])
+    own = [p.band.apply(fit.model.columns(p.motion)[:, :, fit.columns]) for p in prepared]
+    rough = torque - np.concatenate(own) @ fit.parameters[: len(fit.columns)]
+    deviation = np.std(rough, axis=0)
+    # A badly timed reversal stands out ever more clearly as the fit improves.
+    for enriched in (False, True):
+        trusted = np.concatenate([_trusted_rows(p, coulomb, deviation) for p in prepared])
+        found = [
+            rich_fit(fit, prepared, j, torque[:, j], trusted[:, j], enriched=enriched)
+            for j in range(joints)
+        ]
+        residual = np.stack([f.residual for f in found], axis=1)
+        deviation = np.array([np.std(residual[trusted[:, j], j]) for j in range(joints)])
+    freedom = np.array([max(0.2, 1 - f.rank / len(torque)) for f in found])
+    ends = np.cumsum([p.rows for p in prepared])[:-1]
+    return floor_from_free_form(np.split(residual, ends), np.split(trusted, ends), freedom)
 
 
-def _free_form_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:
-    """What a rich fit of each joint leaves."""
-    joints = rough.model.robot.n
-    rows = sum(p.rows for p in prepared)
-    most = max(10, rows // ROWS_PER_FREE_COLUMN - len(rough.columns) // joints)
-    own = [p.band.apply(rough.model.columns(p.motion)[:, :, rough.columns]) for p in prepared]
-    rich = [rich_columns(prepared, rough, j, most) for j in range(joints)]
-    noise, coulomb = rough.rows.noise, coulomb_of(rough)
-    found, freedom = [], np.ones(joints)
-    for j in range(joints):
-        blocks = [np.concatenate([o[:, j], r], axis=1) for o, r in zip(own, rich[j], strict=True)]
-        left, rank = _rich_residual(blocks, [p.torque[:, j] for p in prepared], noise[j])
-        freedom[j] = max(0.2, 1 - rank / rows)
-        found.append(left)
-    residuals = [np.stack(joint_wise, axis=1) for joint_wise in zip(*found, strict=True)]
-    deviation = np.std(np.concatenate(residuals), axis=0)
-    trusted = [
-        np.stack(
-            [
-                trusted_samples(p, j, coulomb[j], deviation[j])[:: p.band.factor]
-                for j in range(joints)
-            ],
-            axis=1,
-        )
-        for p in prepared
-    ]
-    return floor_from_free_form(residuals, trusted, freedom)
-
-
-def _rich_residual(
-    blocks: list[Float[ndarray, "_ columns"]],
-    torque: list[Float[ndarray, " _"]],
-    noise: Autoregression,
-) -> tuple[list[Float[ndarray, " _"]], int]:
-    """What a generalised least-squares fit of one joint leaves, unwhitened, and its rank."""
-    skip = noise.order
-    white = np.concatenate([noise.whiten(b)[skip:] for b in blocks])
-    target = np.concatenate([noise.whiten(y[:, None])[skip:, 0] for y in torque])
-    norms = np.linalg.norm(white, axis=0)
-    norms[norms == 0] = 1.0
-    solution, _, rank, _ = np.linalg.lstsq(white / norms, target, rcond=1e-6)
-    return [y - b @ (solution / norms) for y, b in zip(torque, blocks, strict=True)], int(rank)
+def _trusted_rows(
+    recording: Prepared, coulomb: Float[ndarray, " joints"], deviation: Float[ndarray, " joints"]
+) -> Bool[ndarray, "rows joints"]:
+    pairs = zip(coulomb, deviation, strict=True)
+    fine = [trusted_samples(recording, j, c, d) for j, (c, d) in enumerate(pairs)]
+    return np.stack(fine, axis=1)[:: recording.band.factor]

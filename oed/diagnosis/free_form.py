@@ -1,6 +1,6 @@
 """Smooth nonparametric torque terms: what a library of names is measured against.
 
-Cubic B-splines in one coordinate, or products of them in two, with or without the sign of the
+Cubic B-splines in one coordinate, or products of them in two, with or without the sign of a
 joint's motion. Outside the range that the data covered, a term keeps the value at its edge.
 """
 
@@ -64,13 +64,13 @@ class FreeForm(Effect):
     Attributes:
         joint: On which the torque acts.
         coordinates: One or two.
-        directed: Whether it is multiplied by the sign of the joint's velocity.
+        direction: Joint by the sign of whose velocity it is multiplied; None for none.
         mixing: Combinations of the basis functions that are its columns; None for each alone.
     """
 
     joint: int
     coordinates: tuple[Coordinate, ...]
-    directed: bool = False
+    direction: int | None = None
     mixing: Float[ndarray, "functions columns"] | None = field(
         default=None, repr=False, compare=False
     )
@@ -80,7 +80,8 @@ class FreeForm(Effect):
     def label(self) -> str:
         """In words, such as "f(q_1, dq_2)" or "f(q_1) sgn(dq_1)"."""
         inside = ", ".join(c.name for c in self.coordinates)
-        return f"f({inside})" + (f" sgn(dq_{self.joint + 1})" if self.directed else "")
+        turn = "" if self.direction is None else f" sgn(dq_{self.direction + 1})"
+        return f"f({inside}){turn}"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -88,17 +89,19 @@ class FreeForm(Effect):
         count = int(np.prod([c.pieces + DEGREE for c in self.coordinates]))
         if self.mixing is not None:
             count = self.mixing.shape[1]
-        tag = "_".join(c.name for c in self.coordinates) + ("_s" if self.directed else "")
+        tag = "_".join(c.name for c in self.coordinates)
+        if self.direction is not None:
+            tag += f"_s{self.direction + 1}"
         return tuple(
             Parameter(f"f_{self.joint + 1}[{tag}]_{k}", "N m", self.joint) for k in range(count)
         )
 
     @property
     def depends_on(self) -> tuple[str, ...]:
-        """Names of the coordinates, the joint's velocity among them if directed."""
+        """Names of the coordinates, the directing joint's velocity among them."""
         names = [c.name for c in self.coordinates]
-        own = f"dq_{self.joint + 1}"
-        return tuple(names + ([own] if self.directed and own not in names else []))
+        turn = [] if self.direction is None else [f"dq_{self.direction + 1}"]
+        return tuple(names + [name for name in turn if name not in names])
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Products of the coordinates' B-splines."""
@@ -106,8 +109,8 @@ class FreeForm(Effect):
         for coordinate in self.coordinates[1:]:
             other = coordinate.basis(coordinate.values(state))
             product = (product[:, :, None] * other[:, None, :]).reshape(len(product), -1)
-        if self.directed:
-            product = product * np.asarray(state.sign(state.dq[self.joint]))[:, None]
+        if self.direction is not None:
+            product = product * np.asarray(state.sign(state.dq[self.direction]))[:, None]
         if self.mixing is not None:
             product = product @ self.mixing
         return [{self.joint: product[:, k]} for k in range(product.shape[1])]

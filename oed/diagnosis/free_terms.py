@@ -10,6 +10,7 @@ from oed.diagnosis.free_form import Coordinate, FreeForm
 from oed.diagnosis.prepare import Prepared
 
 PIECES_ALONE = 8
+PIECES_FINE = 36  # what repeats along a turn: teeth, poles, balls
 PIECES_TOGETHER = 4
 # Range between these quantiles: a spline's end piece needs data, not one outlying sample.
 QUANTILES = (0.002, 0.998)
@@ -36,7 +37,11 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
     for j in range(joints):
         for i in range(joints):
             terms += [FreeForm(j, (coordinate(prepared, kind, i),)) for kind in ("q", "dq")]
-            terms.append(FreeForm(j, (coordinate(prepared, "q", i),), directed=True))
+            # Friction of this joint that varies, and what another joint drags along.
+            own = {i, j}
+            terms += [FreeForm(j, (coordinate(prepared, "q", i),), direction=k) for k in own]
+        fine = coordinate(prepared, "q", j, PIECES_FINE)
+        terms += [FreeForm(j, (fine,)), FreeForm(j, (fine,), direction=j)]
         terms.append(FreeForm(j, (coordinate(prepared, "ddq", j),)))
         terms.append(FreeForm(j, (coordinate(prepared, "time", 0),)))
     return tuple(terms)

@@ -60,7 +60,7 @@ def judge(
 ) -> Accepted | None:
     """All tests in the order of their cost; the first that fails is the reason given."""
     others = [a.trial for a in accepted]
-    reason = _too_little(shop, candidate, accepted) or _implausible(shop, candidate)
+    reason = too_little(shop, candidate, accepted) or _implausible(shop, candidate)
     p_value = 1.0
     if reason is None:
         p_value = _p_value(shop, candidate, others, pool)
@@ -73,7 +73,7 @@ def judge(
     return Accepted(candidate.trial, candidate.gain, p_value, stands_in=fault is None)
 
 
-def _too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> str | None:
+def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> str | None:
     """Why a candidate only wipes up what an earlier addition left; None if it does more."""
     for earlier in accepted:
         if not set(earlier.trial.group) & set(candidate.trial.group):

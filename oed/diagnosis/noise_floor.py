@@ -113,12 +113,12 @@ def floor_from_free_form(
     deviation = _deviation(residuals, trusted, freedom)
     noise = tuple(Autoregression(np.ones(1), max(float(d), 1e-9)) for d in deviation)
     dilution = np.array(
-        [_correlated_rows([r[:, j] for r in residuals]) for j in range(len(deviation))]
+        [correlated_rows([r[:, j] for r in residuals]) for j in range(len(deviation))]
     )
     return NoiseFloor("free-form fit", noise, deviation, dilution)
 
 
-def _correlated_rows(series: Sequence[Float[ndarray, " _"]]) -> float:
+def correlated_rows(series: Sequence[Float[ndarray, " _"]]) -> float:
     """1 + 2 sum of the autocorrelation up to its first zero."""
     power = sum(float(x @ x) for x in series)
     total = 1.0

@@ -10,6 +10,7 @@ explained would tell (the hard-threshold form of a ridge, Hoerl and Kennard 1970
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -17,15 +18,18 @@ from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.linear_fit import LinearFit, gram_and_moment
 from oed.diagnosis.trials import Trial
 
-KNOWN = 3.0  # standard deviations that a function of the residual's size must measure
+# Standard deviations that a function of the residual's size must measure, from what noise alone
+# asks for to what a motion that leaves much of the range unvisited does.
+KNOWN = (2.0, 6.0, 20.0, 60.0)
 
 
-def restrained(trial: Trial, fit: LinearFit) -> Trial | None:
-    """The term with its determined combinations alone; None if there are none.
+def restrained(trial: Trial, fit: LinearFit, size: float) -> Iterator[Trial]:
+    """The term with its determined combinations alone, ever fewer of them.
 
     Args:
         trial: A free-form term, its group on the rows of the fit.
         fit: Of the model before it.
+        size: Of what is to be explained [N m].
 
     Raises:
         TypeError: If the trial is no free-form term.
@@ -33,18 +37,14 @@ def restrained(trial: Trial, fit: LinearFit) -> Trial | None:
     effect = trial.effect
     if not isinstance(effect, FreeForm):
         raise TypeError(f"{trial.name} is no free-form term")
-    joint = effect.joint
-    noise, scale = fit.rows.noise[joint], fit.rows.scales[0]
-    weight = max(float(np.sum(fit.rows.weights[:, joint] ** 2)), 1.0)
-    white = np.sqrt(np.sum(fit.residual[joint] ** 2) / weight)
-    size = white * noise.deviation * scale  # [N m], of the residual on these rows
     (gram, _), _ = gram_and_moment(fit.projection, fit.residual, trial.group)
     values, vectors = np.linalg.eigh(gram)
-    kept = values * size**2 > KNOWN**2
-    if not kept.any():
-        return None
-    mixing = vectors[:, kept]
-    group = {joint: block @ mixing for joint, block in trial.group.items()}
-    return dataclasses.replace(
-        trial, effect=dataclasses.replace(effect, mixing=mixing), group=group
-    )
+    for known in KNOWN:
+        kept = values * size**2 > known**2
+        if not kept.any():
+            return
+        mixing = vectors[:, kept]
+        group = {joint: block @ mixing for joint, block in trial.group.items()}
+        yield dataclasses.replace(
+            trial, effect=dataclasses.replace(effect, mixing=mixing), group=group
+        )

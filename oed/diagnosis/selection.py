@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from oed.diagnosis.judgement import Accepted, Refused, held_out_fault, judge, refusal
+from oed.diagnosis.judgement import Accepted, Refused, held_out_fault, judge, refusal, too_little
 from oed.diagnosis.restraint import restrained
 from oed.diagnosis.scan import (
     Score,
@@ -22,6 +22,7 @@ from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
+COVERED = 0.3  # share of a gain that is left where a free-form term explains the rest
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
 
@@ -118,7 +119,7 @@ def _next_physical(
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= 0:
             break
-        better = _outdone_by(shop, candidate, rivals)
+        better = _outdone_by(shop, candidate, rivals, others)
         if better is not None:
             reason = (
                 f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
@@ -140,31 +141,41 @@ def _next_free_form(
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= shop.settings.free_form_margin:
             break
-        layout = shop.layout(candidate.trial)
-        fit = shop.fit(others, layout).fit
-        trial = restrained(candidate.trial, fit)
-        if trial is None:
-            continue
-        sure = score(trial, fit.projection, fit.residual)
-        passed = judge(shop, sure, accepted, pool, refused)
+        passed = judge(shop, candidate, accepted, pool, refused)
         if passed is not None:
-            return passed
+            return _standing_in(shop, passed, others)
     return None
 
 
-def _outdone_by(shop: Workshop, candidate: Score, rivals: list[Score]) -> Score | None:
-    """A free-form term of the same joint that is better by far, and explains far more."""
+def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:
+    """A free-form term as far as the data determine it, part of the model if it then predicts."""
+    found = shop.fit(others, shop.layout(item.trial))
+    for trial in restrained(item.trial, found.fit, shop.size_of_residual(found, item.trial.joint)):
+        if held_out_fault(shop, others, trial) is None:
+            return dataclasses.replace(item, trial=trial, stands_in=True)
+    return dataclasses.replace(item, stands_in=False)
+
+
+def _outdone_by(
+    shop: Workshop, candidate: Score, rivals: list[Score], others: Sequence[Trial]
+) -> Score | None:
+    """A free-form term that is better by far, and leaves little for the candidate to explain."""
     rows = shop.full.rows.count
     for rival in rivals:
-        if candidate.trial.joint not in (None, rival.trial.joint):
+        if rival.evidence(rows) - candidate.evidence(rows) < shop.settings.free_form_margin:
+            break
+        if candidate.gain > shop.settings.family_share * rival.gain:
             continue
-        margin = rival.evidence(rows) - candidate.evidence(rows)
-        if (
-            margin > shop.settings.free_form_margin
-            and candidate.gain < shop.settings.family_share * rival.gain
-        ):
+        if candidate.trial.joint == rival.trial.joint or _covered(shop, candidate, rival, others):
             return rival
     return None
+
+
+def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Trial]) -> bool:
+    """Whether most of a candidate's gain is gone beside a term of another joint."""
+    layout = shop.layout(candidate.trial)
+    fit = shop.fit([*others, rival.trial], layout).fit
+    return score(candidate.trial, fit.projection, fit.residual).gain < COVERED * candidate.gain
 
 
 def _settle(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
@@ -174,8 +185,8 @@ def _settle(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
         shop.update_context(shop.fit(trials, shop.layout_for(trials)))
         changed = False
         for k in range(len(accepted)):
-            others = [a.trial for i, a in enumerate(accepted) if i != k]
-            best = _best_in_place(shop, accepted[k], others)
+            rest = [a for i, a in enumerate(accepted) if i != k]
+            best = _best_in_place(shop, accepted[k], rest)
             changed |= best.trial.key != accepted[k].trial.key
             accepted = [*accepted[:k], best, *accepted[k + 1 :]]
         if not changed:
@@ -198,8 +209,9 @@ def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
     return best
 
 
-def _best_in_place(shop: Workshop, current: Accepted, others: list[Trial]) -> Accepted:
+def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> Accepted:
     """The addition with its shape refined, or a better one for its place."""
+    others = [a.trial for a in rest]
     rows = shop.full.rows.count
     layout = shop.layout(current.trial)
     fit = shop.fit(others, layout).fit
@@ -215,7 +227,9 @@ def _best_in_place(shop: Workshop, current: Accepted, others: list[Trial]) -> Ac
         entry = CATALOGUE[rival.trial.name]
         trial = rival.trial
         if (
-            entry.plausible(shop.context, trial.target, trial.values, rival.coefficients) is None
+            too_little(shop, rival, rest) is None
+            and entry.plausible(shop.context, trial.target, trial.values, rival.coefficients)
+            is None
             and held_out_fault(shop, others, trial) is None
         ):
             return Accepted(trial, rival.gain, current.p_value)

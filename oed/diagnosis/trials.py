@@ -152,7 +152,7 @@ def free_form_trials(
     blocks: dict[tuple[object, ...], list[Float[ndarray, "_ columns"]]] = {}
     trials = []
     for term in terms:
-        key = (term.coordinates, term.joint if term.directed else None)
+        key = (term.coordinates, term.direction)
         if key not in blocks:
             width = WIDTH_PER_SIGMA * float(rows.prepared[0].sign_noise[term.joint])
             blocks[key] = [
@@ -167,7 +167,7 @@ def _free_form_block(
     term: FreeForm, prepared: Prepared, width: float, *, contrast: bool
 ) -> Float[ndarray, "_ columns"]:
     """A term in the analysis band; a smooth one is slow enough to be sampled as it is."""
-    if term.directed or contrast:
+    if term.direction is not None or contrast:
         motion = prepared.mean_motion if contrast else prepared.motion
         fine = effect_columns(term, motion, width)[term.joint]
         return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)

@@ -12,7 +12,7 @@ from numpy import ndarray
 from oed.diagnosis.baseline import Baseline
 from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.free_terms import terms_alone, terms_together
-from oed.diagnosis.predict import base_columns, prediction_errors, rms
+from oed.diagnosis.predict import addition_torque, base_columns, prediction_errors, rms
 from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.repeat_mean import mean_of_repetitions
 from oed.diagnosis.settings import DiagnosisSettings
@@ -21,6 +21,7 @@ from oed.diagnosis.trials import Trial, catalogue_trial, context_of, free_form_t
 from oed.diagnosis.workbench import Augmented, Layout, added_columns, fit_with, lay_out, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 
+QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew
 WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made anew
 
 
@@ -50,10 +51,10 @@ class Workshop:
         self._validation_weights = baseline.certainty(validation)
 
     def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
-        """The tables anew, with signs that turn as they fit best beside these additions.
+        """The tables anew, with signs and a noise floor read off beside these additions.
 
-        None where no joint's width changes enough to matter. What the first fit could not
-        explain may have passed for a sign that turns slowly.
+        None where neither changes enough to matter. What the first fit could not explain may
+        have passed for a sign that turns slowly, and without repetitions for noise.
         """
         layout = self.mean
         found = self.fit(chosen, layout)
@@ -63,10 +64,21 @@ class Workshop:
             layout.rows,
             added_columns(found, layout, self.context),
         )
+        known = [
+            sum(
+                (
+                    addition_torque(t, c, p)
+                    for t, c in zip(found.chosen, found.coefficients, strict=True)
+                ),
+                np.zeros_like(p.torque),
+            )
+            for p in self.estimation
+        ]
+        baseline = self.baseline.with_model(model, self.estimation, known)
         pairs = zip(widths_of(model), widths_of(self.baseline.model), strict=True)
-        if all(max(a, b) < WIDER * max(min(a, b), 1e-12) for a, b in pairs):
+        quieter = baseline.floor.deviation < QUIETER * self.baseline.floor.deviation
+        if not quieter.any() and all(max(a, b) < WIDER * max(min(a, b), 1e-12) for a, b in pairs):
             return None
-        baseline = self.baseline.with_model(model, self.estimation)
         return Workshop(baseline, self.estimation, self.validation, self.settings, self.gear_ratio)
 
     def layout(self, trial: Trial) -> Layout:
@@ -101,6 +113,15 @@ class Workshop:
             return None
         errors = prediction_errors(found, self.validation, self._validation_columns)
         return rms(errors, self._validation_weights)
+
+    def size_of_residual(self, found: Augmented, joint: int) -> float:
+        """Root mean square of what a fit leaves of a joint's torque beyond noise [N m]."""
+        recordings = self.mean.rows.prepared
+        columns = base_columns(found.fit, recordings)
+        errors = prediction_errors(found, recordings, columns)
+        left = rms(errors, self.baseline.certainty(recordings))[joint]
+        noise = self.baseline.floor.deviation[joint] * min(self.mean.rows.scales)
+        return float(np.sqrt(max(left**2 - noise**2, noise**2)))
 
     @cached_property
     def physical(self) -> tuple[Trial, ...]:

@@ -145,7 +145,7 @@ def _spring_plausible(
 
 JOINT_SPRING = CatalogueEntry(
     name="joint_spring",
-    families=("position",),
+    families=("position", "even in speed"),
     scope="joint",
     shapes=(),
     build=_spring,
