@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from oed.diagnosis.held_out import cross_validate
-from oed.diagnosis.scan import Score, family_p_value, inflation_of, surrogate_surprise
+from oed.diagnosis.scan import Score, family_p_value, inflation_of, score, surrogate_surprise
 from oed.diagnosis.trials import Trial
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
+COVERED = 0.3  # share of a gain that is left where another term explains the rest
 WORSE = 1.02  # largest ratio by which a joint's held-out error may rise while the sum falls
 
 
@@ -83,14 +84,42 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
             return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
+        if share < shop.settings.mending_share:
+            mend = _mended_by(shop, candidate, earlier, [a.trial for a in accepted])
+            if mend is not None:
+                return f"{mend} would mend the formula of {earlier.trial.name} as well"
     others = [a.trial for a in accepted]
     residual = shop.fit(others, shop.layout(candidate.trial)).fit.residual
     share = candidate.gain / float(np.sum(residual[list(candidate.trial.group)] ** 2))
-    return (
-        f"removes {share:.2%} of the residual's variance"
-        if share < shop.settings.least_share
-        else None
-    )
+    if share < shop.settings.least_share:
+        return f"removes {share:.2%} of the residual's variance"
+    return None
+
+
+def _mended_by(
+    shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
+) -> str | None:
+    """A free-form term of an earlier effect's own coordinates that covers a candidate."""
+    if earlier.trial.is_free_form or candidate.trial.is_free_form:
+        return None
+    layout = shop.layout(candidate.trial)
+    for mend in shop.smooth:
+        effect = mend.effect
+        if (
+            mend.joint == earlier.trial.joint
+            and not mend.between_repetitions
+            and within(effect.depends_on, earlier.trial)
+        ):
+            fit = shop.fit([*others, mend], layout).fit
+            left = score(candidate.trial, fit.projection, fit.residual).gain
+            if left < COVERED * candidate.gain:
+                return str(mend.key[0])
+    return None
+
+
+def within(coordinates: Sequence[str], trial: Trial) -> bool:
+    """Whether an effect depends on all of these coordinates."""
+    return not trial.is_free_form and set(coordinates) <= set(trial.effect.depends_on)
 
 
 def _implausible(shop: Workshop, candidate: Score) -> str | None:

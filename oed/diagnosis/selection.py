@@ -9,7 +9,16 @@ from itertools import combinations
 
 import numpy as np
 
-from oed.diagnosis.judgement import Accepted, Refused, held_out_fault, judge, refusal, too_little
+from oed.diagnosis.judgement import (
+    COVERED,
+    Accepted,
+    Refused,
+    held_out_fault,
+    judge,
+    refusal,
+    too_little,
+    within,
+)
 from oed.diagnosis.restraint import restrained
 from oed.diagnosis.scan import (
     Score,
@@ -22,7 +31,7 @@ from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
-COVERED = 0.3  # share of a gain that is left where a free-form term explains the rest
+CLEAR = 1.7  # mean square of the white residual beyond which something is clearly missing
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
 
@@ -66,6 +75,7 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
             break
         accepted.append(pick)
     accepted = _review_names(shop, accepted, refused)
+    accepted = _drop_weak(shop, accepted, refused)
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))
@@ -164,7 +174,9 @@ def _outdone_by(
     for rival in rivals:
         if rival.evidence(rows) - candidate.evidence(rows) < shop.settings.free_form_margin:
             break
-        if candidate.gain > shop.settings.family_share * rival.gain:
+        own = within(rival.trial.effect.depends_on, candidate.trial)
+        share = shop.settings.own_family_share if own else shop.settings.family_share
+        if candidate.gain > share * rival.gain:
             continue
         if candidate.trial.joint == rival.trial.joint or _covered(shop, candidate, rival, others):
             return rival
@@ -256,13 +268,40 @@ def _review_names(
             without_free = shop.fit([*bare, item.trial], layout).fit.squares
             without_both = shop.fit(bare, layout).fit.squares
             without_name = shop.fit(rest, layout).fit.squares
+            own = any(
+                within(a.trial.effect.depends_on, item.trial)
+                for a in free
+                if a.trial.joint == joint
+            )
+            share = shop.settings.own_family_share if own else shop.settings.family_share
             together = without_both - whole
             alone = without_both - without_free
             needed = without_name - whole
-            if alone < shop.settings.family_share * together and needed < (
+            if alone < share * together and needed < (
                 0.1 * together + shop.settings.free_form_margin
             ):
                 kept = [a for a in kept if a is not item]
                 reason = f"free form explains its part: {alone / together:.0%} of what both do"
                 refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
+    return kept
+
+
+def _drop_weak(shop: Workshop, accepted: list[Accepted], refused: list[Refused]) -> list[Accepted]:
+    """Drop names that explain less of their joints than what stays unexplained there.
+
+    Beside something large that nobody knows, a small gain may be its shadow.
+    """
+    trials = [a.trial for a in accepted if a.stands_in]
+    kept = []
+    for item in accepted:
+        rows = shop.layout(item.trial)
+        residual = shop.fit(trials, rows).fit.residual[list(item.trial.group)]
+        noise = rows.rows.weights[:, list(item.trial.group)] ** 2
+        left = float(np.sum(residual**2) - np.sum(noise))
+        clear = np.sum(residual**2) > CLEAR * np.sum(noise)
+        if item.trial.is_free_form or not clear or item.gain > left:
+            kept.append(item)
+            continue
+        reason = f"explains less than what stays unexplained: {item.gain / left:.0%} of it"
+        refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
     return kept

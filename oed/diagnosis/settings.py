@@ -20,6 +20,10 @@ class DiagnosisSettings:
         decisive: Difference in -2 log likelihood that separates two rivals.
         free_form_margin: By how much a free-form term must beat the physical ones (BIC).
         family_share: Share of a free-form term's gain that a named effect must reach.
+        mending_share: Gain of an addition over an earlier one's up to which it counts as mending
+            that one's formula, if a free-form term of the same coordinate would do as well.
+        own_family_share: As `family_share`, for a free-form term of nothing but the named
+            effect's own coordinate: the catalogue is then sure to hold the physics.
         floor_ratio: Residual over noise floor up to which a model counts as complete.
         lowest_cutoff: Of the analysis band [Hz].
         highest_cutoff: Of the analysis band [Hz].
@@ -38,6 +42,8 @@ class DiagnosisSettings:
     decisive: float = 6.0
     free_form_margin: float = 10.0
     family_share: float = 0.85
+    own_family_share: float = 0.6
+    mending_share: float = 0.25
     floor_ratio: float = 1.15
     lowest_cutoff: float = 8.0
     highest_cutoff: float = 30.0

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from oed.diagnosis.free_form import FreeForm
-from oed.diagnosis.judgement import Accepted, held_out_fault
+from oed.diagnosis.judgement import Accepted, held_out_fault, within
 from oed.diagnosis.lack_of_fit import LackOfFit
 from oed.diagnosis.noise_floor import NoiseSource
 from oed.diagnosis.scan import Score, score
@@ -153,7 +153,7 @@ def decide(
 ) -> Outcome:
     """The verdict in the interface's words.
 
-    A lack of fit that no term locates counts only where it is clear: a floor that was not
+    A free-form term that mends the formula of a named effect is no riddle. A lack of fit that no term locates counts only where it is clear: a floor that was not
     read off repetitions is itself uncertain by some tenths.
     """
     if any(r.contender and r.evidence < settings.decisive for e in effects for r in e.rivals):
@@ -161,9 +161,15 @@ def decide(
     limit = settings.floor_ratio if effects else CLEAR_LACK[source]
     limit = max(limit, CLEAR_LACK[source]) if source != "repetitions" else limit
     significant = (left.p_value < settings.level) & (left.ratio > limit)
-    if unexplained or np.any(significant):
+    strange = [u for u in unexplained if not any(_mends(u, e) for e in effects)]
+    if strange or np.any(significant):
         return "unexplained"
     return "explained" if effects else "nothing found"
+
+
+def _mends(term: Unexplained, effect: FoundEffect) -> bool:
+    """Whether a free-form term depends on nothing that the effect does not."""
+    return term.joint == effect.joint and within(term.depends_on, effect.trial)
 
 
 def _inflation(found: Augmented) -> float:

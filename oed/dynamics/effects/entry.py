@@ -20,6 +20,8 @@ from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.torque_model import TorqueModel
 
+# Share of the samples up to which speed and torque count: beyond lie starts and gaps of the log.
+HIGHEST = 0.995
 WITHIN_WRIST = 2  # joints apart: drives that share a gear lie in one wrist
 # What an effect is attached to: a joint, a joint and another one, or the whole arm (None).
 Target = int | tuple[int, int] | None
@@ -90,8 +92,8 @@ class Context:
         parameters: (p,) its current estimate; base parameters with the rest zero will do.
         duration: Of the longest recording [s].
         position_range: (n, 2) least and largest position [rad].
-        top_speed: (n,) largest speed [rad/s].
-        peak_torque: (n,) largest predicted torque [N m].
+        top_speed: (n,) largest speed, but for a few samples [rad/s].
+        peak_torque: (n,) largest predicted torque, but for a few samples [N m].
         gear_ratio: Motor turns a joint turn, None where unknown.
         session: First and last time of recordings that one clock timed, one after another [s];
             None for a single recording, or if every one starts its own clock.
@@ -118,15 +120,15 @@ class Context:
         if not motions:
             raise ValueError("a context needs at least one motion to say what is covered")
         reference = ReferenceTorque.of(model.robot, model.effects, parameters)
-        q = np.concatenate([motion.q for motion in motions])
+        q, dq = (np.concatenate([getattr(m, x) for m in motions]) for x in ("q", "dq"))
         torque = np.concatenate([reference.parts(motion).sum(axis=2) for motion in motions])
         return cls(
             model=model,
             parameters=parameters,
             duration=float(max(motion.t[-1] - motion.t[0] for motion in motions)),
             position_range=np.stack([q.min(axis=0), q.max(axis=0)], axis=1),
-            top_speed=np.max([np.abs(motion.dq).max(axis=0) for motion in motions], axis=0),
-            peak_torque=np.abs(torque).max(axis=0),
+            top_speed=np.quantile(np.abs(dq), HIGHEST, axis=0),
+            peak_torque=np.quantile(np.abs(torque), HIGHEST, axis=0),
             gear_ratio=gear_ratio,
             session=_session(motions),
         )

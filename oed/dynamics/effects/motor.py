@@ -90,10 +90,11 @@ class MotorCoupling(Effect):
 
 @dataclass(frozen=True)
 class CrossCoupling(Effect):
-    """I_x ddq_i + F_xv dq_i + F_xc sgn(dq_i) on joint j: terms of one joint in another's row.
+    """I_x ddq_i + F_xv dq_i + F_xc sgn(dq_i) on joint j, and I_x ddq_j on joint i.
 
-    The one-way form of `MotorCoupling`, for a drive whose torque is recorded on joint j but
-    that also turns when joint i does (Janot, Vandanjon and Gautier 2014, the TX40's wrist).
+    For a drive whose friction is recorded on joint j but that also turns when joint i does
+    (Janot, Vandanjon and Gautier 2014, the TX40's wrist). Its inertia couples both joints
+    alike, since their kinetic energy has one product I_x dq_i dq_j.
 
     Attributes:
         joint: j, whose torque it is.
@@ -119,10 +120,13 @@ class CrossCoupling(Effect):
 
     @property
     def depends_on(self) -> tuple[str, ...]:
-        """Velocity and acceleration of the other joint."""
-        return tuple(f"{x}_{self.other + 1}" for x in ("dq", "ddq"))
+        """Velocity of the other joint, accelerations of both."""
+        j, i = self.joint + 1, self.other + 1
+        return (f"dq_{i}", f"ddq_{i}", f"ddq_{j}")
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """ddq_i, dq_i and sgn(dq_i) on joint j."""
-        dq, ddq = state.dq[self.other], state.ddq[self.other]
-        return [{self.joint: x} for x in (ddq, dq, state.sign(dq, self.width))]
+        """ddq_i, dq_i and sgn(dq_i) on joint j, and ddq_j on joint i."""
+        j, i = self.joint, self.other
+        speed = state.dq[i]
+        inertia = {j: state.ddq[i], i: state.ddq[j]}
+        return [inertia, {j: speed}, {j: state.sign(speed, self.width)}]

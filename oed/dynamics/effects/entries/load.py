@@ -72,12 +72,7 @@ def _saturation_plausible(
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
     lost, peak = float(estimates[0]), float(context.peak_torque[joint_of(target)])
-    return first_reason(
-        [
-            positive(lost, "the torque lost at the peak", "N m"),
-            at_most(lost, 0.6 * peak, "the torque lost at the peak", "N m", "0.6 of the peak"),
-        ]
-    )
+    return at_most(abs(lost), 0.6 * peak, "the change at the peak", "N m", "0.6 of the peak")
 
 
 TORQUE_SATURATION = CatalogueEntry(
@@ -91,9 +86,10 @@ TORQUE_SATURATION = CatalogueEntry(
         equation="-τ_s |τ/τ_peak|^m sgn τ",
         source="Hendershot and Miller 2010, Design of Brushless Permanent-Magnet Machines, "
         "section 5",
-        parameters="τ_s > 0, the torque lost at the peak in N m, 3 to 15 % of it; m 2 to 7, "
-        "3 for iron that begins to saturate",
-        signature="recorded torque bends below the model's at high torque of both signs",
+        parameters="τ_s in N m, 3 to 15 % of the peak: lost there if positive, such as by a sensor "
+        "or a drive that limits, and added if negative, by a current that rises as iron "
+        "saturates; m 2 to 7, 3 for iron that begins to",
+        signature="recorded torque bends away from the model's at high torque of both signs",
         confused_with=("load_dependent_friction", "torque_gain", "nonlinear_viscous"),
         exposed_by="peaks of both signs, at speed and near rest",
     ),

@@ -88,7 +88,7 @@ MOTOR_COUPLING = CatalogueEntry(
     equivalent=("the pair in the other order, for ratios of 1 and -1",),
     page=EffectPage(
         equation="r_j (I_a u' + F_v u + F_c sgn u), u = dq_j + r dq_i, on both joints; at r = 0: "
-        "I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j alone",
+        "I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j, I_x ddq_j on joint i",
         source="Janot, Vandanjon, Gautier 2014, IEEE Trans. Control Systems Technology 22(1), "
         "132-145 (wrist of the Stäubli TX40)",
         parameters="inertia in kg m², viscous in N m s/rad and Coulomb friction in N m of the "
