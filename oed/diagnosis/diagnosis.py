@@ -118,7 +118,7 @@ def diagnose(
     say(f"noise from {baseline.floor.source}: {np.round(baseline.floor.deviation, 4)} N m")
     ratio = dataset.drive.gear_ratio
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
-    shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio)
+    shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
     shop, selection = search(shop)
     say(f"{len(selection.accepted)} additions, {len(selection.refused)} candidates refused")
     steps = encoder_steps(dataset.estimation)
@@ -134,7 +134,7 @@ def _conclude(
 ) -> Diagnosis:
     baseline = shop.baseline
     layout = shop.layout_for(selection.trials)
-    before = fit_final(baseline, layout, baseline.model)
+    before = fit_final(shop.declared, layout, shop.declared.model)
     selection, after = _never_worse(shop, selection, by_role["validation"], before)
     effects = describe_effects(shop, selection)
     unexplained = describe_unexplained(shop, selection)

@@ -27,6 +27,8 @@ from oed.diagnosis.scan import (
     score,
 )
 from oed.diagnosis.trials import Trial
+from oed.diagnosis.turning import NAME as GRAVITY
+from oed.diagnosis.turning import accepted_tilt, far_turned, turned
 from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -59,12 +61,19 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
     """Add, exchange and drop until nothing passes all tests; the tables may be made anew."""
     accepted: list[Accepted] = []
     refused: list[Refused] = []
-    while len(accepted) < shop.settings.max_effects:
+    declared, tilt_p_value = shop, 0.0
+    shop = far_turned(shop) or shop
+    while len(accepted) + shop.is_turned < shop.settings.max_effects:
         pick = _next_physical(shop, accepted, refused)
         if pick is None:
             break
-        accepted.append(pick)
-        accepted = _settle(shop, accepted)
+        if pick.trial.name == GRAVITY:
+            shop, tilt_p_value = turned(shop, [a.trial for a in accepted]), pick.p_value
+            if not shop.is_turned:
+                break
+        else:
+            accepted.append(pick)
+        accepted = _settle(shop, [_at_home(shop, a) for a in accepted])
         sharper = shop.sharpened([a.trial for a in accepted])
         if sharper is not None:
             shop = sharper
@@ -75,7 +84,12 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
             break
         accepted.append(pick)
     accepted = _review_names(shop, accepted, refused)
-    accepted = _drop_weak(shop, accepted, refused)
+    tilt = []
+    if shop.is_turned:
+        shop = turned(shop, [a.trial for a in accepted if a.stands_in])
+        accepted = [_at_home(shop, a) for a in accepted]
+        tilt = [accepted_tilt(shop, declared, tilt_p_value)]
+    accepted = [*tilt, *_drop_weak(shop, accepted, refused)]
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))
@@ -94,6 +108,8 @@ def ranked(
 ) -> list[Score]:
     """Refined candidates beside some additions, best evidence first."""
     keys = {t.key for t in others}
+    if shop.is_turned:
+        pool = [t for t in pool if t.name != GRAVITY]
     found: list[Score] = []
     for between in (False, True):
         layout = shop.full if between else shop.mean
@@ -287,21 +303,30 @@ def _review_names(
 
 
 def _drop_weak(shop: Workshop, accepted: list[Accepted], refused: list[Refused]) -> list[Accepted]:
-    """Drop names that explain less of their joints than what stays unexplained there.
+    """Drop names that the others have made superfluous, or that are shadows of the unknown.
 
-    Beside something large that nobody knows, a small gain may be its shadow.
+    Beside something large that nobody knows, a gain smaller than that may be its shadow.
     """
-    trials = [a.trial for a in accepted if a.stands_in]
-    kept = []
+    kept = list(accepted)
     for item in accepted:
-        rows = shop.layout(item.trial)
-        residual = shop.fit(trials, rows).fit.residual[list(item.trial.group)]
-        noise = rows.rows.weights[:, list(item.trial.group)] ** 2
-        left = float(np.sum(residual**2) - np.sum(noise))
-        clear = np.sum(residual**2) > CLEAR * np.sum(noise)
-        if item.trial.is_free_form or not clear or item.gain > left:
-            kept.append(item)
+        if item.trial.is_free_form:
             continue
-        reason = f"explains less than what stays unexplained: {item.gain / left:.0%} of it"
-        refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
+        layout = shop.layout_for([a.trial for a in kept])
+        part = list(item.trial.group)
+        whole, without = (
+            shop.fit([a.trial for a in kept if a.stands_in and a is not left_out], layout).fit
+            for left_out in (None, item)
+        )
+        needed = without.squares - whole.squares
+        residual = float(np.sum(whole.residual[part] ** 2))
+        noise = float(np.sum(layout.rows.weights[:, part] ** 2))
+        columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
+        reason = None
+        if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
+            reason = f"gains {needed:.3g} beside the other additions"
+        elif residual > CLEAR * noise and item.gain < residual - noise:
+            reason = f"explains {item.gain / (residual - noise):.0%} of what stays unexplained"
+        if reason is not None:
+            kept = [a for a in kept if a is not item]
+            refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
     return kept

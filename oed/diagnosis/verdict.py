@@ -17,9 +17,12 @@ from oed.diagnosis.selection import Selection, ranked
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.shape_axes import axis_slope
 from oed.diagnosis.trials import Trial
+from oed.diagnosis.turning import NAME as GRAVITY
+from oed.diagnosis.turning import total_tilt
 from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.gravity import tilt_directions
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 RIVALS = 5
@@ -119,7 +122,9 @@ def describe_effects(shop: Workshop, selection: Selection) -> tuple[FoundEffect,
             FoundEffect(
                 name=trial.name,
                 joint=trial.joint,
-                parameters=_estimates(shop, trial, coefficients, covariance * inflation),
+                parameters=_estimates(
+                    shop, trial, _from_declared(shop, trial, coefficients), covariance * inflation
+                ),
                 p_value=own.p_value,
                 validation_gain=_validation_gain(shop, selection, others, trial),
                 rivals=_rivals(shop, own, others),
@@ -176,6 +181,14 @@ def _inflation(found: Augmented) -> float:
     fit = found.fit
     freedom = float(np.sum(fit.rows.weights**2)) - fit.projection.rank
     return max(1.0, fit.squares / max(freedom, 1.0))
+
+
+def _from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np.ndarray:
+    """Coefficients, a tilt's counted from the declared gravity."""
+    if trial.name != GRAVITY or not shop.is_turned:
+        return coefficients
+    count = len(tilt_directions(shop.baseline.model.robot.gravity)[0])
+    return np.concatenate([total_tilt(shop, coefficients[:count]), coefficients[count:]])
 
 
 def _estimates(

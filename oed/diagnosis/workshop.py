@@ -37,9 +37,13 @@ class Workshop:
         estimation: tuple[Prepared, ...],
         validation: tuple[Prepared, ...],
         settings: DiagnosisSettings,
+        *,
         gear_ratio: tuple[float, ...] | None,
+        declared: Baseline | None = None,
     ) -> None:
         self.baseline, self.settings, self.gear_ratio = baseline, settings, gear_ratio
+        # With the gravity that the data set declares; the tables may have been turned.
+        self.declared = baseline if declared is None else declared
         self.full = lay_out(baseline, estimation, mean=False)
         repeated = any(mean_of_repetitions(p)[1] > 1 for p in estimation)
         self.mean = lay_out(baseline, estimation, mean=True) if repeated else self.full
@@ -79,7 +83,24 @@ class Workshop:
         quieter = baseline.floor.deviation < QUIETER * self.baseline.floor.deviation
         if not quieter.any() and all(max(a, b) < WIDER * max(min(a, b), 1e-12) for a, b in pairs):
             return None
-        return Workshop(baseline, self.estimation, self.validation, self.settings, self.gear_ratio)
+        return self.on(baseline)
+
+    def on(self, baseline: Baseline) -> Workshop:
+        """The tables of the same data on another baseline."""
+        same = baseline.model.robot.gravity is self.declared.model.robot.gravity
+        return Workshop(
+            baseline,
+            self.estimation,
+            self.validation,
+            self.settings,
+            gear_ratio=self.gear_ratio,
+            declared=baseline if same else self.declared,
+        )
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether gravity points elsewhere than declared."""
+        return self.baseline is not self.declared
 
     def layout(self, trial: Trial) -> Layout:
         """The rows on which a trial is judged."""

@@ -105,3 +105,19 @@ def tilted(
     if angle == 0.0:
         return gravity.copy()
     return np.cos(angle) * gravity + np.sin(angle) * magnitude * change / angle
+
+
+def tilt_between(
+    declared: Float[ndarray, "3"], actual: Float[ndarray, "3"]
+) -> Float[ndarray, " directions"]:
+    """The tilt along `tilt_directions` that turns one gravity into the other [rad].
+
+    The inverse of `tilted`, but for the magnitude of an actual gravity.
+    """
+    directions, magnitude = tilt_directions(declared)
+    axes = np.array(directions)
+    if len(axes) == 3:
+        return axes @ actual / magnitude
+    sideways = axes @ actual
+    angle = np.arctan2(np.linalg.norm(sideways), declared @ actual / magnitude)
+    return angle * sideways / max(float(np.linalg.norm(sideways)), 1e-300)

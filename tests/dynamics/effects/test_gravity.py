@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
-from oed.dynamics.effects.gravity import GravityDirection, tilt_directions, tilted
+from oed.dynamics.effects.gravity import (
+    GravityDirection,
+    tilt_between,
+    tilt_directions,
+    tilted,
+)
 from oed.dynamics.newton_euler import rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
 from tests.dynamics.effects.arms import context_of, panda, parameters_of, scara, smooth_motion
@@ -21,6 +26,12 @@ def test_directions_turn_gravity_and_do_not_stretch_it(gravity: tuple) -> None:
     turned = tilted(g, np.array([0.3, -0.4]))
     assert np.linalg.norm(turned) == pytest.approx(magnitude)
     assert np.arccos(turned @ g / magnitude**2) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("tilt", [(0.02, -0.01), (1.5, 0.3), (0.0, -3.0)])
+def test_the_tilt_between_two_gravities_is_the_one_that_turned_them(tilt: tuple) -> None:
+    declared = np.array([3.0, -4.0, 5.0])
+    assert tilt_between(declared, tilted(declared, np.array(tilt))) == pytest.approx(tilt)
 
 
 def test_columns_are_the_change_of_newton_euler_torque() -> None:
