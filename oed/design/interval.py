@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 from numpy import ndarray
 
 WIDENING = 4 * np.finfo(float).eps  # relative; no operation here errs by more than one unit
+Value = ndarray | np.floating  # operations on arrays without dimensions give a scalar
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +37,7 @@ class Interval:
         return self + (-_interval(other))
 
     def __neg__(self) -> Interval:
-        return Interval(-self.upper, -self.lower)
+        return _between(-self.upper, -self.lower)
 
     def __mul__(self, other: object) -> Interval:
         a = _interval(other)
@@ -53,6 +55,9 @@ class Interval:
             raise NotImplementedError("division by an interval that contains zero")
         return self * _widened(1 / a.upper, 1 / a.lower)
 
+    def __pow__(self, exponent: float) -> Interval:
+        return _power(self, _interval(exponent))
+
     def __radd__(self, other: object) -> Interval:
         return self + other
 
@@ -64,6 +69,12 @@ class Interval:
 
     def __rtruediv__(self, other: object) -> Interval:
         return _interval(other) / self
+
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        """An interval is neither an array of numbers nor on one side of a threshold."""
+        raise NotImplementedError("comparing or indexing an interval")
+
+    __lt__ = __le__ = __gt__ = __ge__ = __getitem__ = __array__ = _refuse
 
     def __array_ufunc__(
         self, ufunc: np.ufunc, method: str, *inputs: object, **_: object
@@ -81,9 +92,13 @@ def _interval(value: object) -> Interval:
     return Interval(number, number)
 
 
-def _widened(lower: ndarray, upper: ndarray) -> Interval:
+def _between(lower: Value, upper: Value) -> Interval:
+    return Interval(np.asarray(lower), np.asarray(upper))
+
+
+def _widened(lower: Value, upper: Value) -> Interval:
     slack = WIDENING * np.maximum(np.abs(lower), np.abs(upper))
-    return Interval(lower - slack, upper + slack)
+    return _between(lower - slack, upper + slack)
 
 
 def _increasing(function: Callable[[ndarray], ndarray]) -> Callable[[Interval], Interval]:
@@ -111,7 +126,24 @@ def _cos(a: Interval) -> Interval:
 def _abs(a: Interval) -> Interval:
     largest = np.maximum(np.abs(a.lower), np.abs(a.upper))
     smallest = np.maximum(np.maximum(a.lower, -a.upper), 0.0)
-    return Interval(smallest, largest)
+    return _between(smallest, largest)
+
+
+def _power(a: Interval, exponent: Interval) -> Interval:
+    """A constant power; a broken one of what rounding put below zero is that of zero."""
+    power = exponent.lower
+    if power.size != 1 or not np.array_equal(power, exponent.upper):
+        raise NotImplementedError("power of an interval with an exponent that varies")
+    e = float(power.reshape(-1)[0])
+    is_whole = e == np.round(e)
+    if is_whole and e % 2 == 0:
+        a = _abs(a)
+    elif not is_whole:
+        a = _between(np.maximum(a.lower, 0.0), np.maximum(a.upper, 0.0))
+    if e < 0 and np.any((a.lower <= 0) & (a.upper >= 0)):
+        raise NotImplementedError("negative power of an interval that contains zero")
+    ends = a.lower**e, a.upper**e
+    return _widened(np.minimum(*ends), np.maximum(*ends))
 
 
 OPERATIONS: dict[np.ufunc, Callable[..., Interval]] = {
@@ -120,10 +152,11 @@ OPERATIONS: dict[np.ufunc, Callable[..., Interval]] = {
     np.multiply: lambda a, b: a * b,
     np.divide: lambda a, b: a / b,
     np.negative: lambda a: -a,
+    np.power: _power,
     np.sin: _sin,
     np.cos: _cos,
     np.absolute: _abs,
     np.tanh: _increasing(np.tanh),
     np.exp: _increasing(np.exp),
-    np.sign: lambda a: Interval(np.sign(a.lower), np.sign(a.upper)),
+    np.sign: lambda a: _between(np.sign(a.lower), np.sign(a.upper)),
 }

@@ -171,8 +171,8 @@ class DesignProblem:
         """Proven bounds on the motion for all t, and on the nominal torque where limited.
 
         Raises:
-            NotImplementedError: If torque is limited and an effect of the model has no interval
-                version.
+            TorqueNotBounded: If torque is limited and an effect of the nominal model cannot be
+                evaluated on intervals.
         """
         torque = None
         if self.limits_torque:

@@ -7,6 +7,8 @@ Stretches that might hold an extremum are split until the bound is tight enough.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -14,13 +16,27 @@ from numpy import ndarray
 from oed.design.extrema import split_intervals
 from oed.design.interval import Interval
 from oed.design.trajectories import TrajectoryClass
-from oed.dynamics.effects import State
+from oed.dynamics.effects import Effect, State
 from oed.dynamics.motion import Motion
+from oed.dynamics.scalars import Scalar
 from oed.dynamics.torque_model import TorqueModel
+from oed.errors import OedError
 
 FIRST_INTERVALS = 2048
 LEVELS = 5  # of splitting in four; the bound is valid at every level
 TOLERANCE = 5e-3  # between proven and attained torque, of the joint's largest
+
+
+class TorqueNotBounded(OedError):
+    """No bound on the torque can be proven for a model.
+
+    Attributes:
+        effect: Name of the effect that stands in the way.
+    """
+
+    def __init__(self, message: str, effect: str) -> None:
+        super().__init__(message)
+        self.effect = effect
 
 
 def proven_torque_range(
@@ -38,8 +54,7 @@ def proven_torque_range(
         z: The motion.
 
     Raises:
-        NotImplementedError: If an effect of the model uses a function that has no interval
-            version.
+        TorqueNotBounded: If an effect of the model cannot be evaluated on intervals.
     """
     ends = np.asarray(trajectory.breakpoints)
     edges = np.union1d(np.linspace(0.0, trajectory.horizon, FIRST_INTERVALS + 1), ends)
@@ -67,18 +82,51 @@ def proven_torque_range(
     return proven.T.copy()
 
 
+def check_torque_bounded(model: TorqueModel, parameters: Float[ndarray, " parameters"]) -> None:
+    """Ask, before the work, whether `proven_torque_range` can bound a model's torque.
+
+    Raises:
+        TorqueNotBounded: If it cannot.
+    """
+    short = Interval(np.zeros(1), np.full(1, 1e-3))
+    signals = [[short] * model.robot.n for _ in range(3)]
+    _torque_on(model, parameters, State(short, *signals))
+
+
 def _torque_on(model: TorqueModel, parameters: ndarray, state: State) -> tuple[ndarray, ndarray]:
     """Lower and upper torque (N, n) of intervals of motion."""
     lower, upper = (np.zeros((len(state.t.lower), model.robot.n)) for _ in range(2))
-    columns = (entry for effect in model.effects for entry in effect.entries(state))
-    for parameter, by_joint in zip(parameters, columns, strict=True):
-        if parameter == 0.0:
+    first = 0
+    for effect in model.effects:
+        sizes = parameters[first : first + len(effect.parameters)]
+        first += len(effect.parameters)
+        if not np.any(sizes):
             continue
-        for joint, entry in by_joint.items():
-            torque = Interval(np.zeros(1), np.zeros(1)) + float(parameter) * entry
-            lower[:, joint] += torque.lower
-            upper[:, joint] += torque.upper
+        for parameter, by_joint in zip(sizes, _entries(effect, state), strict=True):
+            for joint, entry in by_joint.items():
+                torque = Interval(np.zeros(1), np.zeros(1)) + float(parameter) * entry
+                lower[:, joint] += torque.lower
+                upper[:, joint] += torque.upper
     return lower, upper
+
+
+def _entries(effect: Effect, state: State) -> Sequence[Mapping[int, Scalar]]:
+    if "time" in effect.depends_on:  # since the start of a recording, which a state has not
+        raise _not_bounded(effect, "it depends on time")
+    try:
+        return effect.entries(state)
+    # NotImplementedError where a function has no interval version, the others where an effect
+    # wants the history of a sampled motion.
+    except (NotImplementedError, ValueError, TypeError, AttributeError) as error:
+        raise _not_bounded(effect, str(error)) from error
+
+
+def _not_bounded(effect: Effect, reason: str) -> TorqueNotBounded:
+    return TorqueNotBounded(
+        f"the torque of {effect.name} cannot be bounded between instants ({reason}): leave it out "
+        "of the nominal model, or the torque limits out of the design",
+        effect.name,
+    )
 
 
 def _signal_on(
