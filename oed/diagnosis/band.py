@@ -76,7 +76,7 @@ class Band:
 
 
 def position_noise(
-    positions: Sequence[Float[ndarray, "samples joints"]], rate: float
+    positions: Sequence[Float[ndarray, "_ joints"]], rate: float
 ) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
     """Spectral density of encoder noise, and the frequency up to which motion exceeds it.
 
@@ -119,7 +119,7 @@ def position_noise(
 
 
 def choose_band(
-    positions: Sequence[Float[ndarray, "samples joints"]],
+    positions: Sequence[Float[ndarray, "_ joints"]],
     rate: float,
     lowest: float,
     highest: float,

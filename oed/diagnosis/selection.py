@@ -33,7 +33,6 @@ from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
-CLEAR = 1.7  # mean square of the white residual beyond which something is clearly missing
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
 
@@ -89,7 +88,7 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
         shop = turned(shop, [a.trial for a in accepted if a.stands_in])
         accepted = [_at_home(shop, a) for a in accepted]
         tilt = [accepted_tilt(shop, declared, tilt_p_value)]
-    accepted = [*tilt, *_drop_weak(shop, accepted, refused)]
+    accepted = [*tilt, *_drop_superfluous(shop, accepted, refused)]
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))
@@ -302,31 +301,23 @@ def _review_names(
     return kept
 
 
-def _drop_weak(shop: Workshop, accepted: list[Accepted], refused: list[Refused]) -> list[Accepted]:
-    """Drop names that the others have made superfluous, or that are shadows of the unknown.
-
-    Beside something large that nobody knows, a gain smaller than that may be its shadow.
-    """
+def _drop_superfluous(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+) -> list[Accepted]:
+    """Drop names that gain nothing beside the others."""
     kept = list(accepted)
     for item in accepted:
         if item.trial.is_free_form:
             continue
         layout = shop.layout_for([a.trial for a in kept])
-        part = list(item.trial.group)
         whole, without = (
             shop.fit([a.trial for a in kept if a.stands_in and a is not left_out], layout).fit
             for left_out in (None, item)
         )
         needed = without.squares - whole.squares
-        residual = float(np.sum(whole.residual[part] ** 2))
-        noise = float(np.sum(layout.rows.weights[:, part] ** 2))
         columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
-        reason = None
         if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
-            reason = f"gains {needed:.3g} beside the other additions"
-        elif residual > CLEAR * noise and item.gain < residual - noise:
-            reason = f"explains {item.gain / (residual - noise):.0%} of what stays unexplained"
-        if reason is not None:
             kept = [a for a in kept if a is not item]
+            reason = f"gains {needed:.3g} beside the other additions"
             refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
     return kept

@@ -29,6 +29,7 @@ FAR = np.deg2rad((30.0, 60.0, 90.0, 135.0, 180.0))  # tilts that are tried at on
 SETTLED = 1e-3  # [rad] of a step, after which the direction is taken for found
 MOST_STEPS = 8
 LARGEST_STEP = 0.5  # [rad]
+LEVEL = 1.001  # ratio of squares up to which two directions fit alike
 CLEARLY_BETTER = 0.5  # share of the squares that a far direction may leave
 
 
@@ -50,7 +51,7 @@ def far_turned(shop: Workshop) -> Workshop | None:
     best = min(squares, key=lambda tilt: squares[tilt])
     if squares[best] > CLEARLY_BETTER * shop.fit(()).fit.squares:
         return None
-    found = _settled(_rebuilt(shop, _turned(shop.baseline.model, np.array(best))), ())
+    found = _upright(_settled(_rebuilt(shop, _turned(shop.baseline.model, np.array(best))), ()))
     old, new = shop.validation_rms(shop.before), found.validation_rms(found.before)
     if old is not None and new is not None and np.mean((new / old) ** 2) >= 1:
         return None
@@ -88,6 +89,19 @@ def _settled(shop: Workshop, others: Sequence[Trial]) -> Workshop:
         step = step * min(1.0, LARGEST_STEP / length)
         shop = _rebuilt(shop, _turned(shop.baseline.model, step))
     return shop
+
+
+def _upright(shop: Workshop) -> Workshop:
+    """The smaller of two tilts that an arm in a plane cannot tell apart."""
+    declared = shop.declared.model.robot.gravity
+    here = shop.baseline.model.robot.gravity
+    up = declared / np.linalg.norm(declared)
+    if here @ up >= 0:
+        return shop
+    back = tilt_between(here, here - 2 * (here @ up) * up)
+    mirrored = _turned(shop.baseline.model, back)
+    same = _squares_under(shop, mirrored) < LEVEL * shop.before.fit.squares
+    return _rebuilt(shop, mirrored) if same else shop
 
 
 def _rebuilt(shop: Workshop, model: TorqueModel) -> Workshop:

@@ -27,7 +27,7 @@ from oed.dynamics.effects.gravity import tilt_directions
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 RIVALS = 5
 # Ratio of residual to floor above which a lack of fit without a located cause is stated.
-CLEAR_LACK = {"repetitions": 1.3, "free-form fit": 1.3}
+CLEAR_LACK = {"repetitions": 1.4, "free-form fit": 1.4}
 SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
 
 

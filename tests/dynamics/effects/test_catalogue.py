@@ -82,7 +82,7 @@ IMPOSSIBLE = {
     "rotor_inertia": [-0.1],
     "motor_coupling": [np.nan, 0.0, 0.0],
     "torque_gain": [0.9],
-    "torque_saturation": [-1.0],
+    "torque_saturation": [1e4],
     "time_delay": [-1.0],
     "filter_lag": [9.0],
     "joint_elasticity": [-0.5],
@@ -194,9 +194,9 @@ def test_usual_sizes_are_plausible_and_impossible_ones_are_not(
 def test_a_load_of_ten_arms_is_not_plausible(contexts: dict[str, Context]) -> None:
     context = contexts["vertical"]
     entry = CATALOGUE["payload_change"]
-    count = len(entry.build(context, None, (3.0,)).parameters)
-    assert entry.plausible(context, None, (3.0,), np.full(count, 1.0)) is None
-    reason = entry.plausible(context, None, (3.0,), np.full(count, 1e4))
+    count = len(entry.build(context, None, (3.0, 0.0)).parameters)
+    assert entry.plausible(context, None, (3.0, 0.0), np.full(count, 1.0)) is None
+    reason = entry.plausible(context, None, (3.0, 0.0), np.full(count, 1e4))
     assert reason is not None
     assert "mass" in reason
 

@@ -1,0 +1,100 @@
+"""What decides a diagnosis before any effect is tried: direction, gaps, floor, restraint."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.baseline import find_baseline
+from oed.diagnosis.prepare import prepare
+from oed.diagnosis.restraint import restrained
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.sign_width import widths_of
+from oed.diagnosis.workshop import Workshop
+from oed.dynamics.effects.catalogue import Context
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import COULOMB, data_set
+
+SETTINGS = DiagnosisSettings()
+
+
+def _baseline(dataset):
+    prepared = prepare(dataset.estimation, SETTINGS)
+    return find_baseline(TorqueModel.standard(dataset.robot), prepared), prepared
+
+
+def test_reads_off_how_sharply_friction_turns():
+    width = 0.03
+
+    def softer(q, dq, ddq):
+        return COULOMB * (np.tanh(dq / width) - np.sign(dq))
+
+    baseline, _ = _baseline(data_set(1, extra=softer))
+    # Joint 2 has a fifth of joint 1's noise.
+    assert widths_of(baseline.model) == pytest.approx([width, width], rel=0.3)
+    assert widths_of(baseline.model)[1] == pytest.approx(width, rel=0.1)
+
+
+def test_a_sharp_sign_stays_sharp():
+    baseline, prepared = _baseline(data_set(1))
+    assert max(widths_of(baseline.model)) < 3 * prepared[0].sign_noise.max()
+
+
+def test_a_gap_in_the_log_is_no_fast_motion():
+    dataset = data_set(2)
+    whole = prepare(dataset.estimation, SETTINGS)[0]
+    cut = tuple(_with_gaps(recording) for recording in dataset.estimation)
+    assert prepare(cut, SETTINGS)[0].band.cutoff == pytest.approx(whole.band.cutoff, rel=0.25)
+
+
+def _with_gaps(recording):
+    """The last fifth of every repetition left out."""
+    kept = np.mod(recording.t, recording.period) < 0.8 * recording.period
+    columns = {name: getattr(recording, name)[kept] for name in ("t", "q", "tau", "repetition")}
+    return dataclasses.replace(recording, **columns)
+
+
+def test_noise_floor_without_repetitions_is_the_noise_whatever_the_model_lacks():
+    def product(q, dq, ddq):
+        return np.stack([np.zeros(len(q)), 0.8 * q[:, 0] * dq[:, 1]], axis=1)
+
+    roles = ("estimation", "estimation", "validation", "test")
+    clean, _ = _baseline(data_set(3, repetitions=1, roles=roles))
+    lacking, prepared = _baseline(data_set(3, repetitions=1, roles=roles, extra=product))
+    ratio = lacking.floor.deviation / clean.floor.deviation
+    assert ratio == pytest.approx([1.0, 1.0], abs=0.15)
+    # And it is that of the white noise that was put in, within the band of the rows.
+    band = prepared[0].band
+    share = np.sqrt(np.sum(band.taps**2))
+    assert clean.floor.deviation == pytest.approx(np.array([0.5, 0.1]) * share, rel=0.12)
+
+
+def test_a_free_form_term_keeps_only_what_the_data_determine():
+    dataset = data_set(4)
+    prepared = prepare(dataset.recordings, SETTINGS)
+    estimation = tuple(p for p in prepared if p.role == "estimation")
+    baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
+    shop = Workshop(baseline, estimation, (), SETTINGS, gear_ratio=None)
+    term = next(t for t in shop.smooth if t.effect.label == "f(dq_1)" and t.joint == 0)
+    steps = list(restrained(term, shop.before.fit, size=1.0))
+    counts = [len(step.effect.parameters) for step in steps]
+    assert counts == sorted(counts, reverse=True)
+    # Constant friction, its sign and its slope are the model's own: never all functions.
+    assert 0 < counts[0] < len(term.effect.parameters)
+    for step in steps:
+        assert step.effect.mixing.T @ step.effect.mixing == pytest.approx(
+            np.eye(len(step.effect.parameters)), abs=1e-9
+        )
+    with pytest.raises(TypeError, match="free-form"):
+        next(restrained(shop.physical[0], shop.before.fit, size=1.0))
+
+
+def test_recordings_of_one_clock_make_a_session():
+    dataset = data_set(5)
+    model = TorqueModel.standard(dataset.robot)
+    parameters = np.ones(len(model.parameters))
+    motions = [p.motion for p in prepare(dataset.estimation, SETTINGS)]
+    assert Context.of(model, parameters, motions).session is None
+    later = dataclasses.replace(motions[1], t=motions[1].t + 100.0)
+    session = Context.of(model, parameters, [motions[0], later]).session
+    assert session == (motions[0].t[0], later.t[-1])

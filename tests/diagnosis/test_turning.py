@@ -1,0 +1,37 @@
+"""A base that is not level: the torque of its tilt is worked out here in closed form."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import INERTIA, data_set
+
+FIRST_LINK = 2.4  # [kg m] first moment of both links about the first axis, seen by no level arm
+
+
+@pytest.mark.parametrize("degrees", [3.0, 40.0])
+def test_a_tilted_base_is_named_with_its_angle(degrees):
+    tilt = np.deg2rad(degrees)
+
+    def weight(q, dq, ddq):
+        _, x, y, _ = INERTIA
+        both = q[:, 0] + q[:, 1]
+        # Gravity pulls along the base's x axis as well: -g sin(tilt) times the rate of change of
+        # each link's first moment along x.
+        along = 9.81 * np.sin(tilt)
+        elbow = along * (x * np.sin(both) + y * np.cos(both))
+        return np.stack([along * FIRST_LINK * np.sin(q[:, 0]) + elbow, elbow], axis=1)
+
+    dataset = data_set(11, extra=weight)
+    settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert [effect.name for effect in found.effects] == ["gravity_direction"]
+    values = {p.name: p for p in found.effects[0].parameters}
+    angle = np.hypot(values["tilt_1"].value, values["tilt_2"].value)
+    assert angle == pytest.approx(tilt, rel=0.03)
+    test = next(p for p in found.proof if p.role == "test")
+    assert test.after == pytest.approx(found.noise_floor, rel=0.1)
