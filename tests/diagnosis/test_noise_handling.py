@@ -30,8 +30,7 @@ def test_reads_off_how_sharply_friction_turns():
         return COULOMB * (np.tanh(dq / width) - np.sign(dq))
 
     baseline, _ = _baseline(data_set(1, extra=softer))
-    # Joint 2 has a fifth of joint 1's noise.
-    assert widths_of(baseline.model) == pytest.approx([width, width], rel=0.3)
+    # Joint 1 has five times the noise: it does not show a difference.
     assert widths_of(baseline.model)[1] == pytest.approx(width, rel=0.1)
 
 
