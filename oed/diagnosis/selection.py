@@ -33,6 +33,9 @@ from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
+# Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
+# would carry it to the next motion.
+BETTER = 0.95
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
 
@@ -174,11 +177,20 @@ def _next_free_form(
 
 def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:
     """A free-form term as far as the data determine it, part of the model if it then predicts."""
+    joint = item.trial.joint
     found = shop.fit(others, shop.layout(item.trial))
-    for trial in restrained(item.trial, found.fit, shop.size_of_residual(found, item.trial.joint)):
-        if held_out_fault(shop, others, trial) is None:
+    plain = shop.validation_rms(found)
+    best, least = dataclasses.replace(item, stands_in=False), BETTER
+    for trial in restrained(item.trial, found.fit, shop.size_of_residual(found, joint)):
+        if held_out_fault(shop, others, trial) is not None:
+            continue
+        if plain is None:
             return dataclasses.replace(item, trial=trial, stands_in=True)
-    return dataclasses.replace(item, stands_in=False)
+        with_it = shop.fit([*others, trial], shop.layout(trial), bend=False)
+        ratio = float(shop.validation_rms(with_it)[joint] / plain[joint])
+        if ratio < least:
+            best, least = dataclasses.replace(item, trial=trial, stands_in=True), ratio
+    return best
 
 
 def _outdone_by(
