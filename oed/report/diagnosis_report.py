@@ -97,6 +97,8 @@ def diagnosis_record(
             "before_interval": {p.role: p.before_interval for p in found.proof},
             "after_interval": {p.role: p.after_interval for p in found.proof},
             "change_interval": {p.role: p.change_interval for p in found.proof},
+            # Rows where the direction of motion is uncertain count less: share that is left.
+            "rows_counted": {p.role: p.counted for p in found.proof},
         },
         "relative_rms": {
             "before": {p.role: p.before / p.torque for p in found.proof},
@@ -175,7 +177,11 @@ def diagnosis_page(
         Section(
             "Proof: errors before and after",
             [
-                Table(_proof_rows(found.proof, found, joints), "Errors in the analysis band"),
+                Table(
+                    _proof_rows(found.proof, found, joints),
+                    "Errors in the analysis band; rows where the direction of motion is uncertain, "
+                    "at reversals and standstill, count less",
+                ),
                 Picture(pictures["proof"], "Error on each kind of recording, 95 % block bootstrap"),
             ],
         ),
@@ -262,6 +268,7 @@ def _proof_rows(
             "joint": name,
             "before [N m]": float(p.before[j]),
             "after [N m]": float(p.after[j]),
+            "rows counted": f"{p.counted[j]:.0%}",
             "change, 95 % [N m]": f"{p.change_interval[j, 0]:+.3g} to {p.change_interval[j, 1]:+.3g}",
             "noise floor [N m]": float(found.noise_floor[j]),
             "relative before": float(p.before[j] / p.torque[j]),
