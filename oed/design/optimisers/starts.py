@@ -12,6 +12,11 @@ from oed.design.trajectories import FourierClass, HarmonicClass
 # The D-optimal motion of one joint between position and acceleration limits is close to
 # A (sin wt + sin(3 wt) / 54): the third harmonic flattens the acceleration.
 THIRD_HARMONIC = 1 / 54
+# Largest value of sin x + THIRD_HARMONIC sin 3x, at 90 degrees, and of sin x + 9 THIRD_HARMONIC
+# sin 3x, at 60 degrees: what the third harmonic leaves of position and acceleration.
+POSITION_CREST = 1 - THIRD_HARMONIC
+ACCELERATION_CREST = np.sqrt(3) / 2
+STRUCTURED_SHARE = 0.3
 
 
 def structured_start(problem: DesignProblem, rng: np.random.Generator) -> Float[ndarray, " size"]:
@@ -24,6 +29,9 @@ def structured_start(problem: DesignProblem, rng: np.random.Generator) -> Float[
     rate = rate * rng.uniform(0.7, 1.0, trajectory.joints)
     jitter = 1e-3 * np.diff(trajectory.bounds, axis=1)[:, 0] * rng.standard_normal(problem.size)
     if isinstance(trajectory, HarmonicClass):
+        if trajectory.terms > 1 and not trajectory.box_keeps_limits:
+            room = room / POSITION_CREST
+            rate = rate * np.sqrt(POSITION_CREST / ACCELERATION_CREST)
         a = np.zeros((trajectory.joints, trajectory.terms))
         omega = np.tile(rate[:, None], (1, trajectory.terms))
         a[:, 0] = room
@@ -39,6 +47,12 @@ def structured_start(problem: DesignProblem, rng: np.random.Generator) -> Float[
         own[joints, cycles.astype(int)] = room
         return problem.repair(own.reshape(-1) + jitter)
     return problem.random_start(rng)
+
+
+def mixed_start(problem: DesignProblem, rng: np.random.Generator) -> Float[ndarray, " size"]:
+    """A structured start or, more often, a random one."""
+    is_structured = rng.random() < STRUCTURED_SHARE
+    return structured_start(problem, rng) if is_structured else problem.random_start(rng)
 
 
 def _swing(problem: DesignProblem) -> tuple[ndarray, ndarray]:

@@ -19,6 +19,8 @@ AMPLITUDE_BOUND = 4.0  # [rad or m] of each term, where sums may cancel under ex
 # Highest frequency under exact limits, as a multiple of the conservative bound (12d). At four
 # times it one sine within the acceleration limit moves a sixteenth of the position range.
 FREQUENCY_MULTIPLE = 4.0
+# Share of that box from which random motions take their frequencies.
+DRAWN_FREQUENCIES = 0.4
 
 
 @dataclass(frozen=True)
@@ -96,15 +98,15 @@ class HarmonicClass(TrajectoryClass):
         return np.concatenate([amplitude, amplitude + amplitude.size], axis=1)
 
     def draw(self, rng: np.random.Generator) -> Float[ndarray, " size"]:
-        """A random point; in a wide box slow terms are likelier and stronger than fast ones.
+        """A random point; in a wide box frequencies are drawn from its slow part.
 
-        Drawn evenly, a fast term would use up the acceleration and leave next to no motion.
+        A fast term would use up the acceleration and leave next to no motion. Slow ones of the
+        full amplitude beat against one another, which is what a wide box is for.
         """
         if self.box_keeps_limits:
             return super().draw(rng)
-        share = rng.uniform(size=(self.joints, self.terms)) ** 2
-        falling = 1 / (1 + (share * FREQUENCY_MULTIPLE) ** 2)
-        a = rng.uniform(-1, 1, share.shape) * self.amplitude_bound[:, None] * falling
+        a = rng.uniform(-1, 1, (self.joints, self.terms)) * self.amplitude_bound[:, None]
+        share = rng.uniform(0, DRAWN_FREQUENCIES, (self.joints, self.terms))
         omega = share * self.frequency_bound[:, None]
         return np.concatenate([a.reshape(-1), omega.reshape(-1)])
 

@@ -1,0 +1,180 @@
+"""One local solution: a homotopy of smooth problems to the exact criterion, then exchange.
+
+The velocity sign turns sharper from stage to stage and, for J_k and E, the Schatten exponent
+rises. Limits stand at a few instants; where extrema of the solution lie beyond them, those
+instants join and the last problem is solved again. Which solver does a stage is a setting.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.constraints import LimitConstraints
+from oed.design.limits import KINEMATIC
+from oed.design.optimisers.nonlinear_program import (
+    LocalSolution,
+    ValueAndGradient,
+    solve_program,
+)
+from oed.design.optimisers.result import EvaluationLog
+from oed.design.problem import DesignProblem
+
+UNBOUNDED = 1_000_000  # iterations, where a budget does not bound them
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One smooth stand-in for the criterion.
+
+    Attributes:
+        sign_width: Of the smooth velocity sign [rad/s].
+        exponent: Of the Schatten norms, for J_k and E.
+    """
+
+    sign_width: float
+    exponent: float
+
+
+@runtime_checkable
+class ProgramSolver(Protocol):
+    """Minimises a smooth objective under sampled limits; see `nonlinear_program`."""
+
+    def __call__(
+        self,
+        objective: ValueAndGradient,
+        constraints: LimitConstraints,
+        start: Float[ndarray, " size"],
+        *,
+        iterations: int,
+        cpu_seconds: float = np.inf,
+        is_warm: bool = False,
+    ) -> LocalSolution:
+        """A local solution."""
+        ...
+
+
+@dataclass(frozen=True)
+class LocalSettings:
+    """How a local solution is found.
+
+    Attributes:
+        stages: Smooth problems solved one after the other, each from the last one's solution.
+        warm_stages: How many of the last of them a start near a solution goes through.
+        iterations: Most of the solver in one stage.
+        constraint_instants: Equally spaced instants at which limits first stand.
+        exchanges: Most rounds of adding violated extrema.
+        solver: Of one smooth problem.
+    """
+
+    stages: tuple[Stage, ...] = (Stage(0.3, 4.0), Stage(0.1, 16.0), Stage(0.03, 64.0))
+    warm_stages: int = 2
+    iterations: int = 150
+    constraint_instants: int = 40
+    exchanges: int = 3
+    solver: ProgramSolver = solve_program
+
+
+def solve_locally(
+    problem: DesignProblem,
+    start: Float[ndarray, " size"],
+    log: EvaluationLog,
+    settings: LocalSettings,
+    *,
+    is_warm: bool = False,
+) -> tuple[Float[ndarray, " size"], bool]:
+    """One local solution: stages, then exchange, then repair.
+
+    Args:
+        problem: What to design.
+        start: A feasible point.
+        log: Counts, and says when to stop.
+        settings: How to work.
+        is_warm: Whether the start is near a solution, so that the last stages will do.
+
+    Returns:
+        A feasible point, and whether the solver converged in the last round.
+    """
+    instants = np.linspace(0.0, problem.trajectory.horizon, settings.constraint_instants)
+    z, is_converged = start, False
+    stages = settings.stages[-settings.warm_stages :] if is_warm else settings.stages
+    for number, stage in enumerate(stages):
+        if log.is_spent:
+            break
+        smooth = _Smooth(problem, stage, instants, settings)
+        z, is_converged = smooth.solve(z, log, is_warm=is_warm or number > 0)
+    for _ in range(settings.exchanges):
+        added = _violated(problem, z)
+        if log.is_spent or not len(added):
+            break
+        instants = np.union1d(instants, added)
+        smooth = _Smooth(problem, stages[-1], instants, settings)
+        z, is_converged = smooth.solve(z, log, is_warm=True)
+    return problem.repair(z), is_converged
+
+
+@dataclass(frozen=True)
+class _Smooth:
+    """The smooth problem of one stage, its limits at some instants."""
+
+    problem: DesignProblem
+    stage: Stage
+    instants: Float[ndarray, " samples"]
+    settings: LocalSettings
+
+    def cost_and_gradient(
+        self, z: Float[ndarray, " size"]
+    ) -> tuple[float, Float[ndarray, " size"]]:
+        return self.problem.cost_and_gradient(
+            z, sign_width=self.stage.sign_width, exponent=self.stage.exponent
+        )
+
+    def solve(
+        self, z: Float[ndarray, " size"], log: EvaluationLog, *, is_warm: bool
+    ) -> tuple[Float[ndarray, " size"], bool]:
+        iterations, seconds = _left(log)
+        solution = self.settings.solver(
+            self.cost_and_gradient,
+            LimitConstraints(self.problem.trajectory, self.problem.limits, self.instants),
+            z,
+            iterations=min(self.settings.iterations, iterations),
+            cpu_seconds=seconds,
+            is_warm=is_warm,
+        )
+        log.count(solution.evaluations)
+        return solution.z, solution.is_converged
+
+
+def _left(log: EvaluationLog) -> tuple[int, float]:
+    """Iterations and CPU seconds that the budget leaves to one run of the solver."""
+    budget = log.budget
+    seconds = budget.longest - log.cpu_s
+    if budget.needs_both:  # either alone may be overspent
+        return UNBOUNDED, seconds
+    if budget.cpu_seconds is not None:
+        seconds = min(seconds, budget.cpu_seconds - log.cpu_s)
+    if budget.evaluations is None:
+        return UNBOUNDED, seconds
+    return max(1, budget.evaluations - log.evaluations), seconds
+
+
+def _violated(problem: DesignProblem, z: Float[ndarray, " size"]) -> Float[ndarray, " samples"]:
+    """Instants of local extrema beyond a limit by more than a part in a thousand."""
+    t = np.linspace(0.0, problem.trajectory.horizon, 1001)
+    found = []
+    for order, kind in enumerate(KINEMATIC):
+        limit = getattr(problem.limits, kind)
+        if not np.isfinite(limit).any():
+            continue
+        signal = problem.trajectory.derivative(z, t, order)
+        for sign, side in ((1.0, 1), (-1.0, 0)):
+            beyond = sign * (signal - limit[:, side])
+            tolerance = 1e-3 * np.abs(limit[:, side])
+            padded = np.pad(beyond, ((1, 1), (0, 0)), constant_values=-np.inf)
+            is_peak = (beyond >= padded[:-2]) & (beyond >= padded[2:]) & (beyond > tolerance)
+            found.append(t[is_peak.any(axis=1)])
+    return np.unique(np.concatenate(found)) if found else np.zeros(0)
