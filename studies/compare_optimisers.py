@@ -22,7 +22,14 @@ import numpy as np
 from numpy import ndarray
 
 from oed.design.criteria import Criterion, condition, log10_det
-from oed.design.optimisers import evolution, genetic, interior_point, random_search, slsqp
+from oed.design.optimisers import (
+    evolution,
+    genetic,
+    hopping,
+    interior_point,
+    random_search,
+    slsqp,
+)
 from oed.design.optimisers.result import Budget, OptimiserResult
 from oed.design.optimisers.target_hits import compress, cost_at, write_history
 from oed.design.problem import DesignProblem
@@ -41,7 +48,10 @@ OPTIMISERS = {
     "cma-es": evolution.optimise,
     "slsqp": slsqp.optimise,
     "interior-point": interior_point.optimise,
+    "hopping": hopping.optimise,
 }
+# Made for free frequencies, whose local optima are many: it takes part there.
+FREE_FREQUENCIES_ONLY = ("hopping",)
 HORIZON = 10.0  # [s]
 INSTANTS = 80  # the paper's, section 5
 TERMS = 3  # the paper's W
@@ -52,7 +62,12 @@ PANDA_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)  # [rad/s^2]
 # A run that is slow at each evaluation is cut at this multiple of the CPU budget.
 LONGEST = 2.5
 # The arm is compared on the default class alone: the conservative one is the paper's.
-PROBLEMS = (("scara", "conservative"), ("scara", "fourier"), ("panda", "fourier"))
+PROBLEMS = (
+    ("scara", "conservative"),
+    ("scara", "harmonic"),
+    ("scara", "fourier"),
+    ("panda", "fourier"),
+)
 
 KEY = ("problem", "class", "criterion", "optimiser", "seed", "evaluations_budget", "cpu_budget_s")
 VALUES = (
@@ -104,6 +119,7 @@ class Config:
             for seed, problem, criterion, optimiser in itertools.product(
                 range(self.seeds), self.problems, self.criteria, self.optimisers
             )
+            if problem[1] == "harmonic" or optimiser not in FREE_FREQUENCIES_ONLY
         ]
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from oed.design.bound.information_bound import BoundSettings, InformationBound, information_bound
 from oed.design.criteria import log10_det
-from oed.design.optimisers import interior_point, slsqp
+from oed.design.optimisers import hopping, interior_point, slsqp
 from oed.design.optimisers.result import Budget
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
@@ -31,7 +31,11 @@ from oed.report.table import markdown_table, write_csv
 from oed.robot import JointLimits, load_robot
 
 INSTANTS = 80
-OPTIMISERS = {"slsqp": slsqp.optimise, "interior-point": interior_point.optimise}
+OPTIMISERS = {
+    "slsqp": slsqp.optimise,
+    "interior-point": interior_point.optimise,
+    "hopping": hopping.optimise,
+}
 # Values of an earlier study of this problem, to be reached or beaten.
 EARLIER = {"fourier": 0.54, "harmonic": 0.525}
 

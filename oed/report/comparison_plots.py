@@ -97,6 +97,55 @@ def _draw_hits(axes: Axes, panel: HitPanel, names: Sequence[str]) -> None:
     axes.set_xlabel(panel.xlabel)
 
 
+@dataclass(frozen=True)
+class DependencePanel:
+    """One panel of how a criterion depends on a bound.
+
+    Attributes:
+        xlabel: What the bound is.
+        ylabel: The criterion.
+        bounds: (R,) of each run.
+        values: (R,) of each run.
+        best_bounds: (B,) increasing.
+        best_values: (B,) the best value at each.
+    """
+
+    xlabel: str
+    ylabel: str
+    bounds: Float[ndarray, " runs"]
+    values: Float[ndarray, " runs"]
+    best_bounds: Float[ndarray, " points"]
+    best_values: Float[ndarray, " points"]
+
+
+@mpl.rc_context(STYLE)
+def plot_dependence(panels: Sequence[DependencePanel], *, columns: int = 2) -> Figure:
+    """Runs as points and the best of each bound as a line.
+
+    Args:
+        panels: Row by row; those of one row share a criterion.
+        columns: Panels a row.
+
+    Raises:
+        ValueError: If there is no panel.
+    """
+    if not panels:
+        raise ValueError("no panel to draw")
+    rows = -(-len(panels) // columns)
+    figure = new_figure(PAGE, min(0.3 + 1.9 * rows, PAGE_HEIGHT))
+    grid = figure.subplots(rows, columns, sharey="row", squeeze=False).ravel()
+    for axes, panel in zip(grid, panels, strict=False):
+        axes.plot(panel.best_bounds, panel.best_values, color=BLUE, label="best")
+        axes.plot(panel.bounds, panel.values, "o", color=VERMILION, markersize=3, label="a run")
+        axes.set_xscale("log", base=2)
+        axes.set_xticks(panel.best_bounds, [f"{bound:g}" for bound in panel.best_bounds])
+        axes.minorticks_off()
+        axes.set_xlabel(panel.xlabel)
+        axes.set_ylabel(panel.ylabel, parse_math=False)
+    grid[0].legend(loc="best")
+    return figure
+
+
 @mpl.rc_context(STYLE)
 def plot_generations(
     best: Float[ndarray, " generations"],

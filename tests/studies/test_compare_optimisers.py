@@ -181,3 +181,10 @@ def test_runs_on_a_dask_cluster(tmp_path: Path) -> None:
     ) as cluster:
         assert work.run(CASES, scheduler=cluster.scheduler_address) == 6
     assert work.rows.done() == {(str(n),) for n in range(6)}
+
+
+def test_the_paper_class_under_exact_limits_is_compared_too() -> None:
+    harmonic = {c.optimiser for c in Config().cases() if c.trajectory == "harmonic"}
+    elsewhere = {c.optimiser for c in Config().cases() if c.trajectory != "harmonic"}
+    assert harmonic == set(compare_optimisers.OPTIMISERS)
+    assert harmonic - elsewhere == {"hopping"}

@@ -58,11 +58,11 @@ def optimise(
     """
     settings = settings or HoppingSettings()
     log = EvaluationLog(budget)
-    chains = hops = 0
+    chains = solutions = 0
     while not log.is_spent or log.best_z is None:
         chains += 1
-        hops += _chain(problem, log, rng, settings)
-    return log.result(f"{chains} chains, {hops} hops; budget used up")
+        solutions += _chain(problem, log, rng, settings)
+    return log.result(f"{chains} chains, {solutions} local solutions; budget used up")
 
 
 def _chain(
@@ -71,7 +71,7 @@ def _chain(
     rng: np.random.Generator,
     settings: HoppingSettings,
 ) -> int:
-    """One chain, until it is stuck or the budget is spent; how many hops it made."""
+    """One chain, until it is stuck or the budget is spent; how many local solutions it made."""
     first = replace(settings.local, stages=settings.local.stages[:1], exchanges=0)
     starts = (mixed_start(problem, rng) for _ in range(settings.starts))
     screened = [_solve(problem, start, log, first, is_warm=False) for start in starts]
@@ -84,7 +84,7 @@ def _chain(
         failed = 0 if cost < best_cost - settings.improvement else failed + 1
         if cost < best_cost:
             best, best_cost = z, cost
-    return hops
+    return settings.starts + 1 + hops
 
 
 def _solve(
