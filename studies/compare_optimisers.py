@@ -50,8 +50,6 @@ OPTIMISERS = {
     "interior-point": interior_point.optimise,
     "hopping": hopping.optimise,
 }
-# Made for free frequencies, whose local optima are many: it takes part there.
-FREE_FREQUENCIES_ONLY = ("hopping",)
 HORIZON = 10.0  # [s]
 INSTANTS = 80  # the paper's, section 5
 TERMS = 3  # the paper's W
@@ -119,7 +117,6 @@ class Config:
             for seed, problem, criterion, optimiser in itertools.product(
                 range(self.seeds), self.problems, self.criteria, self.optimisers
             )
-            if problem[1] == "harmonic" or optimiser not in FREE_FREQUENCIES_ONLY
         ]
 
 

@@ -115,14 +115,15 @@ def dependence_lines(rows: Sequence[Row], reference: tuple[float, float], name: 
             of_value = [
                 r for r in kept if _place(r)[varied] == value and r["criterion"] == criterion
             ]
-            line[criterion] = _best(of_value, criterion)
+            best = _best(of_value, criterion)
+            line[criterion] = best
             if name == "amplitude_bound":
                 line[f"{criterion} at_most"] = _best(
                     [r for r in kept if _place(r)[varied] <= value and r["criterion"] == criterion],
                     criterion,
                 )
             amplitudes = {float(r[criterion]): float(r["largest_amplitude"]) for r in of_value}
-            largest = amplitudes.get(line[criterion], float("nan"))
+            largest = amplitudes.get(best, float("nan"))
             line[f"{criterion} largest |a| [rad]"] = largest
         result.append(line)
     return result
