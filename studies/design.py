@@ -13,16 +13,21 @@ import argparse
 import dataclasses
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
-from oed.design.collision import ClearanceCheck, check_clearance
-from oed.design.criteria import Criterion, column_scaling
+from oed.design.bound.efficiency import QUICK, DEfficiency, d_efficiency
+from oed.design.clear_limits import ClearLimits, clear_limits
+from oed.design.collision import ClearanceCheck, Surroundings
+from oed.design.collision_free import avoid_collision
 from oed.design.default_limits import with_default_limits
+from oed.design.default_problem import ProblemSettings, default_problem
 from oed.design.design import Design
-from oed.design.design_file import design_record
+from oed.design.design_file import design_record, prior_information
 from oed.design.export import (
     SetPoints,
     write_csv,
@@ -31,12 +36,8 @@ from oed.design.export import (
 )
 from oed.design.optimisers.interior_point import optimise
 from oed.design.optimisers.result import Budget
-from oed.design.problem import DesignProblem
-from oed.design.trajectories import FourierClass
-from oed.dynamics.identifiability import base_parameters
-from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.errors import OedError
+from oed.errors import OedError, RobotError
 from oed.experiment.read_dataset import read_dataset
 from oed.report.design_plots import draw_motion
 from oed.report.json_file import write_json
@@ -46,12 +47,7 @@ from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.style import save_figure
 from oed.robot import Robot, arm_joints, load_robot
 
-CANNOT_STAND = (
-    "torque is not limited: by the file's inertia the arm cannot even hold itself within its "
-    "effort limits at mid-range"
-)
-CHECKED_INSTANTS = 400  # of the clearance check
-SCALING_STARTS = 5  # random motions whose mean information gives each column its unit
+CHECKED_INSTANTS = 1000  # of the clearance check
 
 
 @dataclass(frozen=True)
@@ -62,92 +58,88 @@ class Config:
         robot: File or "builtin:NAME"; empty where a data set names it.
         data: Folder of a data set; empty where `robot` is given.
         joints: Names of the joints to move; empty for the arm proper.
-        horizon: Period of the motion [s].
-        harmonics: Of the Fourier series.
-        instants: Sampled in a period.
-        criterion: "J_k", "J_d", "A" or "E".
-        at_rest: Whether the motion starts and ends at rest.
-        torque: Whether the file's effort limits hold for the file's own inertia.
+        problem: What to ask of the motion.
+        prior: Design files whose experiments this one completes.
+        avoid_collision: Whether the motion must be clear of self-collision, and of `box`.
+        box: Lower and upper x, y, z that no body's origin should leave [m]; empty for none.
         rate: Of the exported motion [Hz].
         budget: CPU time of the optimiser [s].
-        seed: Of starts and hops.
+        quick_bound: Whether to spend a second on D-efficiency instead of ten.
+        seed: Of starts, hops and the states of the bound.
     """
 
     robot: str = ""
     data: str = ""
     joints: tuple[str, ...] = ()
-    horizon: float = 10.0
-    harmonics: int = 5
-    instants: int = 200
-    criterion: Criterion = "J_d"
-    at_rest: bool = False
-    torque: bool = True
+    problem: ProblemSettings = field(default_factory=ProblemSettings)
+    prior: tuple[str, ...] = ()
+    avoid_collision: bool = False
+    box: tuple[float, ...] = ()
     rate: float = 100.0
-    budget: float = 15.0
+    budget: float = 12.0
+    quick_bound: bool = False
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, value in (
+            ("rate", self.rate),
+            ("budget", self.budget),
+            ("horizon", self.problem.horizon),
+        ):
+            if not value > 0:
+                raise ValueError(f"--{name} {value:g} is not positive")
+        if self.box and not (self.walls[:, 0] < self.walls[:, 1]).all():
+            raise ValueError("--box: each lower bound must be below its upper bound")
+
+    @property
+    def walls(self) -> Float[ndarray, "3 2"]:
+        """The box as lower and upper bounds of x, y, z."""
+        return np.array(self.box).reshape(3, 2)
 
 
 @dataclass(frozen=True)
 class Result:
-    """A design, what was assumed, and what the geometry says of it."""
+    """A design, what was assumed, what it is worth and what the geometry says of it."""
 
     design: Design
     notes: tuple[str, ...]
+    efficiency: DEfficiency | None
     clearance: ClearanceCheck
 
 
 def run(config: Config) -> Result:
     """Design a motion."""
-    robot, notes = with_default_limits(_robot(config))
+    robot, assumed = with_default_limits(_robot(config))
+    notes = list(assumed)
     rng = np.random.default_rng(config.seed)
-    problem, more = build_problem(robot, config, rng)
+    surroundings, unchecked = _surroundings(robot, config)
+    room = None
+    if config.avoid_collision:
+        if surroundings is None:
+            raise RobotError(f"--avoid-collision: {unchecked}")
+        room = clear_limits(robot.limits, surroundings, rng)
+        robot = robot.with_limits(room.limits)
+        notes += _narrowed(robot, room)
+    problem, more = default_problem(TorqueModel.standard(robot), config.problem, rng)
+    notes += more
+    if config.prior:
+        problem = dataclasses.replace(problem, prior=prior_information(config.prior, problem))
     found = optimise(problem, Budget(cpu_seconds=config.budget), rng)
+    if room is not None and surroundings is not None:
+        clear = avoid_collision(problem, found.z, surroundings, room.centre)
+        notes.append(
+            f"collisions avoided in {clear.rounds} rounds, motion times {clear.factor:.3g}"
+        )
+        found = dataclasses.replace(found, z=clear.z)
     design = Design.from_result(problem, found, optimiser="interior_point", seed=config.seed)
-    seen = design.motion(np.linspace(0.0, config.horizon, CHECKED_INSTANTS))
-    return Result(design, notes + more, check_clearance(robot, seen))
-
-
-def build_problem(
-    robot: Robot, config: Config, rng: np.random.Generator
-) -> tuple[DesignProblem, tuple[str, ...]]:
-    """The problem of a robot with finite limits, and notes on what was left out."""
-    model = TorqueModel.standard(robot)
-    base = base_parameters(model)
-    trajectory = FourierClass(config.horizon, robot.limits, config.harmonics, config.at_rest)
-    nominal, notes = _nominal(robot, model, enabled=config.torque)
-    problem = DesignProblem(
-        model,
-        base,
-        trajectory,
-        robot.limits,
-        trajectory.instants(config.instants),
-        config.criterion,
-        nominal=nominal,
+    seen = design.motion(np.linspace(0.0, design.horizon, CHECKED_INSTANTS))
+    clearance = (
+        ClearanceCheck(None, None, None, 0, unchecked)
+        if surroundings is None
+        else surroundings.check(seen)
     )
-    starts = [problem.random_start(rng) for _ in range(SCALING_STARTS)]
-    typical = np.mean([problem.information(z) for z in starts], axis=0)
-    scaled = dataclasses.replace(problem, scaling=column_scaling(typical))
-    return scaled, (*notes, *((base.note,) if base.note else ()))
-
-
-def _nominal(
-    robot: Robot, model: TorqueModel, *, enabled: bool
-) -> tuple[np.ndarray | None, tuple[str, ...]]:
-    """The file's own inertia without friction, where it can be held against effort limits."""
-    limited = np.isfinite(robot.limits.torque).any()
-    if not enabled or not limited or not np.any(robot.parameters):
-        return None, ("torque is not limited",)
-    nominal = np.zeros(len(model.parameters))
-    nominal[: len(robot.parameters)] = robot.parameters
-    standing = model.torque(nominal, _still(robot))[0]
-    if (np.abs(standing) > 0.9 * np.abs(robot.limits.torque).min(axis=1)).any():
-        return None, (CANNOT_STAND,)
-    return nominal, ("torque is limited for the file's own inertia, friction not counted",)
-
-
-def _still(robot: Robot) -> Motion:
-    middle = robot.limits.position.mean(axis=1)[None]
-    return Motion(np.zeros(1), middle, np.zeros_like(middle), np.zeros_like(middle))
+    efficiency = d_efficiency(design, rng, QUICK if config.quick_bound else None)
+    return Result(design, tuple(notes), efficiency, clearance)
 
 
 def _robot(config: Config) -> Robot:
@@ -156,12 +148,30 @@ def _robot(config: Config) -> Robot:
     return load_robot(config.robot, joints=config.joints or arm_joints(config.robot))
 
 
+def _surroundings(robot: Robot, config: Config) -> tuple[Surroundings | None, str]:
+    """What may be hit; None with the reason where the robot has no geometry."""
+    try:
+        return Surroundings(robot, config.walls if config.box else None), ""
+    except OedError as error:
+        return None, f"not checked: {error}"
+
+
+def _narrowed(robot: Robot, room: ClearLimits) -> list[str]:
+    return [
+        f"position of {name}: narrowed to {lower:.3g} ... {upper:.3g}, so that collisions are rare"
+        for name, (lower, upper), factor in zip(
+            robot.joint_names, room.limits.position, room.factors, strict=True
+        )
+        if factor < 1.0
+    ]
+
+
 def write(result: Result, config: Config, out: Path) -> None:
     """Write motion files, `design.json`, plot, recording and provenance."""
-    out.mkdir(parents=True, exist_ok=True)
     design = result.design
     robot = design.problem.model.robot
     points = SetPoints.sample(design.problem.trajectory, design.z, robot.joint_names, config.rate)
+    out.mkdir(parents=True, exist_ok=True)
     write_csv(points, out / "motion.csv")
     write_joint_trajectory_yaml(points, out / "joint_trajectory.yaml")
     write_joint_trajectory_json(points, out / "joint_trajectory.json")
@@ -173,8 +183,14 @@ def write(result: Result, config: Config, out: Path) -> None:
     frames = design.motion(np.arange(0.0, design.horizon, 1 / FRAMES_PER_SECOND))
     note = record_motion(robot, frames, out / "motion.html")
     notes = (*result.notes, *((note,) if note else ()))
-    record = design_record(design, versions=package_versions(KEY_PACKAGES), notes=notes)
-    write_json(out / "design.json", {**record, "clearance": result.clearance})
+    record = design_record(
+        design,
+        versions=package_versions(KEY_PACKAGES),
+        d_efficiency=None if result.efficiency is None else dataclasses.asdict(result.efficiency),
+        notes=notes,
+    )
+    more = {"prior": list(config.prior), "clearance": result.clearance}
+    write_json(out / "design.json", {**record, **more})
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
@@ -193,21 +209,31 @@ def summary(result: Result) -> str:
         f"  {sampled} ({elsewhere})",
         f"  J_d = log10 det Lambda  {design.J_d:.4f} (continuous {design.J_d_continuous:.4f})",
         f"  nearest limit  {design.certificate.worst}, proven {spare:.2e} of it to spare",
-        f"  self-collision  {_clearance_line(clearance)}",
+        f"  D-efficiency  {_efficiency_line(result.efficiency)}",
+        f"  clearance  {_clearance_line(clearance)}",
         f"  {design.evaluations} evaluations in {design.cpu_s:.1f} s of CPU time",
     ]
     return "\n".join(lines + [f"  note: {note}" for note in result.notes])
 
 
+def _efficiency_line(efficiency: DEfficiency | None) -> str:
+    if efficiency is None:
+        return "not known"
+    return f"at least {efficiency.value:.3f}, {efficiency.kind}"
+
+
 def _clearance_line(clearance: ClearanceCheck) -> str:
-    if clearance.deepest is None:
+    if clearance.instants == 0:
         return clearance.note
-    if clearance.deepest == 0.0:
-        return f"none at {clearance.instants} instants {clearance.note}"
-    return (
-        f"{clearance.pair} overlap by {clearance.deepest * 1e3:.1f} mm at {clearance.time:.2f} s; "
-        f"narrow the limits {clearance.note}"
-    )
+    if clearance.least is None or clearance.pair is None or clearance.time is None:
+        return f"nothing comes near at {clearance.instants} instants; {clearance.note}".rstrip("; ")
+    pair = " and ".join(clearance.pair)
+    distance = f"{abs(clearance.least) * 1e3:.1f} mm at {clearance.time:.2f} s"
+    if clearance.least > 0.0:
+        found = f"least {distance}, {pair} ({clearance.instants} instants)"
+    else:
+        found = f"{pair} overlap by {distance}: use --avoid-collision or narrow the limits"
+    return f"{found}; {clearance.note}".rstrip("; ")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -218,29 +244,29 @@ def main(argv: Sequence[str] | None = None) -> int:
     source.add_argument("--data", default="", help="folder of a data set")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--joints", nargs="+", default=())
-    parser.add_argument("--horizon", type=float, default=Config.horizon, help="[s]")
-    parser.add_argument("--criterion", choices=("J_k", "J_d", "A", "E"), default=Config.criterion)
+    parser.add_argument("--horizon", type=float, default=ProblemSettings.horizon, help="[s]")
+    parser.add_argument(
+        "--criterion", choices=("J_k", "J_d", "A", "E"), default=ProblemSettings.criterion
+    )
     parser.add_argument("--at-rest", action="store_true")
     parser.add_argument("--no-torque", action="store_true", help="ignore effort limits")
+    parser.add_argument("--prior", nargs="+", default=(), help="design.json of earlier experiments")
+    parser.add_argument("--avoid-collision", action="store_true")
+    parser.add_argument(
+        "--box",
+        nargs=6,
+        type=float,
+        default=(),
+        metavar=("X0", "X1", "Y0", "Y1", "Z0", "Z1"),
+        help="that bodies should not leave [m]",
+    )
     parser.add_argument("--rate", type=float, default=Config.rate, help="[Hz]")
     parser.add_argument("--seed", type=int, default=Config.seed)
     parser.add_argument("--budget", type=float, default=Config.budget, help="CPU seconds")
     parser.add_argument("--smoke", action="store_true", help="a few seconds, to see it work")
     given = parser.parse_args(argv)
-    config = Config(
-        robot=given.robot,
-        data=given.data,
-        joints=tuple(given.joints),
-        horizon=given.horizon,
-        instants=40 if given.smoke else Config.instants,
-        criterion=given.criterion,
-        at_rest=given.at_rest,
-        torque=not given.no_torque,
-        rate=given.rate,
-        budget=1.0 if given.smoke else given.budget,
-        seed=given.seed,
-    )
     try:
+        config = _config(given)
         check_output_folder(given.out)
         result = run(config)
         write(result, config, given.out)
@@ -249,6 +275,28 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     sys.stdout.write(f"{summary(result)}\n  written to {given.out}\n")
     return 0
+
+
+def _config(given: argparse.Namespace) -> Config:
+    return Config(
+        robot=given.robot,
+        data=given.data,
+        joints=tuple(given.joints),
+        problem=ProblemSettings(
+            horizon=given.horizon,
+            instants=40 if given.smoke else ProblemSettings.instants,
+            criterion=given.criterion,
+            at_rest=given.at_rest,
+            torque=not given.no_torque,
+        ),
+        prior=tuple(given.prior),
+        avoid_collision=given.avoid_collision,
+        box=tuple(given.box),
+        rate=given.rate,
+        budget=1.0 if given.smoke else given.budget,
+        quick_bound=given.smoke,
+        seed=given.seed,
+    )
 
 
 if __name__ == "__main__":

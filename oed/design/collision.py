@@ -1,6 +1,7 @@
-"""Whether a motion keeps the arm off itself and within a box, by Drake's geometry.
+"""How near a motion brings the arm to itself, and to the walls of a box, by Drake's geometry.
 
-A check at many instants, not a proof: it says how near the arm came, and when.
+Drake checks the convex hull of every collision mesh. A check is made at instants and is no
+proof: it says how near the arm came, and when.
 """
 
 from __future__ import annotations
@@ -10,107 +11,211 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex
+from pydrake.multibody.tree import BodyIndex, Frame, JacobianWrtVariable
 
 from oed.design.scene import Scene, load_scene
 from oed.dynamics.motion import Motion
 from oed.errors import OedError
 from oed.robot import Robot
+from oed.robot.robot_file import joints_of
+
+FAR = 0.3  # [m] beyond which a distance is not asked for
+CLEARANCE = 0.01  # [m] wanted between bodies, or half of what they have at mid-range if less
+NEIGHBOURLY = 0.02  # [m] that pairs which are not judged never exceed
+POSTURES = 100  # random ones that tell neighbours
+WALLS = ("x", "y", "z")
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Nearness:
+    """Two things that are near each other in one posture.
+
+    Attributes:
+        pair: Names of two bodies, or of a body and a wall such as "x lower wall".
+        distance: Between them [m]; negative where they overlap.
+        slope: (n,) change of that distance with the joints [m per rad or m].
+    """
+
+    pair: Pair
+    distance: float
+    slope: Float[ndarray, " joints"]
 
 
 @dataclass(frozen=True)
 class ClearanceCheck:
-    """What the check found.
+    """What a check found.
 
     Attributes:
-        deepest: Largest penetration of two bodies that are free of each other at the rest
-            position [m]; 0 where none touch. None where there is no geometry to check.
-        pair: Names of those bodies.
+        least: Least distance of two bodies, or of a body and a wall [m]; negative where they
+            overlap. None where there is nothing to check, or where nothing came within `FAR`.
+        pair: Names of those two.
         time: When [s].
-        outside: Largest distance of a body's origin outside the workspace box [m]; None
-            without a box.
         instants: Number of instants looked at.
-        note: What could not be checked.
+        note: What could not be checked, or is not judged.
     """
 
-    deepest: float | None
-    pair: tuple[str, str] | None
+    least: float | None
+    pair: Pair | None
     time: float | None
-    outside: float | None
     instants: int
     note: str
 
     @property
     def is_clear(self) -> bool:
-        """Whether the check was made and found nothing; False where there was no geometry."""
-        return self.deepest == 0.0 and not (self.outside is not None and self.outside > 0)
+        """Whether the check was made and nothing overlaps."""
+        return self.instants > 0 and (self.least is None or self.least > 0.0)
+
+
+class Surroundings:
+    """A robot's shapes and the walls of its box, posed at will.
+
+    Left out are pairs that no joint of the design moves against each other, pairs that Drake
+    filters (a body and the one it is mounted on), and the hulls of neighbours in a shoulder or
+    wrist: pairs that overlap at mid-range already, or that never part by more than 2 cm.
+    """
+
+    def __init__(self, robot: Robot, box: Float[ndarray, "3 2"] | None = None) -> None:
+        self._scene: Scene = load_scene(robot)
+        self._box = box
+        plant = self._scene.plant
+        self._diagram = self._scene.builder.Build()
+        self._context = self._diagram.CreateDefaultContext()
+        self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
+        self._rest = plant.GetPositions(self._plant_context).copy()
+        self._moved_by = self._joints_below()
+        self.middle = robot.limits.position.mean(axis=1)
+        self._ignored: frozenset[Pair] = frozenset()
+        at_middle = self.near(self.middle)
+        overlapping = {n.pair for n in at_middle if n.distance <= 0.0 and not _is_wall(n.pair)}
+        self._ignored = frozenset(overlapping | self._neighbours(robot))
+        self._at_middle = {n.pair: n.distance for n in at_middle if n.distance > 0.0}
+        self.has_shapes = self._scene.scene_graph.model_inspector().num_geometries() > 0
+        pairs = ", ".join(" and ".join(pair) for pair in sorted(self._ignored))
+        overlap = f"not judged, as they always nearly touch: {pairs}" if pairs else ""
+        self.note = "; ".join(part for part in (self._scene.note, overlap) if part)
+
+    def near(self, q: Float[ndarray, " joints"]) -> list[Nearness]:
+        """All pairs within `FAR` in a posture, each once, and all bodies near a wall."""
+        plant = self._scene.plant
+        plant.SetPositions(self._plant_context, self._scene.positions(q, self._rest))
+        query = plant.get_geometry_query_input_port().Eval(self._plant_context)
+        inspector = query.inspector()
+        nearest: dict[Pair, Nearness] = {}
+        for found in query.ComputeSignedDistancePairwiseClosestPoints(FAR):
+            frames = [inspector.GetFrameId(g) for g in (found.id_A, found.id_B)]
+            a, b = (plant.GetBodyFromFrameId(f) for f in frames)
+            pair = (min(a.name(), b.name()), max(a.name(), b.name()))
+            before = nearest.get(pair)
+            is_rigid = self._moved_by[int(a.index())] == self._moved_by[int(b.index())]
+            if is_rigid or pair in self._ignored or (before and before.distance <= found.distance):
+                continue
+            points = [
+                inspector.GetPoseInFrame(g) @ p
+                for g, p in ((found.id_A, found.p_ACa), (found.id_B, found.p_BCb))
+            ]
+            rates = self._velocity(a.body_frame(), points[0]) - self._velocity(
+                b.body_frame(), points[1]
+            )
+            nearest[pair] = Nearness(pair, float(found.distance), found.nhat_BA_W @ rates)
+        return [*nearest.values(), *self._near_walls()]
+
+    def wanted(self, pair: Pair) -> float:
+        """The distance that a pair should keep [m]: a neighbour cannot keep what a stranger can."""
+        return min(CLEARANCE, max(self._at_middle.get(pair, np.inf), 0.0) / 2)
+
+    def is_clear(self, q: Float[ndarray, " joints"]) -> bool:
+        """Whether every pair keeps at least half of what it should, in a posture."""
+        return all(found.distance >= self.wanted(found.pair) / 2 for found in self.near(q))
+
+    def check(self, motion: Motion) -> ClearanceCheck:
+        """The least distance at the instants of a motion."""
+        if not self.has_shapes and self._box is None:
+            return ClearanceCheck(None, None, None, 0, self.note or "the file has no shapes")
+        worst: tuple[float | None, Pair | None, float | None] = (None, None, None)
+        for t, q in zip(motion.t, motion.q, strict=True):
+            for found in self.near(q):
+                if worst[0] is None or found.distance < worst[0]:
+                    worst = (found.distance, found.pair, float(t))
+        return ClearanceCheck(*worst, len(motion), self.note)
+
+    def _neighbours(self, robot: Robot) -> set[Pair]:
+        """Pairs of bodies that no random posture parts by more than `NEIGHBOURLY`."""
+        if self._scene.scene_graph.model_inspector().num_geometries() == 0:
+            return set()
+        rng = np.random.default_rng(0)
+        together: dict[Pair, int] = {}
+        for q in rng.uniform(*robot.limits.position.T, (POSTURES, robot.n)):
+            for found in self.near(q):
+                if found.distance < NEIGHBOURLY and not _is_wall(found.pair):
+                    together[found.pair] = together.get(found.pair, 0) + 1
+        return {pair for pair, count in together.items() if count == POSTURES}
+
+    def _near_walls(self) -> list[Nearness]:
+        """Origins of bodies that a joint moves, near or beyond a wall."""
+        if self._box is None:
+            return []
+        plant, found = self._scene.plant, []
+        for index, movers in self._moved_by.items():
+            if not movers:
+                continue
+            body = plant.get_body(BodyIndex(index))
+            at = plant.EvalBodyPoseInWorld(self._plant_context, body).translation()
+            room = np.stack([at - self._box[:, 0], self._box[:, 1] - at], axis=1)
+            if room.min() > FAR:
+                continue
+            rates = self._velocity(body.body_frame(), np.zeros(3))
+            for axis, side in zip(*np.nonzero(room <= FAR), strict=True):
+                wall = f"{WALLS[axis]} {('lower', 'upper')[side]} wall"
+                slope = rates[axis] * (1.0, -1.0)[side]
+                found.append(Nearness((body.name(), wall), float(room[axis, side]), slope))
+        return found
+
+    def _velocity(self, frame: Frame, point: Float[ndarray, "3"]) -> Float[ndarray, "3 joints"]:
+        """Velocity in the world of a point fixed to a frame, per unit velocity of each joint."""
+        plant = self._scene.plant
+        world = plant.world_frame()
+        jacobian = plant.CalcJacobianTranslationalVelocity(
+            self._plant_context, JacobianWrtVariable.kQDot, frame, point, world, world
+        )
+        return jacobian[:, self._scene.columns]
+
+    def _joints_below(self) -> dict[int, frozenset[int]]:
+        """For every body, the columns of the design's joints between it and the world."""
+        plant = self._scene.plant
+        column = {int(c): i for i, c in enumerate(self._scene.columns)}
+        inboard = {int(j.child_body().index()): j for j in joints_of(plant)}
+
+        def walk(body: int) -> frozenset[int]:
+            joint = inboard.get(body)
+            if joint is None:
+                return frozenset()
+            moved = {column[joint.position_start()]} if _is_column(joint, column) else set()
+            return walk(int(joint.parent_body().index())) | moved
+
+        return {i: walk(i) for i in range(plant.num_bodies())}
 
 
 def check_clearance(
     robot: Robot, motion: Motion, box: Float[ndarray, "3 2"] | None = None
 ) -> ClearanceCheck:
-    """Look for self-collision, and for bodies outside a box, at every instant of a motion.
-
-    Pairs of bodies whose shapes overlap at the middle of the limits already are left out, as
-    are those that Drake filters (a body and the one it is mounted on).
+    """Look for the least distance at every instant of a motion.
 
     Args:
         robot: Loaded from a file.
         motion: At the instants to check.
-        box: Lower and upper bound of x, y, z in the base frame [m]; None for no box.
+        box: Lower and upper bound of x, y, z in the base frame [m], for the origins of the
+            bodies; None for no box.
     """
     try:
-        scene = load_scene(robot)
+        return Surroundings(robot, box).check(motion)
     except OedError as error:
-        return ClearanceCheck(None, None, None, None, 0, f"not checked: {error}")
-    diagram = scene.builder.Build()
-    context = diagram.CreateDefaultContext()
-    plant_context = scene.plant.GetMyMutableContextFromRoot(context)
-    rest = scene.plant.GetPositions(plant_context).copy()
-    limits = robot.limits.position
-    middle = np.where(np.isfinite(limits).all(axis=1), limits.mean(axis=1), 0.0)
-    scene.plant.SetPositions(plant_context, scene.positions(middle, rest))
-    ignored = {pair for pair, _ in _contacts(scene, plant_context)}
-    worst: tuple[float, tuple[str, str] | None, float | None] = (0.0, None, None)
-    outside = None if box is None else 0.0
-    for t, q in zip(motion.t, motion.q, strict=True):
-        scene.plant.SetPositions(plant_context, scene.positions(q, rest))
-        for pair, depth in _contacts(scene, plant_context):
-            if pair not in ignored and depth > worst[0]:
-                worst = (depth, pair, float(t))
-        if box is not None and outside is not None:
-            outside = max(outside, _beyond(scene.plant, plant_context, box))
-    note = scene.note
-    if ignored:
-        note = f"{note}; {len(ignored)} pairs that overlap at mid-range are not judged".lstrip("; ")
-    if scene.scene_graph.model_inspector().num_geometries() == 0:
-        return ClearanceCheck(None, None, None, outside, len(motion), note or "no geometry")
-    return ClearanceCheck(*worst, outside, len(motion), note)
+        return ClearanceCheck(None, None, None, 0, f"not checked: {error}")
 
 
-def _contacts(
-    scene: Scene, plant_context
-) -> list[tuple[tuple[str, str], float]]:  # pydrake's Context has no stable import path
-    """Pairs of bodies whose collision shapes overlap, and how deep [m]."""
-    port = scene.plant.get_geometry_query_input_port()
-    query = port.Eval(plant_context)
-    inspector = query.inspector()
-
-    def body(geometry) -> str:  # a GeometryId
-        return scene.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry)).name()
-
-    return [
-        ((min(a, b), max(a, b)), float(found.depth))
-        for found in query.ComputePointPairPenetration()
-        for a, b in [(body(found.id_A), body(found.id_B))]
-    ]
+def _is_wall(pair: Pair) -> bool:
+    return pair[1].endswith(" wall")
 
 
-def _beyond(plant: MultibodyPlant, plant_context, box: ndarray) -> float:  # as above
-    origins = [
-        plant.EvalBodyPoseInWorld(plant_context, plant.get_body(BodyIndex(i))).translation()
-        for i in range(1, plant.num_bodies())
-    ]
-    over = np.maximum(box[:, 0] - origins, origins - box[:, 1])
-    return float(np.maximum(over, 0.0).max())
+def _is_column(joint, column: dict[int, int]) -> bool:  # a Drake joint of any kind
+    return joint.num_positions() == 1 and joint.position_start() in column

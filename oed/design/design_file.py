@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
 import numpy as np
+from jaxtyping import Float
 from numpy import ndarray
 
+from oed.design.criteria import condition, log10_det
 from oed.design.design import Design
 from oed.design.limits import KINEMATIC
+from oed.design.problem import DesignProblem
+from oed.design.trajectories import FourierClass
 
 FORMAT = 1
 
@@ -44,6 +52,7 @@ def design_record(
         "J_k_scaled": _number(design.J_k_scaled),
         "J_d_log10": _number(design.J_d),
         "J_d_log10_continuous": _number(design.J_d_continuous),
+        "with_prior": _with_prior(design),
         "d_efficiency": d_efficiency,
         "certified_max": {**certified, "torque": certified.get("torque")},
         "certified_range": {
@@ -61,6 +70,48 @@ def design_record(
         "notes": list(notes),
         "versions": versions,
     }
+
+
+def _with_prior(design: Design) -> dict[str, float | None] | None:
+    """J_k and J_d of this experiment and the earlier ones together; None if there were none."""
+    if design.problem.prior is None:
+        return None
+    total = design.problem.information(design.z, scaled=False)
+    return {"J_k": _number(condition(total)), "J_d_log10": _number(log10_det(total))}
+
+
+def prior_information(
+    files: Sequence[str | Path], problem: DesignProblem
+) -> Float[ndarray, "base base"]:
+    """What the experiments of earlier design files tell about a problem's base parameters.
+
+    Args:
+        files: `design.json` of Fourier motions of the same joints.
+        problem: Its model and noise; the instants are those of each file.
+
+    Raises:
+        ValueError: If a file cannot be read as a design, or moves other joints.
+    """
+    return np.sum([_information_of(Path(file), problem) for file in files], axis=0)
+
+
+def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base base"]:
+    robot = problem.model.robot
+    try:
+        record = json.loads(file.read_text(encoding="utf-8"))
+        joints, name, count = record["joints"], record["class"], int(record["instants"])
+        given = {key: np.array(value) for key, value in record["coefficients"].items()}
+        horizon = float(record["horizon"])
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"--prior {file}: not a design file: {error!r}") from error
+    if tuple(joints) != robot.joint_names:
+        raise ValueError(f"--prior {file}: it moves {joints}, not {list(robot.joint_names)}")
+    if name != FourierClass.name:
+        raise ValueError(f"--prior {file}: a motion of class {name!r}, not {FourierClass.name!r}")
+    series = FourierClass(horizon, problem.limits, given["sine"].shape[1])
+    parts = [given["offset"][:, None], given["sine"], given["cosine"]]
+    z = np.concatenate(parts, axis=1).reshape(-1)
+    return problem.fast.information(series.motion(z, series.instants(count)))
 
 
 def _number(value: float) -> float | None:

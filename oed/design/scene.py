@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import logging
 import re
 import tempfile
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 from jaxtyping import Float
@@ -16,11 +17,10 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
+from oed.design.meshes import ReadableUrdf, with_readable_meshes
 from oed.errors import RobotError
 from oed.robot import Robot
-from oed.robot.robot_file import weld_free_bodies
-
-DRAWABLE = (".obj", ".gltf", ".glb", ".vtk", ".stl", ".dae")
+from oed.robot.robot_file import warnings_off, weld_free_bodies
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +33,7 @@ class Scene:
         scene_graph: Its geometry.
         columns: (n,) index in the plant's positions of each joint of the robot.
         note: What could not be shown, empty where all could.
+        readable: The file with its converted meshes, which must live as long as the scene.
     """
 
     builder: DiagramBuilder
@@ -40,6 +41,7 @@ class Scene:
     scene_graph: SceneGraph
     columns: ndarray
     note: str
+    readable: _Readable | None = None
 
     def positions(self, q: Float[ndarray, " joints"], rest: ndarray) -> ndarray:
         """All positions of the plant with the robot's joints at q and the others at `rest`."""
@@ -51,61 +53,66 @@ class Scene:
 def load_scene(robot: Robot) -> Scene:
     """Load the robot's own file with its geometry.
 
-    Geometry that cannot be read (a mesh that is missing, a package that is not installed) makes
-    Drake refuse the file; it is then read without its meshes.
+    Meshes that Drake cannot read are converted; those that are missing are left out and noted.
 
     Raises:
         RobotError: If the robot did not come from a file, or the file cannot be read even so.
     """
-    if robot.source.startswith("builtin:") or not Path(robot.source).is_file():
+    source = Path(robot.source)
+    if robot.source.startswith("builtin:") or not source.is_file():
         raise RobotError(f"{robot.name} does not come from a file: it has no geometry")
-    drake_log = logging.getLogger("drake")
-    level = drake_log.level
-    drake_log.setLevel(logging.CRITICAL)
-    try:
-        return _parse(robot, Path(robot.source).read_text(encoding="utf-8"), "")
-    except RuntimeError:
-        bare = _without_meshes(Path(robot.source).read_text(encoding="utf-8"))
+    with warnings_off():
+        if source.suffix.lower() != ".urdf":
+            return _parse(robot, source, None, "")
+        readable = _readable_file(source.resolve(), source.stat().st_mtime_ns)
+        note = _missing_note(readable.urdf.missing)
+        edited = Path(readable.folder.name) / source.name
+        edited.write_text(readable.urdf.text, encoding="utf-8")
         try:
-            return _parse(robot, bare, "the robot's meshes cannot be read and are left out")
-        except RuntimeError as again:
-            raise RobotError(f"{robot.source}: no geometry: {again}") from again
-    finally:
-        drake_log.setLevel(level)
+            return _parse(robot, edited, readable, note)
+        except RobotError:
+            edited.write_text(_without_geometry(readable.urdf.text), encoding="utf-8")
+            return _parse(robot, edited, readable, "the robot's shapes cannot be read")
 
 
-def _parse(robot: Robot, text: str, note: str) -> Scene:
+@dataclass(frozen=True, eq=False)
+class _Readable:
+    """A URDF with the folder of its converted meshes, deleted when nobody refers to it."""
+
+    urdf: ReadableUrdf
+    folder: tempfile.TemporaryDirectory
+
+
+@lru_cache(maxsize=1)
+def _readable_file(source: Path, _: int) -> _Readable:
+    """Converted once for the check and the picture; anew where the file's time has changed."""
+    folder = tempfile.TemporaryDirectory(prefix="oed-meshes-")
+    text = source.read_text(encoding="utf-8")
+    try:
+        return _Readable(with_readable_meshes(text, source, Path(folder.name)), folder)
+    except ElementTree.ParseError as error:
+        raise RobotError(f"{source}: no geometry: {error}") from error
+
+
+def _parse(robot: Robot, file: Path, readable: _Readable | None, note: str) -> Scene:
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
-    parser = Parser(plant)
-    source = Path(robot.source).resolve()
-    for folder in source.parents:
-        # A URDF names its meshes by package; the packages lie in the folders above it.
-        if (folder / "package.xml").is_file():
-            parser.package_map().AddPackageXml(str(folder / "package.xml"))
-    _add_named_packages(parser, text, source)
-    with tempfile.TemporaryDirectory(dir=None) as scratch:
-        edited = Path(scratch) / source.name
-        edited.write_text(text, encoding="utf-8")
-        parser.AddModels(str(source if not note else edited))
+    try:
+        Parser(plant).AddModels(str(file))
+    except RuntimeError as error:
+        raise RobotError(f"{robot.source}: no geometry: {error}") from error
     weld_free_bodies(plant)
     plant.Finalize()
     columns = np.array([plant.GetJointByName(name).position_start() for name in robot.joint_names])
-    return Scene(builder, plant, scene_graph, columns, note)
+    return Scene(builder, plant, scene_graph, columns, note, readable)
 
 
-def _add_named_packages(parser: Parser, text: str, source: Path) -> None:
-    """Packages that the file names and that a folder above it is called after or holds."""
-    for package in set(re.findall(r"package://([^/\"']+)/", text)):
-        if parser.package_map().Contains(package):
-            continue
-        for folder in source.parents:
-            found = folder if folder.name == package else folder / package
-            if found.is_dir():
-                parser.package_map().Add(package, str(found))
-                break
+def _missing_note(missing: tuple[str, ...]) -> str:
+    if not missing:
+        return ""
+    return f"{len(missing)} meshes cannot be found or read and are left out, such as {missing[0]}"
 
 
-def _without_meshes(text: str) -> str:
+def _without_geometry(text: str) -> str:
     """The file without its visual and collision elements."""
     return re.sub(r"<(visual|collision)\b.*?</\1>", "", text, flags=re.DOTALL)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from pydrake.geometry import Meshcat, MeshcatVisualizer
+from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role
 
 from oed.design.scene import load_scene
 from oed.dynamics.motion import Motion
 from oed.errors import OedError
 from oed.report.json_file import write_atomically
 from oed.robot import Robot
+from oed.robot.robot_file import warnings_off
 
 FRAMES_PER_SECOND = 25.0
 
@@ -34,10 +35,15 @@ def record_motion(robot: Robot, motion: Motion, path: str | Path) -> str:
     except OedError as error:
         return f"no recording: {error}"
     try:
-        meshcat = Meshcat()
+        with warnings_off():  # it announces an address where nobody will listen
+            meshcat = Meshcat()
     except RuntimeError as error:  # no free port, or no network at all
         return f"no recording: Meshcat cannot start: {error}"
-    visualizer = MeshcatVisualizer.AddToBuilder(scene.builder, scene.scene_graph, meshcat)
+    drawn = scene.scene_graph.model_inspector().NumGeometriesWithRole(Role.kIllustration)
+    role = Role.kIllustration if drawn else Role.kProximity
+    visualizer = MeshcatVisualizer.AddToBuilder(
+        scene.builder, scene.scene_graph, meshcat, MeshcatVisualizerParams(role=role)
+    )
     diagram = scene.builder.Build()
     context = diagram.CreateDefaultContext()
     plant_context = scene.plant.GetMyMutableContextFromRoot(context)

@@ -6,6 +6,8 @@ A plant without a scene graph leaves meshes unread, so missing ones stop nobody.
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from pydrake.multibody.parsing import Parser
@@ -26,19 +28,26 @@ def load_plant(source: str | Path) -> MultibodyPlant:
     if path.suffix.lower() not in SUFFIXES:
         raise RobotError(f"{path}: unknown kind of robot file; expected one of {SUFFIXES}")
     plant = MultibodyPlant(time_step=0.0)
-    # The parser warns about transmissions, mimic joints and cameras, none of which matter here.
-    drake_log = logging.getLogger("drake")
-    level = drake_log.level
-    drake_log.setLevel(logging.ERROR)
-    try:
-        Parser(plant).AddModels(str(path))
-    except RuntimeError as error:
-        raise RobotError(f"{path}: Drake cannot read this file: {error}") from error
-    finally:
-        drake_log.setLevel(level)
+    with warnings_off():
+        try:
+            Parser(plant).AddModels(str(path))
+        except RuntimeError as error:
+            raise RobotError(f"{path}: Drake cannot read this file: {error}") from error
     weld_free_bodies(plant)
     plant.Finalize()
     return plant
+
+
+@contextmanager
+def warnings_off() -> Iterator[None]:
+    """Silence Drake: it warns about transmissions, mimic joints and cameras, all harmless here."""
+    drake_log = logging.getLogger("drake")
+    level = drake_log.level
+    drake_log.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        drake_log.setLevel(level)
 
 
 def weld_free_bodies(plant: MultibodyPlant) -> None:

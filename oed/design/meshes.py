@@ -1,0 +1,174 @@
+"""Mesh files of a URDF made readable for Drake, which takes neither STL nor COLLADA.
+
+Drake is given an OBJ file of the same triangles. Coal's loader (Assimp) reads COLLADA and what
+else there is; binary STL is read here, as that takes a tenth of the time.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import coal
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.spatial import ConvexHull, QhullError
+
+DRAWN_BY_DRAKE = (".obj", ".gltf", ".glb", ".vtk")
+ELEMENTS = ("visual", "collision")
+# What became of each mesh, drawn or as a hull.
+Converted = dict[tuple[Path, bool], Path | None]
+
+
+@dataclass(frozen=True)
+class ReadableUrdf:
+    """A URDF whose meshes Drake can read.
+
+    Attributes:
+        text: The file, its meshes named by absolute path.
+        missing: Names of the meshes that could not be found or read, and are left out.
+    """
+
+    text: str
+    missing: tuple[str, ...]
+
+
+def with_readable_meshes(text: str, source: Path, scratch: Path) -> ReadableUrdf:
+    """Convert what Drake cannot read, and leave out what nobody can.
+
+    Args:
+        text: A URDF.
+        source: Its file, from which relative paths and packages are found.
+        scratch: Folder for converted meshes; it must stay while the robot is drawn.
+
+    Raises:
+        xml.etree.ElementTree.ParseError: If the text is not XML.
+    """
+    root = ElementTree.fromstring(text)  # noqa: S314  # the user's own robot file
+    converted: Converted = {}
+    missing: list[str] = []
+    for link in root.iter("link"):
+        for element in [e for kind in ELEMENTS for e in link.findall(kind)]:
+            for mesh in element.iter("mesh"):
+                name = mesh.get("filename", "")
+                is_hull = element.tag == "collision"
+                readable = _readable(name, source, scratch, converted, is_hull=is_hull)
+                if readable is None:
+                    missing.append(name)
+                    link.remove(element)
+                    break
+                mesh.set("filename", str(readable))
+    _define_once(root)
+    return ReadableUrdf(ElementTree.tostring(root, encoding="unicode"), tuple(missing))
+
+
+def _define_once(root: ElementTree.Element) -> None:
+    """Let a material's first definition stand for all: Drake refuses a file with two."""
+    defined: set[str] = set()
+    for material in root.iter("material"):
+        name = material.get("name", "")
+        if len(material) and name in defined:
+            for child in list(material):
+                material.remove(child)
+        if len(material):
+            defined.add(name)
+
+
+def find_mesh(name: str, source: Path) -> Path | None:
+    """The file that a URDF means: by path, or by a package among the folders above it.
+
+    A package is a folder called after it, or one whose package.xml gives its name.
+    """
+    scheme, _, rest = name.rpartition("://")
+    if scheme in ("", "file"):
+        found = source.parent / rest
+        return found if found.is_file() else None
+    package, _, inside = rest.partition("/")
+    for folder in source.resolve().parents:
+        for root in (folder / package, folder):
+            is_named = root.name == package or _package_name(root) == package
+            if is_named and (root / inside).is_file():
+                return root / inside
+    return None
+
+
+def load_triangles(path: Path) -> Float[ndarray, "triangles 3 3"]:
+    """The three corners of every triangle [unit of the file].
+
+    Raises:
+        ValueError: If the file holds no mesh that can be read.
+    """
+    triangles = _binary_stl(path) if path.suffix.lower() == ".stl" else None
+    if triangles is None:
+        triangles = _by_assimp(path)
+    if not len(triangles):
+        raise ValueError(f"{path}: no triangles")
+    return triangles
+
+
+def write_obj(triangles: Float[ndarray, "triangles 3 3"], path: Path) -> None:
+    """A Wavefront OBJ file, which counts from 1."""
+    vertices, corners = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    lines = [f"v {x:.7g} {y:.7g} {z:.7g}" for x, y, z in vertices.tolist()]
+    faces = (corners.reshape(-1, 3) + 1).tolist()
+    lines += [f"f {a} {b} {c}" for a, b, c in faces]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _binary_stl(path: Path) -> Float[ndarray, "triangles 3 3"] | None:
+    """The corners in a binary STL file, single precision; None if it is an ASCII one."""
+    content = path.read_bytes()
+    count = int.from_bytes(content[80:84], "little")
+    if len(content) != 84 + 50 * count:
+        return None
+    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    return np.frombuffer(content, record, count, 84)["corners"].astype(float)
+
+
+def _by_assimp(path: Path) -> Float[ndarray, "triangles 3 3"]:
+    try:
+        mesh = coal.MeshLoader().load(str(path), np.ones(3))
+        triangles = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
+        corners = [(triangle[0], triangle[1], triangle[2]) for triangle in triangles]
+    except (RuntimeError, ValueError) as error:
+        raise ValueError(f"{path}: no mesh can be read: {error}") from error
+    return np.array(mesh.vertices())[np.array(corners, dtype=int).reshape(-1, 3)]
+
+
+def _readable(
+    name: str, source: Path, scratch: Path, converted: Converted, *, is_hull: bool
+) -> Path | None:
+    """The mesh in a format of Drake's, converted at most once; None if that fails."""
+    found = find_mesh(name, source)
+    if found is None or found.suffix.lower() in DRAWN_BY_DRAKE:
+        return found.resolve() if found is not None else None
+    key = (found, is_hull)
+    if key not in converted:
+        target = scratch / f"{len(converted)}_{found.stem}.obj"
+        try:
+            triangles = load_triangles(found)
+            write_obj(_hull(triangles) if is_hull else triangles, target)
+            converted[key] = target
+        except ValueError:
+            converted[key] = None
+    return converted[key]
+
+
+def _hull(triangles: Float[ndarray, "triangles 3 3"]) -> Float[ndarray, "faces 3 3"]:
+    """The convex hull, which is what Drake checks for contact; a flat mesh as it is."""
+    try:
+        hull = ConvexHull(triangles.reshape(-1, 3))
+    except QhullError:
+        return triangles
+    return hull.points[hull.simplices]
+
+
+def _package_name(folder: Path) -> str | None:
+    description = folder / "package.xml"
+    if not description.is_file():
+        return None
+    found = re.search(r"<name>\s*([^<\s]+)\s*</name>", description.read_text(errors="replace"))
+    return found.group(1) if found else None

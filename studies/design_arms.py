@@ -1,0 +1,172 @@
+"""Does a motion come out of the box for any arm, how good is it, and how long does it take?
+
+    python -m studies.design_arms [--robot FILE ...] [--out results/design] [--smoke]
+
+Runs `studies.design` with default settings on the arms of the package example-robot-data, each in
+a process of its own as a user would, one after the other.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from oed.report.json_file import write_atomically
+from oed.report.progress import progress
+from oed.report.provenance import Provenance
+from oed.report.table import Row, markdown_table, write_csv
+from studies.data_folders import EXAMPLE_ROBOTS, REPOSITORY
+
+ARMS = (
+    "ur_description/urdf/ur3_robot.urdf",
+    "ur_description/urdf/ur5_robot.urdf",
+    "ur_description/urdf/ur10_robot.urdf",
+    "panda_description/urdf/panda.urdf",
+    "xarm_description/urdf/xarm7.urdf",
+    "z1_description/urdf/z1.urdf",
+    "kinova_description/robots/kinova.urdf",
+    "so_arm_description/urdf/so101.urdf",
+    "so_arm_description/urdf/so100.urdf",
+    "tiago_description/robots/tiago.urdf",
+    "double_pendulum_description/urdf/double_pendulum.urdf",
+    "asr_twodof_description/urdf/TwoDofs.urdf",
+)
+LONGEST = 300.0  # [s] after which an arm counts as failed
+
+
+@dataclass(frozen=True)
+class Config:
+    """What to run.
+
+    Attributes:
+        robots: Files or built-in names; the default list if empty.
+        out: Folder to leave results in.
+        smoke: Whether each is to take a few seconds only.
+    """
+
+    robots: tuple[str, ...] = ()
+    out: Path = Path("results/design")
+    smoke: bool = False
+
+
+def run(config: Config) -> list[Row]:
+    """One row an arm; one that fails is a row that says why."""
+    robots = config.robots or tuple(str(EXAMPLE_ROBOTS / arm) for arm in ARMS)
+    return [_row(robot, config) for robot in progress(robots, "arms")]
+
+
+def _row(robot: str, config: Config) -> Row:
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch) / "out"
+        command = [sys.executable, "-m", "studies.design", "--robot", robot, "--out", str(out)]
+        before, started = _children_cpu(), time.perf_counter()
+        environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+        finished = subprocess.run(  # noqa: S603  # our own study
+            [*command, *(["--smoke"] if config.smoke else [])],
+            cwd=REPOSITORY,
+            env=environment,
+            timeout=LONGEST,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        wall, cpu = time.perf_counter() - started, _children_cpu() - before
+        row: Row = {"arm": Path(robot).stem, "wall_s": round(wall, 1), "cpu_s": round(cpu, 1)}
+        if finished.returncode:
+            return {**row, "problem": finished.stderr.strip()[-200:]}
+        return {**row, **_found(json.loads((out / "design.json").read_text(encoding="utf-8")))}
+
+
+def _found(record: dict) -> Row:
+    efficiency, clearance = record["d_efficiency"] or {}, record["clearance"]
+    return {
+        "joints": len(record["joints"]),
+        "base": len(record["base_parameters"]),
+        "feasible": record["certified_violation"] <= 0.0,
+        "violation": record["certified_violation"],
+        "J_k": record["J_k"],
+        "J_k_scaled": record["J_k_scaled"],
+        "J_d": record["J_d_log10"],
+        "J_d_continuous": record["J_d_log10_continuous"],
+        "d_efficiency": efficiency.get("value", ""),
+        "kind": efficiency.get("kind", ""),
+        "evaluations": record["evaluations"],
+        "least_distance_m": clearance["least"] if clearance["least"] is not None else "",
+    }
+
+
+def _children_cpu() -> float:
+    """CPU time of the processes that have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def write(rows: Sequence[Row], config: Config) -> None:
+    """Leave runs.csv, summary.md and provenance.json."""
+    write_csv(config.out / "runs.csv", rows)
+    good = [row for row in rows if row.get("feasible") is True and row.get("J_k") is not None]
+    walls, cpus = ([float(row[key]) for row in rows] for key in ("wall_s", "cpu_s"))
+    shown = [
+        {key: row.get(key, "") for key in SHOWN} | {"problem": row.get("problem", "")}
+        for row in rows
+    ]
+    if not any(row["problem"] for row in shown):
+        shown = [{key: row[key] for key in SHOWN} for row in shown]
+    text = f"""\
+# A motion for any arm, with default settings
+
+`studies.design --robot FILE --out DIR`, one process an arm, one thread, the file and nothing else:
+{len(good)} of {len(rows)} arms have a motion that is proven to keep its limits for all t and a finite J_k.
+The longest took {max(walls):.1f} s of wall and {max(cpus):.1f} s of CPU time, imports, compilation, bound, pictures and
+recording included. J_k and J_d are of Lambda without column scaling, R_v = I, at 200 instants of a
+10 s period; `J_k_scaled` has columns scaled to the information of random motions. D-efficiency
+is against a bound on every periodic motion within the position, velocity and acceleration limits,
+whatever its parametrisation: proven up to two joints, estimated beyond. `least_distance_m` is that of two
+bodies in a check at 1000 instants, negative where they overlap: `--avoid-collision` was not asked for.
+
+{markdown_table(shown)}"""
+    write_atomically(config.out / "summary.md", text)
+    Provenance.collect(config).write(config.out / "provenance.json")
+
+
+SHOWN = (
+    "arm",
+    "joints",
+    "base",
+    "feasible",
+    "J_k",
+    "J_k_scaled",
+    "J_d",
+    "d_efficiency",
+    "kind",
+    "least_distance_m",
+    "wall_s",
+    "cpu_s",
+)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--robot", nargs="+", default=(), help="files; the default list if none")
+    parser.add_argument("--out", type=Path, default=Config.out)
+    parser.add_argument("--smoke", action="store_true", help="a few seconds an arm")
+    given = parser.parse_args(argv)
+    config = Config(tuple(given.robot), given.out, given.smoke)
+    rows = run(config)
+    write(rows, config)
+    print((config.out / "summary.md").read_text(encoding="utf-8"))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
