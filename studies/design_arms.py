@@ -135,7 +135,7 @@ bodies in a check at 1000 instants, negative where they overlap: `--avoid-collis
 
 {markdown_table(shown)}"""
     write_atomically(config.out / "summary.md", text)
-    Provenance.collect(config).write(config.out / "provenance.json")
+    Provenance.collect(config, seed=0).write(config.out / "provenance.json")
 
 
 SHOWN = (
