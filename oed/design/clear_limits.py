@@ -111,7 +111,7 @@ def _centre(
         return middle
     best, most = middle, 0.0
     for q in rng.uniform(*position.T, (CENTRES, len(position))):
-        room = min((near.distance for near in surroundings.near(q)), default=np.inf)
+        room = min(surroundings.distances(q).values(), default=np.inf)
         if room > most and surroundings.is_clear(q):
             best, most = q, room
     if most == 0.0:

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from pydrake.multibody.tree import BodyIndex, Frame, JacobianWrtVariable
+from pydrake.geometry import GeometryId, SignedDistancePair
+from pydrake.multibody.tree import BodyIndex, Frame, JacobianWrtVariable, RigidBody
 
 from oed.design.scene import Scene, load_scene
 from oed.dynamics.motion import Motion
@@ -86,10 +87,12 @@ class Surroundings:
         self._moved_by = self._joints_below()
         self.middle = robot.limits.position.mean(axis=1)
         self._ignored: frozenset[Pair] = frozenset()
-        at_middle = self.near(self.middle)
-        overlapping = {n.pair for n in at_middle if n.distance <= 0.0 and not _is_wall(n.pair)}
+        # Looking names up takes Drake longer than the distances do.
+        self._pairs: dict[tuple[GeometryId, GeometryId], Pair | None] = {}
+        at_middle = self.distances(self.middle)
+        overlapping = {p for p, distance in at_middle.items() if distance <= 0 and not _is_wall(p)}
         self._ignored = frozenset(overlapping | self._neighbours(robot))
-        self._at_middle = {n.pair: n.distance for n in at_middle if n.distance > 0.0}
+        self._at_middle = {p: distance for p, distance in at_middle.items() if distance > 0.0}
         self.has_shapes = self._scene.scene_graph.model_inspector().num_geometries() > 0
         pairs = ", ".join(" and ".join(pair) for pair in sorted(self._ignored))
         overlap = f"not judged, as they always nearly touch: {pairs}" if pairs else ""
@@ -97,28 +100,53 @@ class Surroundings:
 
     def near(self, q: Float[ndarray, " joints"]) -> list[Nearness]:
         """All pairs within `FAR` in a posture, each once, and all bodies near a wall."""
+        between = [
+            Nearness(pair, float(found.distance), self._slope(found))
+            for pair, found in self._nearest(q).items()
+        ]
+        return [*between, *self._near_walls()]
+
+    def distances(self, q: Float[ndarray, " joints"]) -> dict[Pair, float]:
+        """As `near`, without the slopes [m]."""
+        between = {pair: float(found.distance) for pair, found in self._nearest(q).items()}
+        return between | {found.pair: found.distance for found in self._near_walls()}
+
+    def _nearest(self, q: Float[ndarray, " joints"]) -> dict[Pair, SignedDistancePair]:
+        """Pose the arm; of each pair of bodies the two shapes that are nearest."""
         plant = self._scene.plant
         plant.SetPositions(self._plant_context, self._scene.positions(q, self._rest))
         query = plant.get_geometry_query_input_port().Eval(self._plant_context)
-        inspector = query.inspector()
-        nearest: dict[Pair, Nearness] = {}
+        nearest: dict[Pair, SignedDistancePair] = {}
         for found in query.ComputeSignedDistancePairwiseClosestPoints(FAR):
-            frames = [inspector.GetFrameId(g) for g in (found.id_A, found.id_B)]
-            a, b = (plant.GetBodyFromFrameId(f) for f in frames)
+            pair = self._pair_of(found)
+            if pair is not None and (
+                pair not in nearest or found.distance < nearest[pair].distance
+            ):
+                nearest[pair] = found
+        return nearest
+
+    def _pair_of(self, found: SignedDistancePair) -> Pair | None:
+        """Names of the two bodies; None for a pair that is not judged."""
+        key = (found.id_A, found.id_B)
+        if key not in self._pairs:
+            a, b = (self._body(geometry) for geometry in key)
             pair = (min(a.name(), b.name()), max(a.name(), b.name()))
-            before = nearest.get(pair)
             is_rigid = self._moved_by[int(a.index())] == self._moved_by[int(b.index())]
-            if is_rigid or pair in self._ignored or (before and before.distance <= found.distance):
-                continue
-            points = [
-                inspector.GetPoseInFrame(g) @ p
-                for g, p in ((found.id_A, found.p_ACa), (found.id_B, found.p_BCb))
-            ]
-            rates = self._velocity(a.body_frame(), points[0]) - self._velocity(
-                b.body_frame(), points[1]
-            )
-            nearest[pair] = Nearness(pair, float(found.distance), found.nhat_BA_W @ rates)
-        return [*nearest.values(), *self._near_walls()]
+            self._pairs[key] = None if is_rigid else pair
+        pair = self._pairs[key]
+        return None if pair in self._ignored else pair
+
+    def _slope(self, found: SignedDistancePair) -> Float[ndarray, " joints"]:
+        inspector = self._scene.scene_graph.model_inspector()
+        rates = [
+            self._velocity(self._body(g).body_frame(), inspector.GetPoseInFrame(g) @ p)
+            for g, p in ((found.id_A, found.p_ACa), (found.id_B, found.p_BCb))
+        ]
+        return found.nhat_BA_W @ (rates[0] - rates[1])
+
+    def _body(self, geometry: GeometryId) -> RigidBody:
+        inspector = self._scene.scene_graph.model_inspector()
+        return self._scene.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
 
     def wanted(self, pair: Pair) -> float:
         """The distance that a pair should keep [m]: a neighbour cannot keep what a stranger can."""
@@ -126,7 +154,9 @@ class Surroundings:
 
     def is_clear(self, q: Float[ndarray, " joints"]) -> bool:
         """Whether every pair keeps at least half of what it should, in a posture."""
-        return all(found.distance >= self.wanted(found.pair) / 2 for found in self.near(q))
+        return all(
+            distance >= self.wanted(pair) / 2 for pair, distance in self.distances(q).items()
+        )
 
     def check(self, motion: Motion) -> ClearanceCheck:
         """The least distance at the instants of a motion."""
@@ -134,9 +164,9 @@ class Surroundings:
             return ClearanceCheck(None, None, None, 0, self.note or "the file has no shapes")
         worst: tuple[float | None, Pair | None, float | None] = (None, None, None)
         for t, q in zip(motion.t, motion.q, strict=True):
-            for found in self.near(q):
-                if worst[0] is None or found.distance < worst[0]:
-                    worst = (found.distance, found.pair, float(t))
+            for pair, distance in self.distances(q).items():
+                if worst[0] is None or distance < worst[0]:
+                    worst = (distance, pair, float(t))
         return ClearanceCheck(*worst, len(motion), self.note)
 
     def _neighbours(self, robot: Robot) -> set[Pair]:
@@ -146,9 +176,9 @@ class Surroundings:
         rng = np.random.default_rng(0)
         together: dict[Pair, int] = {}
         for q in rng.uniform(*robot.limits.position.T, (POSTURES, robot.n)):
-            for found in self.near(q):
-                if found.distance < NEIGHBOURLY and not _is_wall(found.pair):
-                    together[found.pair] = together.get(found.pair, 0) + 1
+            for pair, distance in self.distances(q).items():
+                if distance < NEIGHBOURLY and not _is_wall(pair):
+                    together[pair] = together.get(pair, 0) + 1
         return {pair for pair, count in together.items() if count == POSTURES}
 
     def _near_walls(self) -> list[Nearness]:
