@@ -1,7 +1,8 @@
-"""Smooth nonparametric torque terms: what a library of names is measured against.
+"""Nonparametric torque terms: what a library of names is measured against.
 
 Cubic B-splines in one coordinate, or products of them in two, with or without the sign of a
-joint's motion. Outside the range that the data covered, a term keeps the value at its edge.
+joint's motion; outside the range that the data covered, they keep the value at its edge. And
+any loop against a joint's position, as a sum of elastic sliders.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numpy import ndarray
 from scipy.interpolate import BSpline
 
 from oed.dynamics.effects import Effect, Parameter, State
+from oed.dynamics.effects.hysteresis import maxwell_elements
 from oed.dynamics.scalars import Scalar
 
 DEGREE = 3
@@ -43,23 +45,73 @@ class Coordinate:
         """Such as "dq_2" (joints from 1), or "time"."""
         return "time" if self.kind == "time" else f"{self.kind}_{self.joint + 1}"
 
-    def values(self, state: State) -> Float[ndarray, " samples"]:
-        """The coordinate along a motion."""
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Itself."""
+        return (self.name,)
+
+    @property
+    def functions(self) -> int:
+        """Number of basis functions."""
+        return self.pieces + DEGREE
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """B-splines that add up to one; beyond the covered range they stay at its edge."""
+        inner = np.linspace(self.lower, self.upper, self.pieces + 1)
+        knots = np.concatenate([[self.lower] * DEGREE, inner, [self.upper] * DEGREE])
+        inside = np.clip(self._values(state), self.lower, self.upper)
+        return BSpline.design_matrix(inside, knots, DEGREE).toarray()
+
+    def _values(self, state: State) -> Float[ndarray, " samples"]:
         if self.kind == "time":
             return np.asarray(state.t, dtype=float)
         return np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
 
-    def basis(self, x: Float[ndarray, " samples"]) -> Float[ndarray, "samples functions"]:
-        """B-splines that add up to one; beyond the covered range they stay at its edge."""
-        inner = np.linspace(self.lower, self.upper, self.pieces + 1)
-        knots = np.concatenate([[self.lower] * DEGREE, inner, [self.upper] * DEGREE])
-        inside = np.clip(x, self.lower, self.upper)
-        return BSpline.design_matrix(inside, knots, DEGREE).toarray()
+
+@dataclass(frozen=True)
+class Loop:
+    """What a joint's position drags: torque that lags behind each reversal over some distance.
+
+    Elastic sliders (stop operators) of many break-away distances add up to any loop of
+    Prandtl and Ishlinskii (Brokate and Sprekels 1996, "Hysteresis and Phase Transitions").
+
+    Attributes:
+        joint: Whose position drags.
+        shortest: Break-away distance of the first slider [rad or m].
+        longest: Of the last [rad or m].
+        functions: Number of sliders, their distances in geometric steps.
+    """
+
+    joint: int
+    shortest: float
+    longest: float
+    functions: int
+    kind = "loop"
+
+    @property
+    def name(self) -> str:
+        """Such as "loop of q_2"."""
+        return f"loop of q_{self.joint + 1}"
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Position, by its reversals, and direction."""
+        return (f"q_{self.joint + 1}", f"dq_{self.joint + 1}")
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """Deflection of each slider, from -1 to 1, relaxed at the start.
+
+        Raises:
+            ValueError: If the state is symbolic.
+        """
+        q = np.ascontiguousarray(state.motion(self.name).q[:, self.joint])
+        distances = np.geomspace(self.shortest, self.longest, self.functions)
+        return np.stack([maxwell_elements(q, np.array([d])) for d in distances], axis=1)
 
 
 @dataclass(frozen=True)
 class FreeForm(Effect):
-    """A smooth function of one or two coordinates on one joint.
+    """A function of one or two coordinates on one joint.
 
     Attributes:
         joint: On which the torque acts.
@@ -69,12 +121,17 @@ class FreeForm(Effect):
     """
 
     joint: int
-    coordinates: tuple[Coordinate, ...]
+    coordinates: tuple[Coordinate | Loop, ...]
     direction: int | None = None
     mixing: Float[ndarray, "functions columns"] | None = field(
         default=None, repr=False, compare=False
     )
     name = "free_form"
+
+    @property
+    def remembers(self) -> bool:
+        """Whether it needs the motion that came before."""
+        return any(isinstance(c, Loop) for c in self.coordinates)
 
     @property
     def label(self) -> str:
@@ -86,10 +143,10 @@ class FreeForm(Effect):
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """One a column."""
-        count = int(np.prod([c.pieces + DEGREE for c in self.coordinates]))
+        count = int(np.prod([c.functions for c in self.coordinates]))
         if self.mixing is not None:
             count = self.mixing.shape[1]
-        tag = "_".join(c.name for c in self.coordinates)
+        tag = "_".join(c.name.replace(" ", "_") for c in self.coordinates)
         if self.direction is not None:
             tag += f"_s{self.direction + 1}"
         return tuple(
@@ -99,15 +156,15 @@ class FreeForm(Effect):
     @property
     def depends_on(self) -> tuple[str, ...]:
         """Names of the coordinates, the directing joint's velocity among them."""
-        names = [c.name for c in self.coordinates]
+        names = [name for c in self.coordinates for name in c.depends_on]
         turn = [] if self.direction is None else [f"dq_{self.direction + 1}"]
         return tuple(names + [name for name in turn if name not in names])
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """Products of the coordinates' B-splines."""
-        product = self.coordinates[0].basis(self.coordinates[0].values(state))
+        """Products of the coordinates' basis functions."""
+        product = self.coordinates[0].basis(state)
         for coordinate in self.coordinates[1:]:
-            other = coordinate.basis(coordinate.values(state))
+            other = coordinate.basis(state)
             product = (product[:, :, None] * other[:, None, :]).reshape(len(product), -1)
         if self.direction is not None:
             product = product * np.asarray(state.sign(state.dq[self.direction]))[:, None]

@@ -6,12 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.free_form import Coordinate, FreeForm
+from oed.diagnosis.free_form import Coordinate, FreeForm, Loop
 from oed.diagnosis.prepare import Prepared
 
 PIECES_ALONE = 8
 PIECES_FINE = 36  # what repeats along a turn: teeth, poles, balls
 PIECES_TOGETHER = 4
+SLIDERS = 6
+# Break-away distances over the range of motion: shorter than that is a sign, longer a spring.
+DISTANCES = (0.003, 0.3)
 # Range between these quantiles: a spline's end piece needs data, not one outlying sample.
 QUANTILES = (0.002, 0.998)
 
@@ -31,12 +34,20 @@ def coordinate(
     return Coordinate(kind, joint, lower, upper, pieces)
 
 
+def loop(prepared: Sequence[Prepared], joint: int) -> Loop:
+    """Loops against a joint's position of every width that the motion shows."""
+    whole = coordinate(prepared, "q", joint)
+    span = whole.upper - whole.lower
+    return Loop(joint, DISTANCES[0] * span, DISTANCES[1] * span, SLIDERS)
+
+
 def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ...]:
-    """Terms in one coordinate, for every joint."""
+    """Terms in one coordinate or loop, for every joint."""
     terms: list[FreeForm] = []
     for j in range(joints):
         for i in range(joints):
             terms += [FreeForm(j, (coordinate(prepared, kind, i),)) for kind in ("q", "dq")]
+            terms.append(FreeForm(j, (loop(prepared, i),)))
             # Friction of this joint that varies, and what another joint drags along.
             own = {i, j}
             terms += [FreeForm(j, (coordinate(prepared, "q", i),), direction=k) for k in own]

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
+from scipy.interpolate import BPoly
 
 from oed.diagnosis.band import Band, choose_band, position_noise
 from oed.diagnosis.settings import DiagnosisSettings
@@ -161,11 +162,56 @@ def _uniform(
     if step > 1:
         dense = uniform_grid(t, rate * step)
         q, tau = (
-            lowpass(resample(t, x, dense, "linear"), rate * step, 0.4 * rate) for x in (q, tau)
+            lowpass(x, rate * step, 0.4 * rate)
+            for x in (
+                _bridged(t, q, dense, rate),
+                resample(t, tau, dense, "linear"),
+            )
         )
         return dense[::step], q[::step], tau[::step]
     grid = uniform_grid(t, rate)
-    return grid, resample(t, q, grid, "linear"), resample(t, tau, grid, "linear")
+    return grid, _bridged(t, q, grid, rate), resample(t, tau, grid, "linear")
+
+
+def _bridged(
+    t: Float[ndarray, " logged"],
+    q: Float[ndarray, "logged joints"],
+    grid: Float[ndarray, " samples"],
+    rate: float,
+) -> Float[ndarray, "samples joints"]:
+    """Positions on a grid, across gaps as smoothly as an arm that goes on would move.
+
+    Nothing is compared within a gap, but what remembers, such as a spring, would ring for long
+    from any jump of the acceleration.
+    """
+    result = resample(t, q, grid, "linear")
+    for k in _gaps(t, rate):
+        before, after = (t > t[k] - EDGE) & (t <= t[k]), (t >= t[k + 1]) & (t < t[k + 1] + EDGE)
+        states = [
+            _state(t[near] - t[edge], q[near]) for near, edge in ((before, k), (after, k + 1))
+        ]
+        bridge = BPoly.from_derivatives(t[[k, k + 1]], states)
+        inside = (grid > t[k]) & (grid < t[k + 1])
+        result[inside] = bridge(grid[inside])
+    return result
+
+
+def _state(
+    t: Float[ndarray, " logged"], q: Float[ndarray, "logged joints"]
+) -> Float[ndarray, "3 joints"]:
+    """Position, velocity and acceleration at t = 0 of a parabola through the samples."""
+    state = np.zeros((3, q.shape[1]))
+    powers = np.vander(t, min(3, len(t)), increasing=True)
+    fitted = np.linalg.lstsq(powers, q, rcond=None)[0]
+    state[: len(fitted)] = fitted
+    state[2] *= 2
+    return state
+
+
+def _gaps(t: Float[ndarray, " logged"], rate: float) -> Int[ndarray, " gaps"]:
+    """Indices of the logged samples before each gap, such as between runs."""
+    steps = np.diff(t)
+    return np.flatnonzero(steps > GAP * max(float(np.median(steps)), 1 / rate))
 
 
 def _prepare_one(
@@ -207,10 +253,8 @@ def _recorded(
     recording: Recording, t: Float[ndarray, " samples"], rate: float
 ) -> Bool[ndarray, " samples"]:
     """False in gaps of the log, such as between runs, and where smoothing feels them."""
-    steps = np.diff(recording.t)
-    longest = GAP * max(float(np.median(steps)), 1 / rate)
     recorded = np.ones(len(t), dtype=bool)
-    for k in np.flatnonzero(steps > longest):
+    for k in _gaps(recording.t, rate):
         before, after = recording.t[k], recording.t[k + 1]
         recorded &= (t < before - EDGE) | (t > after + EDGE)
     return recorded

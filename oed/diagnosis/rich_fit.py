@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.diagnosis.free_form import FreeForm
-from oed.diagnosis.free_terms import PIECES_FINE, coordinate, terms_together
+from oed.diagnosis.free_terms import PIECES_FINE, coordinate, loop, terms_together
 from oed.diagnosis.linear_fit import LinearFit
 from oed.diagnosis.model_columns import WIDTH_PER_SIGMA, effect_columns
 from oed.diagnosis.noise_floor import correlated_rows
@@ -173,6 +173,7 @@ def _further_terms(fit: LinearFit, prepared: Sequence[Prepared], joint: int) -> 
     return [
         FreeForm(joint, (fine,)),
         FreeForm(joint, (fine,), direction=joint),
+        *(FreeForm(joint, (loop(prepared, i),)) for i in range(fit.model.robot.n)),
         *turned,
         *steady,
     ]

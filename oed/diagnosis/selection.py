@@ -20,6 +20,7 @@ from oed.diagnosis.judgement import (
     within,
 )
 from oed.diagnosis.restraint import restrained
+from oed.diagnosis.ripening import is_unripe, ripened
 from oed.diagnosis.scan import (
     Score,
     refine,
@@ -36,6 +37,7 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 # Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
 # would carry it to the next motion.
 BETTER = 0.95
+UNRIPE_SHARE = 0.2  # of the best gain, from which on a candidate is worth evaluating anew
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
 
@@ -106,13 +108,27 @@ def _at_home(shop: Workshop, item: Accepted) -> Accepted:
 
 
 def ranked(
-    shop: Workshop, pool: Sequence[Trial], others: Sequence[Trial], most: int
+    shop: Workshop,
+    pool: Sequence[Trial],
+    others: Sequence[Trial],
+    most: int,
+    *,
+    ripe: bool = False,
 ) -> list[Score]:
-    """Refined candidates beside some additions, best evidence first."""
+    """Refined candidates beside some additions, best evidence first.
+
+    Args:
+        shop: The laid-out data.
+        pool: Candidates, over the grids of their shapes.
+        others: Additions.
+        most: Candidates that are refined.
+        ripe: Whether those that act on the torque itself are evaluated on what they leave.
+    """
     keys = {t.key for t in others}
     if shop.is_turned:
         pool = [t for t in pool if t.name != GRAVITY]
     found: list[Score] = []
+    rows = shop.full.rows.count
     for between in (False, True):
         layout = shop.full if between else shop.mean
         part = [t for t in pool if t.between_repetitions == between and t.key not in keys]
@@ -124,8 +140,15 @@ def ranked(
         # makes its joint's residual loud.
         leading = {s.trial.key: s for s in scores[:most]}
         leading |= {s.trial.key: s for s in sorted(scores, key=lambda s: -s.gain)[:most]}
-        found += [refine(s, fit, shop.context) for s in leading.values()]
-    return sorted(found, key=lambda s: -s.evidence(shop.full.rows.count))
+        refined = [refine(s, fit, shop.context) for s in leading.values()]
+        promising = UNRIPE_SHARE * max(s.gain for s in refined)
+        found += [
+            ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
+            if ripe and is_unripe(s.trial) and s.gain > promising and s.evidence(rows) > 0
+            else s
+            for s in refined
+        ]
+    return sorted(found, key=lambda s: -s.evidence(rows))
 
 
 def simplest_first(shop: Workshop, candidates: list[Score]) -> list[Score]:
@@ -142,7 +165,9 @@ def _next_physical(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused]
 ) -> Accepted | None:
     others = [a.trial for a in accepted]
-    candidates = simplest_first(shop, ranked(shop, shop.physical, others, shop.settings.refined))
+    candidates = simplest_first(
+        shop, ranked(shop, shop.physical, others, shop.settings.refined, ripe=True)
+    )
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= 0:

@@ -167,7 +167,7 @@ def _free_form_block(
     term: FreeForm, prepared: Prepared, width: float, *, contrast: bool
 ) -> Float[ndarray, "_ columns"]:
     """A term in the analysis band; a smooth one is slow enough to be sampled as it is."""
-    if term.direction is not None or contrast:
+    if term.direction is not None or term.remembers or contrast:
         motion = prepared.mean_motion if contrast else prepared.motion
         fine = effect_columns(term, motion, width)[term.joint]
         return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)

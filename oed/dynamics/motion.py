@@ -50,6 +50,14 @@ class Motion:
         )
 
 
+def with_joint(motion: Motion, joint: int, states: Sequence[Float[ndarray, " samples"]]) -> Motion:
+    """The motion with other q, dq and ddq of one joint."""
+    changed = [motion.q.copy(), motion.dq.copy(), motion.ddq.copy()]
+    for whole, own in zip(changed, states, strict=True):
+        whole[:, joint] = own
+    return Motion(motion.t, *changed)
+
+
 def random_motion(robot: Robot, samples: int, rng: np.random.Generator) -> Motion:
     """Independent random states within the robot's limits: no trajectory, one state a row.
 

@@ -9,7 +9,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from oed.dynamics.effects.entries import friction, history, load, measurement, motor, position
+from oed.dynamics.effects.entries import (
+    friction,
+    history,
+    load,
+    measurement,
+    motor,
+    position,
+    transmission,
+)
 from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
 
 __all__ = ["CATALOGUE", "CatalogueEntry", "Context", "EffectPage", "Shape", "Target"]
@@ -23,7 +31,7 @@ CATALOGUE: Mapping[str, CatalogueEntry] = MappingProxyType(
             friction.ASYMMETRIC_VISCOUS,
             friction.TORQUE_OFFSET,
             history.PRESLIDING_HYSTERESIS,
-            history.BACKLASH,
+            transmission.BACKLASH,
             load.LOAD_DEPENDENT_FRICTION,
             position.POSITION_DEPENDENT_FRICTION,
             position.TORQUE_RIPPLE,
@@ -35,7 +43,7 @@ CATALOGUE: Mapping[str, CatalogueEntry] = MappingProxyType(
             load.TORQUE_SATURATION,
             measurement.TIME_DELAY,
             measurement.FILTER_LAG,
-            measurement.JOINT_ELASTICITY,
+            transmission.JOINT_ELASTICITY,
             history.THERMAL_DRIFT,
             history.PAYLOAD_CHANGE,
             measurement.ENCODER_ECCENTRICITY,

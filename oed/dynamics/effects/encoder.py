@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
-from oed.dynamics.motion import Motion
+from oed.dynamics.motion import Motion, with_joint
 from oed.dynamics.scalars import Scalar, cos, mul, sin
 
 # Central differences of the torque: the error is this squared, far above rounding.
@@ -46,11 +45,7 @@ class EncoderEccentricity(MeasurementEffect):
         """The columns along the true motion."""
         states = [getattr(motion, x)[:, self.joint] for x in ("q", "dq", "ddq")]
         true = self.corrected(*states)
-        q, dq, ddq = (
-            _with_column(getattr(motion, x), self.joint, value)
-            for x, value in zip(("q", "dq", "ddq"), true, strict=True)
-        )
-        return columns(Motion(motion.t, q, dq, ddq))
+        return columns(with_joint(motion, self.joint, true))
 
     def corrected(self, q: Scalar, dq: Scalar, ddq: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """True position, velocity and acceleration of the joint."""
@@ -105,11 +100,3 @@ class EccentricityColumns(Effect):
             for before, value in zip((state.q, state.dq, state.ddq), true, strict=True)
         )
         return replace(state, q=q, dq=dq, ddq=ddq)
-
-
-def _with_column(
-    values: Float[ndarray, "samples joints"], joint: int, column: Float[ndarray, " samples"]
-) -> Float[ndarray, "samples joints"]:
-    result = np.array(values)
-    result[:, joint] = column
-    return result

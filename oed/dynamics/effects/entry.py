@@ -57,7 +57,9 @@ class Shape:
 
     @property
     def grid(self) -> tuple[float, ...]:
-        """The values of a first scan."""
+        """The values of a first scan; the default alone if it has one point."""
+        if self.points == 1 and self.scale != "choice":
+            return (self.default,)
         space = np.geomspace if self.scale == "log" else np.linspace
         return tuple(float(x) for x in space(self.lower, self.upper, self.points))
 

@@ -24,6 +24,8 @@ from oed.dynamics.newton_euler import inverse_dynamics, joint_components, regres
 from oed.dynamics.scalars import Scalar, add, mul
 from oed.robot import Robot
 
+STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
+STRIDE = 8  # samples that a motion's fingerprint leaves out
 REMEMBERED = 24  # torques of a few recordings: a scan asks for the same ones at each trial value
 
 
@@ -102,6 +104,22 @@ class ReferenceTorque:
         """Diagonal entry M_jj of the inertia matrix [kg m^2]."""
         return self._remembered(f"inertia {joint}", state, lambda: self._inertia(state, joint))[0]
 
+    def inertia_at(self, posture: tuple[float, ...], joint: int) -> float:
+        """M_jj at one posture [kg m^2]."""
+        key = (joint, posture)
+        if key not in self._inertias:
+            rest = [0.0] * len(posture)
+            state = State(0.0, posture, rest, rest)
+            self._inertias[key] = float(self._inertia(state, joint)[0])
+        return self._inertias[key]
+
+    def slopes(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
+        """Derivatives of every joint's rigid torque by q, dq and ddq of one joint.
+
+        Central differences by q and dq; the last is a column of the inertia matrix.
+        """
+        return self._remembered(f"slopes {joint}", state, lambda: self._slopes(state, joint))
+
     def beside_rigid(self, state: State) -> list[Scalar]:
         """Torque of all other effects of every joint [N m]."""
         return self._remembered("rest", state, lambda: self._beside_rigid(state))
@@ -126,6 +144,29 @@ class ReferenceTorque:
         weightless = self.robot.with_gravity(np.zeros(3))
         return [inverse_dynamics(weightless, state.q, rest, ddq)[joint]]
 
+    def _slopes(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
+        def moved(q: float, dq: float, ddq: float) -> list[Scalar]:
+            steps = zip((state.q, state.dq, state.ddq), (q, dq, ddq), strict=True)
+            states = [
+                [add(x, step) if j == joint else x for j, x in enumerate(whole)]
+                for whole, step in steps
+            ]
+            return inverse_dynamics(self.robot, *states)
+
+        # Quadratic in dq and linear in ddq: steps of one are exact.
+        pairs = [
+            (moved(*step), moved(*(-x for x in step)), size)
+            for step, size in (
+                ((STEP, 0.0, 0.0), STEP),
+                ((0.0, 1.0, 0.0), 1.0),
+                ((0.0, 0.0, 1.0), 1.0),
+            )
+        ]
+        return [
+            tuple(mul(0.5 / size, add(high[i], mul(-1.0, low[i]))) for high, low, size in pairs)
+            for i in range(self.robot.n)
+        ]
+
     def _beside_rigid(self, state: State) -> list[Scalar]:
         torque: list[Scalar] = [0.0] * self.robot.n
         columns = (entry for effect in self.others for entry in effect.entries(state))
@@ -133,6 +174,10 @@ class ReferenceTorque:
             for joint, entry in by_joint.items():
                 torque[joint] = add(torque[joint], mul(coefficient, entry))
         return torque
+
+    @cached_property
+    def _inertias(self) -> dict[tuple[int, tuple[float, ...]], float]:
+        return {}
 
     @cached_property
     def _memory(self) -> OrderedDict[tuple[str, bytes], list]:
@@ -152,11 +197,15 @@ class ReferenceTorque:
 
 
 def _fingerprint(state: State) -> bytes | None:
-    """What tells one sampled motion from another; None for symbols and single instants."""
+    """What tells one sampled motion from another; None for symbols and single instants.
+
+    Every few samples, since motions that differ do so nearly everywhere.
+    """
     components = (state.t, *state.q, *state.dq, *state.ddq)
     if not all(isinstance(x, np.ndarray) for x in components):
         return None
     digest = blake2b(str(state.sign_width).encode(), digest_size=16)
     for component in components:
-        digest.update(component.tobytes())
+        digest.update(component[::STRIDE].tobytes())
+        digest.update(component[-1:].tobytes())
     return digest.digest()

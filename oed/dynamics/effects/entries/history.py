@@ -9,7 +9,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.base_parameters import find_base_parameters
-from oed.dynamics.effects.backlash import Backlash
 from oed.dynamics.effects.entries.plausibility import (
     at_most,
     finite,
@@ -77,45 +76,6 @@ PRESLIDING_HYSTERESIS = CatalogueEntry(
         signature="after each reversal the torque lags behind the sign, over a fixed distance",
         confused_with=("time_delay", "filter_lag", "stribeck", "backlash"),
         exposed_by="reversals of unequal size and speed, some smaller than δ",
-    ),
-)
-
-
-def _backlash(context: Context, target: Target, values: tuple[float, ...]) -> Backlash:
-    return Backlash(joint_of(target), values[0], context.reference)
-
-
-def _backlash_plausible(
-    context: Context,
-    target: Target,
-    _values: tuple[float, ...],
-    estimates: Float[ndarray, " columns"],
-) -> str | None:
-    joint = joint_of(target)
-    peak = max(float(context.peak_torque[joint]), 1e-9)
-    return first_reason(
-        [
-            at_most(float(estimates[0]), peak, "the flank torque", "N m", "the peak torque"),
-            at_most(float(estimates[1]), 2.0, "the share of load lost in the gap", "1", "twice"),
-        ]
-    )
-
-
-BACKLASH = CatalogueEntry(
-    name="backlash",
-    families=("reversal", "compliance"),
-    scope="joint",
-    shapes=(Shape("gap", "rad", 5e-5, 0.02, "log", 10, 1e-3),),
-    build=_backlash,
-    plausible=_backlash_plausible,
-    page=EffectPage(
-        equation="F_b x/b + c (τ_transmitted - τ_rigid); in the gap x'' = τ_rigid / M_jj and nothing "
-        "is transmitted",
-        source="Nordin and Gutman 2002, Automatica 38(10), 1633-1649",
-        parameters="gap 2b 0.1 to 8 mrad; F_b in N m; c near 1",
-        signature="a step and a blow where the load changes its sign",
-        confused_with=("presliding_hysteresis", "torque_saturation"),
-        exposed_by="load that reverses while the motion does not",
     ),
 )
 

@@ -10,10 +10,15 @@ from numpy import ndarray
 
 from oed.dynamics.effects.delay import FilterLag, TimeDelay
 from oed.dynamics.effects.effect import MeasurementEffect
-from oed.dynamics.effects.elasticity import JointElasticity
 from oed.dynamics.effects.encoder import EccentricityColumns, EncoderEccentricity
-from oed.dynamics.effects.entries.plausibility import at_most, first_reason, joint_of, positive
-from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.entries.plausibility import at_most, by_construction, joint_of
+from oed.dynamics.effects.entry import (
+    CatalogueEntry,
+    Context,
+    EffectPage,
+    Shape,
+    Target,
+)
 from oed.dynamics.effects.gravity import GravityDirection, tilt_directions, tilted
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.torque_change import TorqueChange
@@ -21,21 +26,6 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot
-
-
-def _by_construction(
-    _context: Context,
-    _target: Target,
-    _values: tuple[float, ...],
-    estimates: Float[ndarray, " columns"],
-) -> str | None:
-    share = float(estimates[0])
-    return first_reason(
-        [
-            positive(share, "the share of the change", "1"),
-            at_most(share, 3.0, "the share of the change", "1", "3, where 1 is expected"),
-        ]
-    )
 
 
 def _change(
@@ -63,7 +53,7 @@ TIME_DELAY = CatalogueEntry(
     scope="arm",
     shapes=(Shape("delay", "s", 2e-4, 0.12, "log", 14, 3e-3),),
     build=_delay,
-    plausible=_by_construction,
+    plausible=by_construction,
     install=_with_delay,
     unit_coefficient=True,
     equivalent=("filter_lag of the same time constant, to first order in frequency",),
@@ -101,7 +91,7 @@ FILTER_LAG = CatalogueEntry(
         Shape("curvature", "1", 0.0, 0.5, "linear", 2, 0.0),
     ),
     build=_lag,
-    plausible=_by_construction,
+    plausible=by_construction,
     install=_with_lag,
     unit_coefficient=True,
     equivalent=("time_delay of the same size, to first order in frequency",),
@@ -113,49 +103,6 @@ FILTER_LAG = CatalogueEntry(
         signature="residual like the torque's derivative, edges rounded",
         confused_with=("time_delay", "presliding_hysteresis", "stribeck"),
         exposed_by="motions of 8 to 15 harmonics, reversals of unequal size",
-    ),
-)
-
-
-def _elasticity(context: Context, target: Target, values: tuple[float, ...]) -> TorqueChange:
-    joint = joint_of(target)
-    return _change(context, JointElasticity(joint, *values, rigid_columns=1), joint)
-
-
-def _with_elasticity(
-    context: Context,
-    target: Target,
-    values: tuple[float, ...],
-    _estimates: Float[ndarray, " columns"],
-) -> TorqueModel:
-    model = context.model
-    first = model.effects[0]
-    if isinstance(first, RigidBody):
-        spring = JointElasticity(joint_of(target), *values, rigid_columns=len(first.parameters))
-        return dataclasses.replace(model, measurement=(spring, *model.measurement))
-    raise ValueError(f"joint_elasticity needs the rigid body first, not {first.name}")
-
-
-JOINT_ELASTICITY = CatalogueEntry(
-    name="joint_elasticity",
-    families=("lag", "compliance"),
-    scope="joint",
-    shapes=(
-        Shape("frequency", "Hz", 1.5, 40.0, "log", 14, 8.0),
-        Shape("damping", "1", 0.005, 0.5, "log", 2, 0.05),
-    ),
-    build=_elasticity,
-    plausible=_by_construction,
-    install=_with_elasticity,
-    unit_coefficient=True,
-    page=EffectPage(
-        equation="τ_J = (1 + 2ζ s/ω) / (1 + 2ζ s/ω + s²/ω²) τ_rigid, ≈ τ_rigid - τ_rigid''/ω²",
-        source="Spong 1987, J. Dynamic Systems, Measurement, and Control 109(4), 310-318; Pham, "
-        "Gautier, Poignet 2001, IEEE Int. Conf. Robotics and Automation",
-        parameters="ω/2π 2.5 to 20 Hz, of the arm on the spring with its motor held; ζ",
-        signature="residual grows with the square of frequency, then rings",
-        confused_with=("filter_lag", "time_delay", "rotor_inertia"),
-        exposed_by="a broad band of frequencies; an encoder on the link",
     ),
 )
 

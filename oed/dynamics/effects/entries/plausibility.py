@@ -65,3 +65,19 @@ def first_reason(reasons: Iterable[str | None]) -> str | None:
 def finite(estimates: Float[ndarray, " columns"]) -> str | None:
     """An estimate that is no number."""
     return None if np.isfinite(estimates).all() else "an estimate is not finite"
+
+
+def by_construction(
+    _context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, " columns"],
+) -> str | None:
+    """A change that the shapes describe in full comes with a coefficient near one."""
+    share = float(estimates[0])
+    return first_reason(
+        [
+            positive(share, "the share of the change", "1"),
+            at_most(share, 3.0, "the share of the change", "1", "3, where 1 is expected"),
+        ]
+    )

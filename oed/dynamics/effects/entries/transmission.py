@@ -1,0 +1,119 @@
+"""What a gear between motor and links does: it gives way, and it may have play."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.entries.plausibility import by_construction, joint_of
+from oed.dynamics.effects.entry import (
+    Build,
+    CatalogueEntry,
+    Context,
+    EffectPage,
+    Install,
+    Shape,
+    Target,
+)
+from oed.dynamics.effects.rigid_body import RigidBody
+from oed.dynamics.effects.transmission import (
+    Backlash,
+    JointElasticity,
+    Transmission,
+    TransmissionChange,
+)
+from oed.dynamics.torque_model import TorqueModel
+
+
+def _gear(
+    kind: type[Transmission], context: Context, target: Target, *values: float
+) -> Transmission:
+    first = context.model.effects[0]
+    if isinstance(first, RigidBody):
+        posture = tuple(float(x) for x in context.position_range.mean(axis=1))
+        return kind(joint_of(target), *values, posture, context.reference, len(first.parameters))
+    raise ValueError(f"{kind.name} needs the rigid body first, not {first.name}")
+
+
+def _spring(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
+    return _gear(JointElasticity, context, target, *values, 0.0, 0.0)
+
+
+def _play(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
+    gap, frequency, damping, rotor_share, bearing = values
+    return _gear(Backlash, context, target, frequency, damping, rotor_share, gap, bearing)
+
+
+def _change_by(gear: Callable[[Context, Target, tuple[float, ...]], Transmission]) -> Build:
+    return lambda context, target, values: TransmissionChange(gear(context, target, values))
+
+
+def _with_gear(gear: Callable[[Context, Target, tuple[float, ...]], Transmission]) -> Install:
+    def install(
+        context: Context,
+        target: Target,
+        values: tuple[float, ...],
+        _estimates: Float[ndarray, " columns"],
+    ) -> TorqueModel:
+        seen = (gear(context, target, values), *context.model.measurement)
+        return dataclasses.replace(context.model, measurement=seen)
+
+    return install
+
+
+JOINT_ELASTICITY = CatalogueEntry(
+    name="joint_elasticity",
+    families=("lag", "compliance"),
+    scope="joint",
+    shapes=(
+        Shape("frequency", "Hz", 2.0, 40.0, "log", 12, 8.0),
+        Shape("damping", "1", 0.005, 0.5, "log", 3, 0.05),
+        Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4),
+    ),
+    build=_change_by(_spring),
+    plausible=by_construction,
+    install=_with_gear(_spring),
+    unit_coefficient=True,
+    page=EffectPage(
+        equation="τ = H(q - δ e_j) + J δ'' e_j, K δ + D δ' + (M_jj - J) δ'' = H_j(q) - J q''; "
+        "ω² = K / (M_jj - J)",
+        source="Spong 1987, J. Dynamic Systems, Measurement, and Control 109(4), 310-318; Pham, "
+        "Gautier, Poignet 2001, IEEE Int. Conf. Robotics and Automation",
+        parameters="ω/2π 2.5 to 20 Hz, of the arm on the spring with its motor held; ζ; the "
+        "rotor's share of the inertia",
+        signature="residual grows with the square of frequency, then rings, also at other joints",
+        confused_with=("filter_lag", "time_delay", "rotor_inertia"),
+        exposed_by="a broad band of frequencies; an encoder on the link",
+    ),
+)
+
+
+BACKLASH = CatalogueEntry(
+    name="backlash",
+    families=("reversal", "compliance"),
+    scope="joint",
+    shapes=(
+        Shape("gap", "rad", 1e-4, 0.02, "log", 7, 1e-3),
+        Shape("frequency", "Hz", 5.0, 80.0, "log", 3, 20.0),
+        Shape("damping", "1", 0.05, 1.0, "log", 1, 0.3),
+        Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4),
+        Shape("bearing", "1", 0.0, 1.0, "linear", 2, 0.5),
+    ),
+    build=_change_by(_play),
+    plausible=by_construction,
+    install=_with_gear(_play),
+    unit_coefficient=True,
+    page=EffectPage(
+        equation="τ as for joint_elasticity, with K (δ ∓ gap/2) + D δ' on a flank and nothing within "
+        "the gap, and a share of the joint's friction behind it",
+        source="Nordin and Gutman 2002, Automatica 38(10), 1633-1649",
+        parameters="gap 0.1 to 8 mrad; ω/2π of the arm on a flank, and its ζ; the rotor's share of "
+        "the inertia; the share of friction behind the gear",
+        signature="a step and a blow where the load changes its sign, also at other joints",
+        confused_with=("presliding_hysteresis", "joint_elasticity"),
+        exposed_by="load that reverses while the motion does not",
+    ),
+)
