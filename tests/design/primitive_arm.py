@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
 from oed.robot import Robot, load_robot
 
 LENGTH = 0.5  # [m] of each link
 TIP = 0.1  # [m] radius of the sphere at the end of the second link
+POST = np.array([0.1, 0.75, 0.05])  # centre of a sphere that stands beside the arm
+POST_RADIUS = 0.12
 
 
 def sphere(radius: float, at: str = "0 0 0", kind: str = "collision") -> str:
@@ -44,6 +50,28 @@ def planar_arm(
     path = folder / "planar.urdf"
     path.write_text(text, encoding="utf-8")
     return load_robot(path, joints=joints, locked=locked)
+
+
+def arm_and_post(folder: Path, *, post: float = POST_RADIUS, **given) -> Robot:
+    """A sphere at the tip of the arm and one beside it; `to_post` is their distance."""
+    at = " ".join(map(str, POST))
+    tip = sphere(TIP, f"{LENGTH} 0 0")
+    return planar_arm(folder, base=sphere(post, at), lower=tip, **given)
+
+
+def elbow_at(q: Float[ndarray, "*postures 2"]) -> Float[ndarray, "*postures 3"]:
+    """Where the elbow is [m]."""
+    return LENGTH * np.stack([np.cos(q[..., 0]), np.sin(q[..., 0]), 0.0 * q[..., 0]], axis=-1)
+
+
+def tip_at(q: Float[ndarray, "*postures 2"]) -> Float[ndarray, "*postures 3"]:
+    """Where the tip is [m]."""
+    return elbow_at(q) + elbow_at(np.cumsum(q, axis=-1)[..., 1:])
+
+
+def to_post(q: Float[ndarray, "*postures 2"], post: float = POST_RADIUS) -> ndarray:
+    """Distance of the two spheres of `arm_and_post` [m], negative where they overlap."""
+    return np.linalg.norm(tip_at(q) - POST, axis=-1) - TIP - post
 
 
 def _shape(geometry: str, at: str, kind: str) -> str:

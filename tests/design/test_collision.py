@@ -13,30 +13,20 @@ from oed.design.collision import FAR, Surroundings, check_clearance
 from oed.design.scene import load_scene
 from oed.dynamics.motion import Motion
 from oed.errors import RobotError
-from oed.robot import JointLimits, Robot, imi_scara, load_robot
-from tests.design.primitive_arm import LENGTH, TIP, box, planar_arm, sphere
+from oed.robot import JointLimits, imi_scara, load_robot
+from tests.design.primitive_arm import (
+    LENGTH,
+    TIP,
+    arm_and_post,
+    box,
+    elbow_at,
+    planar_arm,
+    sphere,
+    tip_at,
+    to_post,
+)
 
-POST = np.array([0.1, 0.75, 0.05])  # centre of a sphere that stands beside the arm
-POST_RADIUS = 0.12
 PAIR = ("base", "lower")
-
-
-def arm_and_post(folder: Path, **given) -> Robot:
-    at = " ".join(map(str, POST))
-    tip = sphere(TIP, f"{LENGTH} 0 0")
-    return planar_arm(folder, base=sphere(POST_RADIUS, at), lower=tip, **given)
-
-
-def elbow(q: ndarray) -> Float[ndarray, "3"]:
-    return LENGTH * np.array([np.cos(q[0]), np.sin(q[0]), 0.0])
-
-
-def tip(q: ndarray) -> Float[ndarray, "3"]:
-    return elbow(q) + elbow(np.array([q[0] + q[1]]))
-
-
-def to_post(q: ndarray) -> float:
-    return float(np.linalg.norm(tip(q) - POST) - TIP - POST_RADIUS)
 
 
 def postures(count: int, seed: int = 0) -> Float[ndarray, "postures 2"]:
@@ -76,7 +66,7 @@ def test_a_sphere_and_a_box_are_as_near_as_the_nearest_point_of_the_box(tmp_path
     )
     surroundings, seen = Surroundings(robot), 0
     for q in postures(200):
-        truth = np.linalg.norm(np.maximum(np.abs(tip(q) - centre) - half, 0.0)) - TIP
+        truth = np.linalg.norm(np.maximum(np.abs(tip_at(q) - centre) - half, 0.0)) - TIP
         if truth < FAR and truth > -TIP:
             seen += 1
             assert surroundings.distances(q)[PAIR] == pytest.approx(truth, abs=1e-8)
@@ -89,7 +79,7 @@ def test_of_two_bodies_the_nearest_shapes_count(tmp_path: Path) -> None:
         planar_arm(tmp_path, base=posts, lower=sphere(TIP, f"{LENGTH} 0 0"))
     )
     for q in postures(100):
-        to = [np.linalg.norm(tip(q) - c) - 0.1 - TIP for c in ([0, 0.8, 0], [0.3, 0.8, 0])]
+        to = [np.linalg.norm(tip_at(q) - c) - 0.1 - TIP for c in ([0, 0.8, 0], [0.3, 0.8, 0])]
         if min(to) < FAR:
             assert surroundings.distances(q)[PAIR] == pytest.approx(min(to), abs=1e-9)
 
@@ -139,7 +129,7 @@ def test_walls_are_as_far_as_the_bodies_origins(tmp_path: Path) -> None:
     for q in postures(50):
         expected = {}
         # The frame of each link is where its own joint is; the base moves with no joint.
-        for body, at in (("upper", np.zeros(3)), ("lower", elbow(q))):
+        for body, at in (("upper", np.zeros(3)), ("lower", elbow_at(q))):
             for axis, name in enumerate("xyz"):
                 expected[body, f"{name} lower wall"] = at[axis] - walls[axis, 0]
                 expected[body, f"{name} upper wall"] = walls[axis, 1] - at[axis]
@@ -249,7 +239,7 @@ def test_missing_meshes_are_said_and_the_rest_is_checked(tmp_path: Path) -> None
     assert "package://gone/a.stl" in surroundings.note
     q = np.array([1.5, 0.1])
     assert surroundings.distances(q)[PAIR] == pytest.approx(
-        np.linalg.norm(tip(q) - [0, 0.9, 0]) - 0.1 - TIP, abs=1e-9
+        np.linalg.norm(tip_at(q) - [0, 0.9, 0]) - 0.1 - TIP, abs=1e-9
     )
 
 
