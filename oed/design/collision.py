@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from pydrake.geometry import GeometryId, SignedDistancePair
+from pydrake.geometry import GeometryId, Role, SignedDistancePair
 from pydrake.multibody.tree import BodyIndex, Frame, JacobianWrtVariable, RigidBody
 
 from oed.design.scene import Scene, load_scene
@@ -74,9 +74,20 @@ class Surroundings:
     Left out are pairs that no joint of the design moves against each other, pairs that Drake
     filters (a body and the one it is mounted on), and the hulls of neighbours in a shoulder or
     wrist: pairs that overlap at mid-range already, or that never part by more than 2 cm.
+
+    Args:
+        robot: Loaded from a file, with finite position limits.
+        box: Lower and upper bound of x, y, z in the base frame [m], for the origins of the
+            bodies; None for no box.
+
+    Raises:
+        ValueError: If a position is not limited.
+        RobotError: If the robot has no file, or the file cannot be read.
     """
 
     def __init__(self, robot: Robot, box: Float[ndarray, "3 2"] | None = None) -> None:
+        if not np.isfinite(robot.limits.position).all():
+            raise ValueError("a clearance check needs finite position limits of every joint")
         self._scene: Scene = load_scene(robot)
         self._box = box
         plant = self._scene.plant
@@ -87,16 +98,18 @@ class Surroundings:
         self._moved_by = self._joints_below()
         self.middle = robot.limits.position.mean(axis=1)
         self._ignored: frozenset[Pair] = frozenset()
+        inspector = self._scene.scene_graph.model_inspector()
+        self.has_shapes = inspector.NumGeometriesWithRole(Role.kProximity) > 0
         # Looking names up takes Drake longer than the distances do.
         self._pairs: dict[tuple[GeometryId, GeometryId], Pair | None] = {}
         at_middle = self.distances(self.middle)
         overlapping = {p for p, distance in at_middle.items() if distance <= 0 and not _is_wall(p)}
         self._ignored = frozenset(overlapping | self._neighbours(robot))
         self._at_middle = {p: distance for p, distance in at_middle.items() if distance > 0.0}
-        self.has_shapes = self._scene.scene_graph.model_inspector().num_geometries() > 0
         pairs = ", ".join(" and ".join(pair) for pair in sorted(self._ignored))
         overlap = f"not judged, as they always nearly touch: {pairs}" if pairs else ""
-        self.note = "; ".join(part for part in (self._scene.note, overlap) if part)
+        lacking = "" if self.has_shapes else "no shapes to check for collision"
+        self.note = "; ".join(part for part in (self._scene.note, lacking, overlap) if part)
 
     def near(self, q: Float[ndarray, " joints"]) -> list[Nearness]:
         """All pairs within `FAR` in a posture, each once, and all bodies near a wall."""
@@ -161,7 +174,7 @@ class Surroundings:
     def check(self, motion: Motion) -> ClearanceCheck:
         """The least distance at the instants of a motion."""
         if not self.has_shapes and self._box is None:
-            return ClearanceCheck(None, None, None, 0, self.note or "the file has no shapes")
+            return ClearanceCheck(None, None, None, 0, self.note)
         worst: tuple[float | None, Pair | None, float | None] = (None, None, None)
         for t, q in zip(motion.t, motion.q, strict=True):
             for pair, distance in self.distances(q).items():
@@ -171,7 +184,7 @@ class Surroundings:
 
     def _neighbours(self, robot: Robot) -> set[Pair]:
         """Pairs of bodies that no random posture parts by more than `NEIGHBOURLY`."""
-        if self._scene.scene_graph.model_inspector().num_geometries() == 0:
+        if not self.has_shapes:
             return set()
         rng = np.random.default_rng(0)
         together: dict[Pair, int] = {}
@@ -232,10 +245,13 @@ def check_clearance(
     """Look for the least distance at every instant of a motion.
 
     Args:
-        robot: Loaded from a file.
+        robot: Loaded from a file, with finite position limits.
         motion: At the instants to check.
         box: Lower and upper bound of x, y, z in the base frame [m], for the origins of the
             bodies; None for no box.
+
+    Raises:
+        ValueError: If a position is not limited.
     """
     try:
         return Surroundings(robot, box).check(motion)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
 
 from oed.robot import JointLimits, Robot
 
@@ -20,7 +22,9 @@ def with_default_limits(robot: Robot) -> tuple[Robot, tuple[str, ...]]:
     """Fill in the position, velocity and acceleration limits that are missing.
 
     A position range wider than two turns counts as unlimited: it says that the joint may turn
-    for ever, not that the design should use it.
+    for ever, not that the design should use it. What is assumed stays within what is given: a
+    position within a range as near to zero as that allows, a missing side of velocity or
+    acceleration no larger than the other.
 
     Returns:
         The robot with finite limits, and a note on each that was assumed.
@@ -28,31 +32,42 @@ def with_default_limits(robot: Robot) -> tuple[Robot, tuple[str, ...]]:
     given, notes = robot.limits, []
     is_revolute = np.array([joint.kind == "revolute" for joint in robot.joints])
     half = np.where(is_revolute, POSITION, PRISMATIC_POSITION)
-    width = np.diff(given.position, axis=1)[:, 0]
-    is_endless = ~np.isfinite(given.position).all(axis=1) | (width > 4 * np.pi + 1e-3)
-    position = np.where(is_endless[:, None], np.stack([-half, half], axis=1), given.position)
-    notes += _notes(robot, is_endless, "position", half)
+    lower, upper = given.position.T
+    is_endless = ~(upper - lower <= 4 * np.pi + 1e-3)
+    centre = np.minimum(np.maximum(0.0, lower + half), upper - half)
+    assumed = np.stack([centre - half, centre + half], axis=1)
+    position = np.where(is_endless[:, None], assumed, given.position)
+    notes += _notes(robot, is_endless, "position", position)
 
-    no_speed = ~np.isfinite(given.velocity).all(axis=1)
-    speed = np.where(no_speed, VELOCITY, np.abs(given.velocity).min(axis=1))
-    velocity = np.where(no_speed[:, None], np.stack([-speed, speed], axis=1), given.velocity)
-    notes += _notes(robot, no_speed, "velocity", speed)
+    velocity, no_speed = _both_ways(given.velocity, np.full(robot.n, VELOCITY))
+    notes += _notes(robot, no_speed, "velocity", velocity)
 
-    no_acceleration = ~np.isfinite(given.acceleration).all(axis=1)
-    rate = np.minimum(speed / SECONDS_TO_SPEED, ACCELERATION_CAP)
-    acceleration = np.where(
-        no_acceleration[:, None], np.stack([-rate, rate], axis=1), given.acceleration
-    )
-    notes += _notes(robot, no_acceleration, "acceleration", rate)
+    rate = np.minimum(np.abs(velocity).min(axis=1) / SECONDS_TO_SPEED, ACCELERATION_CAP)
+    acceleration, no_rate = _both_ways(given.acceleration, rate)
+    notes += _notes(robot, no_rate, "acceleration", acceleration)
     limits: JointLimits = dataclasses.replace(
         given, position=position, velocity=velocity, acceleration=acceleration
     )
     return robot.with_limits(limits), tuple(notes)
 
 
-def _notes(robot: Robot, assumed: np.ndarray, kind: str, bound: np.ndarray) -> list[str]:
+def _both_ways(
+    given: Float[ndarray, "joints 2"], usual: Float[ndarray, " joints"]
+) -> tuple[Float[ndarray, "joints 2"], Bool[ndarray, " joints"]]:
+    """The bounds with those that are missing filled in, and where one was missing."""
+    size = np.minimum(usual, np.abs(given).min(axis=1))
+    filled = np.where(np.isfinite(given), given, np.stack([-size, size], axis=1))
+    return filled, ~np.isfinite(given).all(axis=1)
+
+
+def _notes(
+    robot: Robot,
+    assumed: Bool[ndarray, " joints"],
+    kind: str,
+    bounds: Float[ndarray, "joints 2"],
+) -> list[str]:
     return [
         f"{kind} of {robot.joint_names[j]}: not limited by the robot's file, assumed within "
-        f"+-{bound[j]:.4g}"
+        f"{bounds[j, 0]:.4g} ... {bounds[j, 1]:.4g}"
         for j in np.flatnonzero(assumed)
     ]

@@ -100,17 +100,33 @@ def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base 
     try:
         record = json.loads(file.read_text(encoding="utf-8"))
         joints, name, count = record["joints"], record["class"], int(record["instants"])
-        given = {key: np.array(value) for key, value in record["coefficients"].items()}
         horizon = float(record["horizon"])
-    except (OSError, KeyError, TypeError, ValueError) as error:
+        given = {key: np.array(x, dtype=float) for key, x in record["coefficients"].items()}
+    except OSError as error:
+        raise ValueError(f"--prior {file}: cannot be read: {error.strerror}") from error
+    except json.JSONDecodeError as error:
+        raise ValueError(f"--prior {file}: not JSON: {error}") from error
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise ValueError(f"--prior {file}: not a design file: {error!r}") from error
-    if tuple(joints) != robot.joint_names:
-        raise ValueError(f"--prior {file}: it moves {joints}, not {list(robot.joint_names)}")
     if name != FourierClass.name:
         raise ValueError(f"--prior {file}: a motion of class {name!r}, not {FourierClass.name!r}")
-    series = FourierClass(horizon, problem.limits, given["sine"].shape[1])
-    parts = [given["offset"][:, None], given["sine"], given["cosine"]]
+    if joints != list(robot.joint_names):
+        raise ValueError(f"--prior {file}: it moves {joints}, not {list(robot.joint_names)}")
+    if not (0 < horizon < np.inf and count > 0):
+        raise ValueError(f"--prior {file}: {horizon=} and {count} instants: both must be positive")
+    parts = [given.get(part, np.empty(0)) for part in ("offset", "sine", "cosine")]
+    shapes = [part.shape for part in parts]
+    harmonics = shapes[1][1] if parts[1].ndim == 2 else 0
+    if shapes != [(robot.n,), (robot.n, harmonics), (robot.n, harmonics)] or not harmonics:
+        raise ValueError(
+            f"--prior {file}: offset, sine and cosine have shapes {shapes}, "
+            f"not those of a series of {robot.n} joints"
+        )
+    parts[0] = parts[0][:, None]
     z = np.concatenate(parts, axis=1).reshape(-1)
+    if not np.isfinite(z).all():
+        raise ValueError(f"--prior {file}: a coefficient is not a finite number")
+    series = FourierClass(horizon, problem.limits, harmonics)
     return problem.fast.information(series.motion(z, series.instants(count)))
 
 

@@ -66,15 +66,20 @@ def with_readable_meshes(text: str, source: Path, scratch: Path) -> ReadableUrdf
 
 
 def _define_once(root: ElementTree.Element) -> None:
-    """Let a material's first definition stand for all: Drake refuses a file with two."""
+    """Let a material's first definition stand for all: Drake refuses a file with two.
+
+    Drake reads the robot's own before those within links, wherever they stand in the file. A
+    material without a name is nobody else's.
+    """
     defined: set[str] = set()
-    for material in root.iter("material"):
+    for material in [*root.findall("material"), *root.iterfind("link//material")]:
         name = material.get("name", "")
-        if len(material) and name in defined:
+        if not len(material) or not name:
+            continue
+        if name in defined:
             for child in list(material):
                 material.remove(child)
-        if len(material):
-            defined.add(name)
+        defined.add(name)
 
 
 def find_mesh(name: str, source: Path) -> Path | None:

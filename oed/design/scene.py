@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
 import tempfile
+import weakref
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -66,7 +68,7 @@ def load_scene(robot: Robot) -> Scene:
             return _parse(robot, source, None, "")
         readable = _readable_file(source.resolve(), source.stat().st_mtime_ns)
         note = _missing_note(readable.urdf.missing)
-        edited = Path(readable.folder.name) / source.name
+        edited = readable.folder / source.name
         edited.write_text(readable.urdf.text, encoding="utf-8")
         try:
             return _parse(robot, edited, readable, note)
@@ -80,17 +82,22 @@ class _Readable:
     """A URDF with the folder of its converted meshes, deleted when nobody refers to it."""
 
     urdf: ReadableUrdf
-    folder: tempfile.TemporaryDirectory
+    folder: Path
+
+    def __post_init__(self) -> None:
+        # A TemporaryDirectory would do the same, and warn of it.
+        weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
 
 
 @lru_cache(maxsize=1)
 def _readable_file(source: Path, _: int) -> _Readable:
     """Converted once for the check and the picture; anew where the file's time has changed."""
-    folder = tempfile.TemporaryDirectory(prefix="oed-meshes-")
-    text = source.read_text(encoding="utf-8")
+    folder = Path(tempfile.mkdtemp(prefix="oed-meshes-"))
     try:
-        return _Readable(with_readable_meshes(text, source, Path(folder.name)), folder)
-    except ElementTree.ParseError as error:
+        text = source.read_text(encoding="utf-8")
+        return _Readable(with_readable_meshes(text, source, folder), folder)
+    except (ElementTree.ParseError, UnicodeDecodeError) as error:
+        shutil.rmtree(folder, ignore_errors=True)
         raise RobotError(f"{source}: no geometry: {error}") from error
 
 
@@ -103,6 +110,8 @@ def _parse(robot: Robot, file: Path, readable: _Readable | None, note: str) -> S
         raise RobotError(f"{robot.source}: no geometry: {error}") from error
     weld_free_bodies(plant)
     plant.Finalize()
+    for name, position in zip(robot.locked, robot.locked_at, strict=False):
+        plant.GetJointByName(name).set_default_positions([position])
     columns = np.array([plant.GetJointByName(name).position_start() for name in robot.joint_names])
     return Scene(builder, plant, scene_graph, columns, note, readable)
 

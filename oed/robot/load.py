@@ -58,7 +58,8 @@ def load_robot(
         gravity=np.asarray(gravity, dtype=float),
         limits=_limits(plant, [movable[name] for name in names], Path(source)),
         source=str(source),
-        locked=tuple(name for name in movable if name not in names),
+        locked=tuple(held),
+        locked_at=tuple(held.values()),
     )
 
 

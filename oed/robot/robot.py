@@ -58,6 +58,7 @@ class Robot:
         limits: Limits of the n joints.
         source: File or built-in name that the robot was loaded from.
         locked: Names of the joints of the source that are held still.
+        locked_at: Where each of them is held [rad or m]; all at 0 if empty.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Robot:
     limits: JointLimits
     source: str = ""
     locked: tuple[str, ...] = ()
+    locked_at: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.parameters) != 10 * self.n:

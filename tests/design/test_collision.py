@@ -1,0 +1,263 @@
+"""Distances and their slopes are those of geometry; what cannot be checked is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.collision import FAR, Surroundings, check_clearance
+from oed.design.scene import load_scene
+from oed.dynamics.motion import Motion
+from oed.errors import RobotError
+from oed.robot import JointLimits, imi_scara, load_robot
+from tests.design.primitive_arm import (
+    LENGTH,
+    TIP,
+    arm_and_post,
+    box,
+    elbow_at,
+    planar_arm,
+    sphere,
+    tip_at,
+    to_post,
+)
+
+PAIR = ("base", "lower")
+
+
+def postures(count: int, seed: int = 0) -> Float[ndarray, "postures 2"]:
+    return np.random.default_rng(seed).uniform(-3.0, 3.0, (count, 2))
+
+
+def at_instants(*q: list[float]) -> Motion:
+    positions = np.array(q)
+    return Motion(np.arange(len(q)) / 10, positions, 0 * positions, 0 * positions)
+
+
+def numeric_slope(surroundings: Surroundings, q: ndarray, pair: tuple[str, str]) -> ndarray:
+    step = 1e-5
+    return np.array(
+        [
+            (surroundings.distances(q + d)[pair] - surroundings.distances(q - d)[pair]) / 2 / step
+            for d in step * np.eye(len(q))
+        ]
+    )
+
+
+def test_two_spheres_are_as_near_as_their_centres_say(tmp_path: Path) -> None:
+    surroundings = Surroundings(arm_and_post(tmp_path))
+    truth = [to_post(q) for q in postures(200)]
+    found = [surroundings.distances(q).get(PAIR) for q in postures(200)]
+    is_near = np.array(truth) < FAR
+    assert 20 < is_near.sum() < 180
+    assert min(truth) < 0.0
+    for near, expected, distance in zip(is_near, truth, found, strict=True):
+        assert distance == (pytest.approx(expected, abs=1e-9) if near else None)
+
+
+def test_a_sphere_and_a_box_are_as_near_as_the_nearest_point_of_the_box(tmp_path: Path) -> None:
+    centre, half = np.array([0.0, 0.8, 0.0]), np.array([0.3, 0.1, 0.2])
+    robot = planar_arm(
+        tmp_path, base=box("0.6 0.2 0.4", "0 0.8 0"), lower=sphere(TIP, f"{LENGTH} 0 0")
+    )
+    surroundings, seen = Surroundings(robot), 0
+    for q in postures(200):
+        truth = np.linalg.norm(np.maximum(np.abs(tip_at(q) - centre) - half, 0.0)) - TIP
+        if truth < FAR and truth > -TIP:
+            seen += 1
+            assert surroundings.distances(q)[PAIR] == pytest.approx(truth, abs=1e-8)
+    assert seen > 20
+
+
+def test_of_two_bodies_the_nearest_shapes_count(tmp_path: Path) -> None:
+    posts = sphere(0.1, "0 0.8 0") + sphere(0.1, "0.3 0.8 0")
+    surroundings = Surroundings(
+        planar_arm(tmp_path, base=posts, lower=sphere(TIP, f"{LENGTH} 0 0"))
+    )
+    for q in postures(100):
+        to = [np.linalg.norm(tip_at(q) - c) - 0.1 - TIP for c in ([0, 0.8, 0], [0.3, 0.8, 0])]
+        if min(to) < FAR:
+            assert surroundings.distances(q)[PAIR] == pytest.approx(min(to), abs=1e-9)
+
+
+@pytest.mark.parametrize("shape", [sphere(0.12, "0.1 0.75 0.05"), box("0.3 0.2 0.2", "0.1 0.8 0")])
+def test_slopes_are_those_of_finite_differences(shape: str, tmp_path: Path) -> None:
+    robot = planar_arm(tmp_path, base=shape, lower=sphere(TIP, f"{LENGTH} 0 0"))
+    surroundings = Surroundings(robot, np.array([[-0.6, 0.7], [-0.55, 0.6], [-1.0, 1.0]]))
+    seen: dict[tuple[str, str], int] = {}
+    for q in postures(150):
+        for near in surroundings.near(q):
+            if 0.01 < near.distance < FAR - 0.01:
+                expected = numeric_slope(surroundings, q, near.pair)
+                np.testing.assert_allclose(near.slope, expected, atol=2e-6)
+                seen[near.pair] = seen.get(near.pair, 0) + 1
+    assert seen[PAIR] > 5
+    assert any("wall" in pair[1] for pair in seen)
+
+
+def test_slopes_of_spheres_that_overlap(tmp_path: Path) -> None:
+    surroundings = Surroundings(arm_and_post(tmp_path))
+    overlapping = [q for q in postures(1000) if -0.1 < to_post(q) < -0.001]
+    assert len(overlapping) > 5
+    for q in overlapping:
+        (near,) = surroundings.near(q)
+        np.testing.assert_allclose(near.slope, numeric_slope(surroundings, q, PAIR), atol=2e-6)
+
+
+def test_columns_follow_the_robots_order_of_joints(tmp_path: Path) -> None:
+    robot = arm_and_post(tmp_path, joints=("elbow", "shoulder"))
+    surroundings = Surroundings(robot)
+    (near,) = surroundings.near(np.array([0.4, 1.2]))
+    assert near.distance == pytest.approx(to_post(np.array([1.2, 0.4])), abs=1e-9)
+    expected = numeric_slope(surroundings, np.array([0.4, 1.2]), PAIR)
+    np.testing.assert_allclose(near.slope, expected, atol=2e-6)
+
+
+def test_a_joint_that_is_held_stands_where_it_is_held(tmp_path: Path) -> None:
+    robot = arm_and_post(tmp_path, joints=("shoulder",), locked={"elbow": 0.4})
+    (near,) = Surroundings(robot).near(np.array([1.2]))
+    assert near.distance == pytest.approx(to_post(np.array([1.2, 0.4])), abs=1e-9)
+
+
+def test_walls_are_as_far_as_the_bodies_origins(tmp_path: Path) -> None:
+    walls = np.array([[-0.2, 0.4], [-0.3, 0.35], [-5.0, 5.0]])
+    surroundings = Surroundings(planar_arm(tmp_path), walls)
+    for q in postures(50):
+        expected = {}
+        # The frame of each link is where its own joint is; the base moves with no joint.
+        for body, at in (("upper", np.zeros(3)), ("lower", elbow_at(q))):
+            for axis, name in enumerate("xyz"):
+                expected[body, f"{name} lower wall"] = at[axis] - walls[axis, 0]
+                expected[body, f"{name} upper wall"] = walls[axis, 1] - at[axis]
+        near = {pair: room for pair, room in expected.items() if room <= FAR}
+        assert surroundings.distances(q) == pytest.approx(near, abs=1e-12)
+
+
+def test_check_names_pair_and_time_of_the_least_distance(tmp_path: Path) -> None:
+    robot = arm_and_post(tmp_path)
+    check = check_clearance(robot, at_instants([-2.0, 0.0], [1.2, 0.4], [1.0, 0.4], [2.5, 0.0]))
+    least = min(to_post(np.array(q)) for q in ([1.2, 0.4], [1.0, 0.4]))
+    assert check.least == pytest.approx(least, abs=1e-9)
+    assert check.pair == PAIR
+    assert check.time == (0.1 if to_post(np.array([1.2, 0.4])) == least else 0.2)
+    assert check.instants == 4
+    assert check.is_clear == (least > 0)
+    far = check_clearance(robot, at_instants([-2.0, 0.0]))
+    assert far.least is None
+    assert far.is_clear
+
+
+def test_an_overlap_is_not_clear(tmp_path: Path) -> None:
+    robot = arm_and_post(tmp_path)
+    inside = next(q for q in postures(1000) if to_post(q) < -0.05)
+    assert not check_clearance(robot, at_instants(list(inside))).is_clear
+
+
+def test_neighbours_are_not_judged_but_named(tmp_path: Path) -> None:
+    # Spheres about base and elbow reach each other at any angle; the post is a stranger.
+    base = sphere(0.3) + sphere(0.1, "0 0 0.35")
+    robot = planar_arm(tmp_path, base=base, lower=sphere(0.3))
+    surroundings = Surroundings(robot)
+    assert "base and lower" in surroundings.note
+    assert surroundings.distances(np.zeros(2)) == {}
+    # A gap of 1 cm at any angle is a neighbour's too, one of 5 cm is not.
+    near = planar_arm(tmp_path, base=sphere(0.24), lower=sphere(0.25))
+    assert "base and lower" in Surroundings(near).note
+    stranger = planar_arm(tmp_path, base=sphere(0.2), lower=sphere(0.25))
+    assert Surroundings(stranger).note == ""
+    assert Surroundings(stranger).distances(np.ones(2)) == {PAIR: pytest.approx(0.05)}
+
+
+def test_what_no_joint_of_the_design_moves_is_not_judged(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text("""<mujoco model="arm"><worldbody>
+<geom name="post" type="sphere" size="0.1" pos="0 0.25 0"/>
+<body name="a"><joint name="j1" axis="0 0 1" range="-90 90"/>
+<body name="b"><joint name="j2" axis="0 0 1" range="-90 90"/>
+<geom type="sphere" size="0.1"/>
+<body name="c"><joint name="j3" type="slide" axis="1 0 0" range="0 1"/>
+<geom type="sphere" size="0.1" pos="0.25 0.25 0"/>
+</body></body></body></worldbody></mujoco>""")
+    strangers = {("b", "world"): pytest.approx(0.05), ("c", "world"): pytest.approx(0.05)}
+    assert Surroundings(load_robot(tmp_path / "arm.xml")).distances(np.zeros(3)) == strangers
+    held = Surroundings(load_robot(tmp_path / "arm.xml", joints=("j3",)))
+    assert held.distances(np.zeros(1)) == {("c", "world"): pytest.approx(0.05)}
+
+
+def test_wanted_is_a_centimetre_or_half_of_what_there_is(tmp_path: Path) -> None:
+    tight = Surroundings(planar_arm(tmp_path, base=sphere(0.2), lower=sphere(0.285)))
+    assert PAIR not in tight.distances(np.zeros(2))  # 1.5 cm at any angle: neighbours
+    # A block that only the far side of mid-range comes near to.
+    robot = planar_arm(tmp_path, base=sphere(0.1, "1.212 0 0"), lower=sphere(TIP, "0.5 0 0"))
+    surroundings = Surroundings(robot)
+    assert surroundings.distances(np.zeros(2))[PAIR] == pytest.approx(0.012)
+    assert surroundings.wanted(PAIR) == pytest.approx(0.006)
+    assert surroundings.wanted(("base", "x lower wall")) == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("visual", ["", sphere(0.1, kind="visual")])
+def test_a_robot_without_collision_shapes_is_not_called_clear(visual: str, tmp_path: Path) -> None:
+    robot = planar_arm(tmp_path, base=visual, lower=visual)
+    check = check_clearance(robot, at_instants([0.0, 0.0]))
+    assert (check.instants, check.least) == (0, None)
+    assert "no shapes" in check.note
+    assert not check.is_clear
+
+
+def test_walls_are_checked_without_shapes_and_the_lack_is_said(tmp_path: Path) -> None:
+    walls = np.array([[-1.0, 1.0]] * 3)
+    check = check_clearance(planar_arm(tmp_path), at_instants([0.5, 0.0]), walls)
+    assert check.least is None
+    assert check.instants == 1
+    assert "no shapes" in check.note
+
+
+def test_a_builtin_robot_has_no_geometry() -> None:
+    check = check_clearance(imi_scara(), at_instants([0.0, 0.0]))
+    assert check.instants == 0
+    assert not check.is_clear
+    assert "does not come from a file" in check.note
+    with pytest.raises(RobotError, match="does not come from a file"):
+        load_scene(imi_scara())
+
+
+def test_refuses_positions_without_limits(tmp_path: Path) -> None:
+    robot = arm_and_post(tmp_path).with_limits(JointLimits.unlimited(2))
+    with pytest.raises(ValueError, match="finite position limits"):
+        Surroundings(robot)
+
+
+def test_missing_meshes_are_said_and_the_rest_is_checked(tmp_path: Path) -> None:
+    absent = '<collision><geometry><mesh filename="package://gone/a.stl"/></geometry></collision>'
+    robot = planar_arm(
+        tmp_path, base=sphere(0.1, "0 0.9 0"), upper=absent, lower=sphere(TIP, f"{LENGTH} 0 0")
+    )
+    surroundings = Surroundings(robot)
+    assert "package://gone/a.stl" in surroundings.note
+    q = np.array([1.5, 0.1])
+    assert surroundings.distances(q)[PAIR] == pytest.approx(
+        np.linalg.norm(tip_at(q) - [0, 0.9, 0]) - 0.1 - TIP, abs=1e-9
+    )
+
+
+def test_a_file_that_has_changed_is_read_again(tmp_path: Path) -> None:
+    before = Surroundings(planar_arm(tmp_path, base=sphere(0.2), lower=sphere(0.2)))
+    after = Surroundings(planar_arm(tmp_path, base=sphere(0.1), lower=sphere(0.2)))
+    assert before.distances(np.zeros(2))[PAIR] == pytest.approx(0.1)
+    assert after.distances(np.zeros(2))[PAIR] == pytest.approx(0.2)
+
+
+def test_an_mjcf_file_has_its_shapes_too(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text("""<mujoco model="arm"><worldbody>
+<geom name="post" type="sphere" size="0.1" pos="0 0.9 0"/>
+<body name="upper"><joint name="shoulder" axis="0 0 1" range="-170 170"/>
+<geom type="sphere" size="0.1" pos="0.5 0 0"/></body>
+</worldbody></mujoco>""")
+    robot = load_robot(tmp_path / "arm.xml")
+    found = Surroundings(robot).distances(np.array([1.2]))
+    at = 0.5 * np.array([np.cos(1.2), np.sin(1.2)])
+    (distance,) = found.values()
+    assert distance == pytest.approx(np.linalg.norm(at - [0, 0.9]) - 0.2, abs=1e-9)
