@@ -8,10 +8,12 @@ A run that was interrupted goes on where it stopped. `--make` only makes the dat
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from oed.errors import OedError
 from oed.report.bench_plots import plot_confusion, plot_detection, plot_errors
 from oed.report.json_file import write_atomically
 from oed.report.progress import progress
@@ -61,11 +63,18 @@ def run(
 
 
 def make(cases: Sequence[Case], folder: Path) -> int:
-    """Make the data sets and truths of cases that have none; say how many cases there are."""
-    judge = Judge(folder)
+    """Make the data sets and truths of cases that have none; say how many there are.
+
+    An arm that runs away in simulation has none, and is said on the way.
+    """
+    judge, made = Judge(folder), 0
     for case in progress(cases, "data sets"):
-        judge.prepare(case)
-    return len(cases)
+        try:
+            judge.prepare(case)
+            made += 1
+        except OedError as error:
+            print(f"{case.label}: {error}", file=sys.stderr)
+    return made
 
 
 def write(rows: Sequence[BenchRow], config: Config, out: Path) -> None:

@@ -53,6 +53,16 @@ def _with_gaps(recording):
     return dataclasses.replace(recording, **columns)
 
 
+def test_a_gap_is_crossed_as_smoothly_as_an_arm_moves():
+    dataset = data_set(2)
+    whole = prepare(dataset.estimation, SETTINGS)[0]
+    cut = prepare(tuple(_with_gaps(recording) for recording in dataset.estimation), SETTINGS)[0]
+    jumps = [np.abs(np.diff(p.motion.ddq, axis=0)).max(axis=0) for p in (whole, cut)]
+    # A straight line across would make an impulse of the acceleration at both ends.
+    assert (jumps[1] < 3 * jumps[0]).all()
+    assert not cut.recorded.all()
+
+
 def test_noise_floor_without_repetitions_is_the_noise_whatever_the_model_lacks():
     def product(q, dq, ddq):
         return np.stack([np.zeros(len(q)), 0.8 * q[:, 0] * dq[:, 1]], axis=1)

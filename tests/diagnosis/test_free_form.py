@@ -1,0 +1,67 @@
+"""Free-form terms: what a loop can follow that no function of the present state can."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.free_form import Coordinate, FreeForm, Loop
+from oed.diagnosis.model_columns import effect_columns
+from oed.dynamics.motion import Motion
+
+RATE = 500.0
+
+
+@pytest.fixture(scope="module")
+def motion():
+    t = np.arange(0, 20, 1 / RATE)
+    phases = np.array([0.0, 1.0]), np.array([2.0, 0.5])
+    q = sum(
+        np.sin(2 * np.pi * f * t[:, None] + phase) / (1 + k)
+        for k, (f, phase) in enumerate(zip((0.15, 0.4), phases, strict=True))
+    )
+    dq = np.gradient(q, t, axis=0)
+    return Motion(t, q, dq, np.gradient(dq, t, axis=0))
+
+
+def _hose(motion, reach):
+    """Dahl's equation on the first joint: h' = (v - |v| h) / reach, integrated step by step."""
+    h = np.zeros(len(motion))
+    for k in range(1, len(h)):
+        step = motion.q[k, 0] - motion.q[k - 1, 0]
+        target = np.sign(step)
+        h[k] = target + (h[k - 1] - target) * np.exp(-abs(step) / reach)
+    return h
+
+
+def _left(term, motion, torque):
+    """Share of a torque that a term cannot follow."""
+    columns = effect_columns(term, motion, 0.0)[1]
+    found = np.linalg.lstsq(columns, torque, rcond=None)[0]
+    return float(np.std(torque - columns @ found) / np.std(torque))
+
+
+@pytest.mark.parametrize("reach", [0.05, 0.2])
+def test_a_loop_of_another_joint_follows_what_that_joint_drags(motion, reach):
+    torque = _hose(motion, reach)
+    loop = FreeForm(1, (Loop(0, 0.01, 1.0, 6),))
+    assert _left(loop, motion, torque) < 0.12
+    for kind in ("q", "dq"):
+        lower, upper = (float(f(getattr(motion, kind)[:, 0])) for f in (np.min, np.max))
+        present = FreeForm(1, (Coordinate(kind, 0, lower, upper, 8),))
+        assert _left(present, motion, torque) > 0.3
+
+
+def test_a_loop_says_what_it_depends_on():
+    term = FreeForm(1, (Loop(0, 0.01, 1.0, 6),))
+    assert term.depends_on == ("q_1", "dq_1")
+    assert term.label == "f(loop of q_1)"
+    assert len(term.parameters) == 6
+    assert len({p.name for p in term.parameters}) == 6
+    assert term.remembers
+
+
+def test_a_spline_stays_at_its_edge(motion):
+    term = FreeForm(1, (Coordinate("q", 0, -0.3, 0.3, 8),))
+    columns = effect_columns(term, motion, 0.0)[1]
+    assert columns.sum(axis=1) == pytest.approx(1.0)
+    beyond = motion.q[:, 0] > 0.3
+    assert np.allclose(columns[beyond], columns[beyond][0])
