@@ -46,6 +46,7 @@ from oed.report.output_folder import check_output_folder
 from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.style import save_figure
 from oed.robot import Robot, arm_joints, load_robot
+from studies.design_summary import summary
 
 CHECKED_INSTANTS = 1000  # of the clearance check
 
@@ -86,8 +87,12 @@ class Config:
             ("budget", self.budget),
             ("horizon", self.problem.horizon),
         ):
-            if not value > 0:
-                raise ValueError(f"--{name} {value:g} is not positive")
+            if not (value > 0 and np.isfinite(value)):
+                raise ValueError(f"--{name} {value:g} is not a positive number")
+        if self.seed < 0:
+            raise ValueError(f"--seed {self.seed} is negative")
+        if self.box and not np.isfinite(self.box).all():
+            raise ValueError("--box: a bound is not a finite number")
         if self.box and not (self.walls[:, 0] < self.walls[:, 1]).all():
             raise ValueError("--box: each lower bound must be below its upper bound")
 
@@ -115,8 +120,9 @@ def run(config: Config) -> Result:
     surroundings, unchecked = _surroundings(robot, config)
     room = None
     if config.avoid_collision:
-        if surroundings is None:
-            raise RobotError(f"--avoid-collision: {unchecked}")
+        if surroundings is None or not (surroundings.has_shapes or config.box):
+            reason = unchecked if surroundings is None else surroundings.note
+            raise RobotError(f"--avoid-collision: {reason}")
         room = clear_limits(robot.limits, surroundings, rng)
         robot = robot.with_limits(room.limits)
         notes += _narrowed(robot, room)
@@ -194,51 +200,9 @@ def write(result: Result, config: Config, out: Path) -> None:
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
-def summary(result: Result) -> str:
-    """A few lines for the screen."""
-    design, clearance = result.design, result.clearance
-    problem = design.problem
-    sampled = f"J_k = cond Lambda  {design.J_k:.4g}"
-    elsewhere = f"continuous {design.J_k_continuous:.4g}; scaled columns {design.J_k_scaled:.4g}"
-    size = f"{problem.model.robot.n} joints, {len(problem.base)} base parameters"
-    rows = f"{len(problem.instants)} instants, {problem.rows} rows"
-    spare = -design.certificate.violation
-    lines = [
-        f"{problem.model.robot.name}: {size}, {rows}",
-        f"  status  {design.status}",
-        f"  {sampled} ({elsewhere})",
-        f"  J_d = log10 det Lambda  {design.J_d:.4f} (continuous {design.J_d_continuous:.4f})",
-        f"  nearest limit  {design.certificate.worst}, proven {spare:.2e} of it to spare",
-        f"  D-efficiency  {_efficiency_line(result.efficiency)}",
-        f"  clearance  {_clearance_line(clearance)}",
-        f"  {design.evaluations} evaluations in {design.cpu_s:.1f} s of CPU time",
-    ]
-    return "\n".join(lines + [f"  note: {note}" for note in result.notes])
-
-
-def _efficiency_line(efficiency: DEfficiency | None) -> str:
-    if efficiency is None:
-        return "not known"
-    return f"at least {efficiency.value:.3f}, {efficiency.kind}"
-
-
-def _clearance_line(clearance: ClearanceCheck) -> str:
-    if clearance.instants == 0:
-        return clearance.note
-    if clearance.least is None or clearance.pair is None or clearance.time is None:
-        return f"nothing comes near at {clearance.instants} instants; {clearance.note}".rstrip("; ")
-    pair = " and ".join(clearance.pair)
-    distance = f"{abs(clearance.least) * 1e3:.1f} mm at {clearance.time:.2f} s"
-    if clearance.least > 0.0:
-        found = f"least {distance}, {pair} ({clearance.instants} instants)"
-    else:
-        found = f"{pair} overlap by {distance}: use --avoid-collision or narrow the limits"
-    return f"{found}; {clearance.note}".rstrip("; ")
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(prog="studies.design", description=__doc__.splitlines()[0])
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--robot", default="", help="URDF, SDF or MJCF file, or builtin:NAME")
     source.add_argument("--data", default="", help="folder of a data set")
@@ -271,9 +235,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         result = run(config)
         write(result, config, given.out)
     except (OedError, ValueError, OSError) as error:
-        sys.stderr.write(f"studies.design: {error}\n")
+        # Drake's messages have several lines.
+        sys.stderr.write(f"studies.design: {' '.join(str(error).split())}\n")
         return 2
-    sys.stdout.write(f"{summary(result)}\n  written to {given.out}\n")
+    told = summary(result.design, result.efficiency, result.clearance, result.notes)
+    sys.stdout.write(f"{told}\n  written to {given.out}\n")
     return 0
 
 

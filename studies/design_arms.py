@@ -67,23 +67,36 @@ def run(config: Config) -> list[Row]:
 def _row(robot: str, config: Config) -> Row:
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch) / "out"
-        command = [sys.executable, "-m", "studies.design", "--robot", robot, "--out", str(out)]
         before, started = _children_cpu(), time.perf_counter()
-        environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+        problem = _design(robot, out, smoke=config.smoke)
+        wall, cpu = time.perf_counter() - started, _children_cpu() - before
+        row: Row = {"arm": Path(robot).stem, "wall_s": round(wall, 1), "cpu_s": round(cpu, 1)}
+        if problem:
+            return {**row, "problem": problem}
+        return {**row, **_found(json.loads((out / "design.json").read_text(encoding="utf-8")))}
+
+
+def _design(robot: str, out: Path, *, smoke: bool) -> str:
+    """Run the design study; empty if it did its work, else the end of what it said."""
+    # The study runs in the repository, not where the user's relative path starts.
+    source = robot if robot.startswith("builtin:") else str(Path(robot).absolute())
+    command = [sys.executable, "-m", "studies.design", "--robot", source, "--out", str(out)]
+    try:
         finished = subprocess.run(  # noqa: S603  # our own study
-            [*command, *(["--smoke"] if config.smoke else [])],
+            [*command, *(["--smoke"] if smoke else [])],
             cwd=REPOSITORY,
-            env=environment,
+            env={**os.environ, "OMP_NUM_THREADS": "1"},
             timeout=LONGEST,
             capture_output=True,
             text=True,
             check=False,
         )
-        wall, cpu = time.perf_counter() - started, _children_cpu() - before
-        row: Row = {"arm": Path(robot).stem, "wall_s": round(wall, 1), "cpu_s": round(cpu, 1)}
-        if finished.returncode:
-            return {**row, "problem": finished.stderr.strip()[-200:]}
-        return {**row, **_found(json.loads((out / "design.json").read_text(encoding="utf-8")))}
+    except subprocess.TimeoutExpired:
+        return f"not done after {LONGEST:g} s"
+    if finished.returncode == 0:
+        return ""
+    said = " ".join(finished.stderr.split())[-200:]
+    return said or f"ended with code {finished.returncode} and said nothing"
 
 
 def _found(record: dict) -> Row:
@@ -99,6 +112,8 @@ def _found(record: dict) -> Row:
         "J_d_continuous": record["J_d_log10_continuous"],
         "d_efficiency": efficiency.get("value", ""),
         "kind": efficiency.get("kind", ""),
+        "instants": record["instants"],
+        "horizon_s": record["horizon"],
         "evaluations": record["evaluations"],
         "least_distance_m": clearance["least"] if clearance["least"] is not None else "",
     }
@@ -127,15 +142,21 @@ def write(rows: Sequence[Row], config: Config) -> None:
 `studies.design --robot FILE --out DIR`, one process an arm, one thread, the file and nothing else:
 {len(good)} of {len(rows)} arms have a motion that is proven to keep its limits for all t and a finite J_k.
 The longest took {max(walls):.1f} s of wall and {max(cpus):.1f} s of CPU time, imports, compilation, bound, pictures and
-recording included. J_k and J_d are of Lambda without column scaling, R_v = I, at 200 instants of a
-10 s period; `J_k_scaled` has columns scaled to the information of random motions. D-efficiency
+recording included. J_k and J_d are of Lambda without column scaling, R_v = I, at {_all(rows, "instants")} instants of a
+period of {_all(rows, "horizon_s")} s; `J_k_scaled` has columns scaled to the information of random motions. D-efficiency
 is against a bound on every periodic motion within the position, velocity and acceleration limits,
 whatever its parametrisation: proven up to two joints, estimated beyond. `least_distance_m` is that of two
-bodies in a check at 1000 instants, negative where they overlap: `--avoid-collision` was not asked for.
+bodies at the instants of a check, negative where they overlap: `--avoid-collision` was not asked for.
 
 {markdown_table(shown)}"""
     write_atomically(config.out / "summary.md", text)
     Provenance.collect(config, seed=0).write(config.out / "provenance.json")
+
+
+def _all(rows: Sequence[Row], key: str) -> str:
+    """The values that occur in a column, such as "40 or 200"."""
+    values = sorted({float(row[key]) for row in rows if key in row})
+    return " or ".join(f"{value:g}" for value in values) or "no"
 
 
 SHOWN = (

@@ -11,14 +11,23 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from pydrake.geometry import GeometryId, Role, SignedDistancePair
+from pydrake.geometry import (
+    CollisionFilterDeclaration,
+    GeometryId,
+    GeometrySet,
+    HalfSpace,
+    Role,
+    SceneGraph,
+    SignedDistancePair,
+    Sphere,
+)
 from pydrake.multibody.tree import BodyIndex, Frame, JacobianWrtVariable, RigidBody
 
 from oed.design.scene import Scene, load_scene
 from oed.dynamics.motion import Motion
 from oed.errors import OedError
 from oed.robot import Robot
-from oed.robot.robot_file import joints_of
+from oed.robot.robot_file import joints_of, warnings_off
 
 FAR = 0.3  # [m] beyond which a distance is not asked for
 CLEARANCE = 0.01  # [m] wanted between bodies, or half of what they have at mid-range if less
@@ -91,8 +100,10 @@ class Surroundings:
         self._scene: Scene = load_scene(robot)
         self._box = box
         plant = self._scene.plant
-        self._diagram = self._scene.builder.Build()
-        self._context = self._diagram.CreateDefaultContext()
+        planes = _leave_out_planes(self._scene.scene_graph)
+        with warnings_off():  # of planes and soft bodies
+            self._diagram = self._scene.builder.Build()
+            self._context = self._diagram.CreateDefaultContext()
         self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
         self._rest = plant.GetPositions(self._plant_context).copy()
         self._moved_by = self._joints_below()
@@ -109,7 +120,8 @@ class Surroundings:
         pairs = ", ".join(" and ".join(pair) for pair in sorted(self._ignored))
         overlap = f"not judged, as they always nearly touch: {pairs}" if pairs else ""
         lacking = "" if self.has_shapes else "no shapes to check for collision"
-        self.note = "; ".join(part for part in (self._scene.note, lacking, overlap) if part)
+        parts = (self._scene.note, lacking, planes, overlap)
+        self.note = "; ".join(part for part in parts if part)
 
     def near(self, q: Float[ndarray, " joints"]) -> list[Nearness]:
         """All pairs within `FAR` in a posture, each once, and all bodies near a wall."""
@@ -257,6 +269,21 @@ def check_clearance(
         return Surroundings(robot, box).check(motion)
     except OedError as error:
         return ClearanceCheck(None, None, None, 0, f"not checked: {error}")
+
+
+def _leave_out_planes(scene_graph: SceneGraph) -> str:
+    """Filter planes against all but spheres, which is all that Drake measures; say so."""
+    inspector = scene_graph.model_inspector()
+    shapes = {g: inspector.GetShape(g) for g in inspector.GetAllGeometryIds(Role.kProximity)}
+    planes = [g for g, shape in shapes.items() if isinstance(shape, HalfSpace)]
+    others = [g for g, shape in shapes.items() if not isinstance(shape, Sphere)]
+    if len(others) == len(planes):
+        return ""
+    for plane in planes:
+        scene_graph.collision_filter_manager().Apply(
+            CollisionFilterDeclaration().ExcludeBetween(GeometrySet(plane), GeometrySet(others))
+        )
+    return "planes, such as a floor, are checked against spheres only" if planes else ""
 
 
 def _is_wall(pair: Pair) -> bool:

@@ -69,7 +69,8 @@ def _define_once(root: ElementTree.Element) -> None:
     """Let a material's first definition stand for all: Drake refuses a file with two.
 
     Drake reads the robot's own before those within links, wherever they stand in the file. A
-    material without a name is nobody else's.
+    material without a name is nobody else's; one that is nowhere defined, which Drake refuses
+    too, is left out.
     """
     defined: set[str] = set()
     for material in [*root.findall("material"), *root.iterfind("link//material")]:
@@ -80,6 +81,10 @@ def _define_once(root: ElementTree.Element) -> None:
             for child in list(material):
                 material.remove(child)
         defined.add(name)
+    for visual in root.iterfind("link/visual"):
+        for material in visual.findall("material"):
+            if not len(material) and material.get("name", "") not in defined:
+                visual.remove(material)
 
 
 def find_mesh(name: str, source: Path) -> Path | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import tempfile
 import weakref
@@ -23,6 +22,13 @@ from oed.design.meshes import ReadableUrdf, with_readable_meshes
 from oed.errors import RobotError
 from oed.robot import Robot
 from oed.robot.robot_file import warnings_off, weld_free_bodies
+
+# What a URDF is read without, until Drake can read it, and the note on that.
+LESS_AND_LESS = (
+    ((), ""),
+    (("visual",), "the robot's drawings cannot be read"),
+    (("visual", "collision"), "the robot's shapes cannot be read"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,14 +73,16 @@ def load_scene(robot: Robot) -> Scene:
         if source.suffix.lower() != ".urdf":
             return _parse(robot, source, None, "")
         readable = _readable_file(source.resolve(), source.stat().st_mtime_ns)
-        note = _missing_note(readable.urdf.missing)
+        missing = _missing_note(readable.urdf.missing)
         edited = readable.folder / source.name
-        edited.write_text(readable.urdf.text, encoding="utf-8")
-        try:
-            return _parse(robot, edited, readable, note)
-        except RobotError:
-            edited.write_text(_without_geometry(readable.urdf.text), encoding="utf-8")
-            return _parse(robot, edited, readable, "the robot's shapes cannot be read")
+        # A colour that Drake refuses should cost the picture, not the check for collisions.
+        for left_out, note in LESS_AND_LESS:
+            edited.write_text(_without(readable.urdf.text, left_out), encoding="utf-8")
+            try:
+                return _parse(robot, edited, readable, "; ".join(filter(None, (missing, note))))
+            except RobotError as error:
+                refused = error
+        raise refused
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +114,7 @@ def _parse(robot: Robot, file: Path, readable: _Readable | None, note: str) -> S
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     try:
         Parser(plant).AddModels(str(file))
-    except RuntimeError as error:
+    except (RuntimeError, ValueError) as error:
         raise RobotError(f"{robot.source}: no geometry: {error}") from error
     weld_free_bodies(plant)
     plant.Finalize()
@@ -122,6 +130,12 @@ def _missing_note(missing: tuple[str, ...]) -> str:
     return f"{len(missing)} meshes cannot be found or read and are left out, such as {missing[0]}"
 
 
-def _without_geometry(text: str) -> str:
-    """The file without its visual and collision elements."""
-    return re.sub(r"<(visual|collision)\b.*?</\1>", "", text, flags=re.DOTALL)
+def _without(text: str, kinds: tuple[str, ...]) -> str:
+    """A URDF without some elements of its links, and without its colours if any."""
+    root = ElementTree.fromstring(text)  # noqa: S314  # the user's own robot file
+    for link in root.iter("link"):
+        for element in [e for kind in kinds for e in link.findall(kind)]:
+            link.remove(element)
+    for material in root.findall("material") if kinds else ():
+        root.remove(material)
+    return ElementTree.tostring(root, encoding="unicode")

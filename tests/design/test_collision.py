@@ -228,36 +228,3 @@ def test_refuses_positions_without_limits(tmp_path: Path) -> None:
     robot = arm_and_post(tmp_path).with_limits(JointLimits.unlimited(2))
     with pytest.raises(ValueError, match="finite position limits"):
         Surroundings(robot)
-
-
-def test_missing_meshes_are_said_and_the_rest_is_checked(tmp_path: Path) -> None:
-    absent = '<collision><geometry><mesh filename="package://gone/a.stl"/></geometry></collision>'
-    robot = planar_arm(
-        tmp_path, base=sphere(0.1, "0 0.9 0"), upper=absent, lower=sphere(TIP, f"{LENGTH} 0 0")
-    )
-    surroundings = Surroundings(robot)
-    assert "package://gone/a.stl" in surroundings.note
-    q = np.array([1.5, 0.1])
-    assert surroundings.distances(q)[PAIR] == pytest.approx(
-        np.linalg.norm(tip_at(q) - [0, 0.9, 0]) - 0.1 - TIP, abs=1e-9
-    )
-
-
-def test_a_file_that_has_changed_is_read_again(tmp_path: Path) -> None:
-    before = Surroundings(planar_arm(tmp_path, base=sphere(0.2), lower=sphere(0.2)))
-    after = Surroundings(planar_arm(tmp_path, base=sphere(0.1), lower=sphere(0.2)))
-    assert before.distances(np.zeros(2))[PAIR] == pytest.approx(0.1)
-    assert after.distances(np.zeros(2))[PAIR] == pytest.approx(0.2)
-
-
-def test_an_mjcf_file_has_its_shapes_too(tmp_path: Path) -> None:
-    (tmp_path / "arm.xml").write_text("""<mujoco model="arm"><worldbody>
-<geom name="post" type="sphere" size="0.1" pos="0 0.9 0"/>
-<body name="upper"><joint name="shoulder" axis="0 0 1" range="-170 170"/>
-<geom type="sphere" size="0.1" pos="0.5 0 0"/></body>
-</worldbody></mujoco>""")
-    robot = load_robot(tmp_path / "arm.xml")
-    found = Surroundings(robot).distances(np.array([1.2]))
-    at = 0.5 * np.array([np.cos(1.2), np.sin(1.2)])
-    (distance,) = found.values()
-    assert distance == pytest.approx(np.linalg.norm(at - [0, 0.9]) - 0.2, abs=1e-9)

@@ -224,7 +224,7 @@ def test_a_flat_mesh_has_no_hull_and_stays_itself(tmp_path: Path) -> None:
     assert corner_sets(load_triangles(read_back(found.text)[0])) == corner_sets(flat)
 
 
-RED, BLUE = "1 0 0 1", "0 0 1 1"
+RED, BLUE, DEFAULT = "1 0 0 1", "0 0 1 1", "none"
 
 
 def material(name: str, colour: str) -> str:
@@ -243,8 +243,12 @@ def drakes_colours(text: str, path: Path) -> list[str]:
     Parser(plant).AddModels(str(path))
     inspector = scene_graph.model_inspector()
     properties = [inspector.GetIllustrationProperties(g) for g in inspector.GetAllGeometryIds()]
-    colours = [p.GetProperty("phong", "diffuse").rgba for p in properties]
-    return [" ".join(f"{x:g}" for x in colour) for colour in colours]
+    return [
+        " ".join(f"{x:g}" for x in p.GetProperty("phong", "diffuse").rgba)
+        if p.HasProperty("phong", "diffuse")
+        else DEFAULT
+        for p in properties
+    ]
 
 
 @pytest.mark.parametrize(
@@ -260,8 +264,17 @@ def drakes_colours(text: str, path: Path) -> list[str]:
         (robot_text(boxed(material("m", RED), '<material name="m"/>')), [RED, RED]),
         (robot_text(boxed(material("m", RED), material("n", BLUE))), [RED, BLUE]),
         (robot_text(boxed(material("", RED), material("", BLUE))), [RED, BLUE]),
+        (robot_text(boxed(material("m", RED), '<material name="n"/>')), [DEFAULT, RED]),
     ],
-    ids=["twice_in_a_link", "first_in_the_robot", "last_in_the_robot", "used", "two", "unnamed"],
+    ids=[
+        "twice_in_a_link",
+        "first_in_the_robot",
+        "last_in_the_robot",
+        "used",
+        "two",
+        "unnamed",
+        "undefined",
+    ],
 )
 def test_drake_accepts_a_material_defined_twice(
     text: str, colours: list[str], tmp_path: Path

@@ -7,8 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.motion import Motion
+from oed.dynamics.torque_model import TorqueModel
 from oed.robot import imi_scara
 from studies.design import main
+from tests.design.primitive_arm import arm_and_post, elbow_at, planar_arm, to_post
 
 
 def test_one_command_gives_a_motion_within_proven_limits(tmp_path: Path) -> None:
@@ -32,12 +36,179 @@ def test_one_command_gives_a_motion_within_proven_limits(tmp_path: Path) -> None
             assert proven[joint] <= getattr(limits, kind)[joint, 1] * (1 + 1e-12)
 
 
+def designed(out: Path, *wishes: str) -> tuple[dict, pd.DataFrame]:
+    """The record and the motion of a quick design that must succeed."""
+    assert main([*wishes, "--out", str(out), "--smoke"]) == 0
+    return json.loads((out / "design.json").read_text()), pd.read_csv(out / "motion.csv")
+
+
+def test_a_motion_at_rest_completes_an_earlier_experiment(tmp_path: Path) -> None:
+    scara = ("--robot", "builtin:imi_scara")
+    first, motion = designed(tmp_path / "first", *scara, "--at-rest", "--horizon", "6")
+    rates = motion.filter(regex="^(dq|ddq)_").to_numpy()
+    np.testing.assert_allclose(rates[[0, -1]], 0.0, atol=1e-9)
+    assert (np.abs(rates).max(axis=0) > 0.1).all()
+    assert motion["t"].iloc[-1] == 6.0
+    assert first["with_prior"] is None
+
+    earlier = tmp_path / "first" / "design.json"
+    second, _ = designed(tmp_path / "second", *scara, "--prior", str(earlier))
+    assert second["prior"] == [str(earlier)]
+    information = [experiment_information(record) for record in (first, second)]
+    told = second["with_prior"]["J_d_log10"]
+    assert told == pytest.approx(log10_det(sum(information)), abs=1e-6)
+    assert second["J_d_log10"] == pytest.approx(log10_det(information[1]), abs=1e-6)
+
+
+def experiment_information(record: dict) -> np.ndarray:
+    """H^T H at the instants of a design file, from its coefficients by the textbook's series."""
+    model = TorqueModel.standard(imi_scara())
+    series = {key: np.array(value) for key, value in record["coefficients"].items()}
+    t = np.arange(record["instants"]) * record["horizon"] / record["instants"]
+    k = np.arange(1, series["sine"].shape[1] + 1) * 2 * np.pi / record["horizon"]
+    sine, cosine = np.sin(np.outer(t, k)), np.cos(np.outer(t, k))
+    q = series["offset"] + sine @ series["sine"].T + cosine @ series["cosine"].T
+    dq = (cosine * k) @ series["sine"].T - (sine * k) @ series["cosine"].T
+    ddq = -(sine * k**2) @ series["sine"].T - (cosine * k**2) @ series["cosine"].T
+    base = base_parameters(model)
+    H = base.reduce(model.regressor(Motion(t, q, dq, ddq))).reshape(-1, len(base))
+    return H.T @ H
+
+
+def log10_det(information: np.ndarray) -> float:
+    return np.linalg.slogdet(information)[1] / np.log(10)
+
+
+def test_collisions_are_avoided_where_that_is_asked(tmp_path: Path) -> None:
+    # A post so thick that half of all postures hit it or are beyond it.
+    arm_and_post(tmp_path, post=0.35)
+    record, motion = designed(
+        tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"), "--avoid-collision",
+        "--rate", "500",
+    )  # fmt: skip
+    q = motion[["q_shoulder", "q_elbow"]].to_numpy()
+    least = to_post(q, 0.35).min()
+    assert least > 0.0
+    assert record["clearance"]["least"] is None or record["clearance"]["least"] > 0.0
+    assert record["certified_violation"] <= 0.0
+    assert np.ptp(q, axis=0).min() > 0.1
+
+
+def test_the_box_is_kept_where_that_is_asked(tmp_path: Path) -> None:
+    planar_arm(tmp_path)
+    walls = ("-0.2", "0.6", "-0.45", "0.4", "-1", "1")
+    record, motion = designed(
+        tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"), "--avoid-collision",
+        "--box", *walls,
+    )  # fmt: skip
+    elbow = elbow_at(motion[["q_shoulder", "q_elbow"]].to_numpy())
+    assert (elbow[:, 0] > -0.2).all()
+    assert (elbow[:, 1] > -0.45).all()
+    assert (elbow[:, 1] < 0.4).all()
+    assert record["clearance"]["least"] > 0.0
+
+
+def test_an_overlap_is_told_where_nobody_asked_to_avoid_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arm_and_post(tmp_path, post=0.35)
+    record, motion = designed(tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"))
+    truth = to_post(motion[["q_shoulder", "q_elbow"]].to_numpy(), 0.35).min()
+    assert truth < 0.0
+    assert record["clearance"]["least"] == pytest.approx(truth, abs=5e-3)
+    assert record["clearance"]["pair"] == ["base", "lower"]
+    assert "--avoid-collision" in capsys.readouterr().out
+
+
+def refused(capfd: pytest.CaptureFixture[str], out: Path, *wishes: str) -> str:
+    """The one line on a wish that cannot be met; nothing is left behind."""
+    assert main([*wishes, "--out", str(out)]) == 2
+    printed = capfd.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    assert printed.err.startswith("studies.design: ")
+    assert not out.exists()
+    return printed.err
+
+
 @pytest.mark.parametrize("robot", ["absent.urdf", "builtin:puma"])
 def test_a_robot_that_is_not_there_is_one_line(
-    robot: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    robot: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["--robot", robot, "--out", str(tmp_path / "out")]) == 2
-    message = capsys.readouterr().err
-    assert message.count("\n") == 1
-    assert message.startswith("studies.design:")
-    assert not (tmp_path / "out").exists()
+    assert robot.removeprefix("builtin:") in refused(capfd, tmp_path / "out", "--robot", robot)
+
+
+@pytest.mark.parametrize(
+    ("wish", "named"),
+    [
+        (("--horizon", "-3"), "--horizon -3"),
+        (("--horizon", "inf"), "--horizon inf"),
+        (("--rate", "0"), "--rate 0"),
+        (("--rate", "nan"), "--rate nan"),
+        (("--budget", "inf"), "--budget inf"),
+        (("--seed", "-1"), "--seed -1"),
+        (("--box", "0", "1", "1", "1", "0", "1"), "--box"),
+        (("--box", "0", "1", "0", "nan", "0", "1"), "--box"),
+        (("--joints", "wrist"), "wrist"),
+        (("--joints", "elbow", "elbow"), "named twice"),
+        (("--prior", "nowhere/design.json"), "nowhere/design.json"),
+        (("--avoid-collision", "--box", "5", "6", "5", "6", "5", "6"), "check the box"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else None,
+)
+def test_a_wish_that_cannot_be_met_is_one_line(
+    wish: tuple[str, ...], named: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    arm_and_post(tmp_path)
+    robot = str(tmp_path / "planar.urdf")
+    assert named in refused(capfd, tmp_path / "out", "--robot", robot, *wish)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "no XML",
+        '<robot name="r"><link name="a">',
+        "<html/>",
+        '<robot name="r"><link name="a"/></robot>',
+    ],
+    ids=["empty", "text", "half", "html", "no_joint"],
+)
+def test_a_file_that_is_no_arm_is_one_line(
+    text: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "r.urdf").write_text(text)
+    assert "r.urdf" in refused(capfd, tmp_path / "out", "--robot", str(tmp_path / "r.urdf"))
+
+
+def test_collisions_cannot_be_avoided_without_shapes(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    planar_arm(tmp_path)
+    for robot in ("builtin:imi_scara", str(tmp_path / "planar.urdf")):
+        message = refused(capfd, tmp_path / "out", "--robot", robot, "--avoid-collision")
+        assert "--avoid-collision" in message
+
+
+def test_another_arms_experiment_is_no_prior(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    planar_arm(tmp_path)
+    record = {"joints": ["a"], "class": "fourier", "instants": 9, "horizon": 1, "coefficients": {}}
+    (tmp_path / "a.json").write_text(json.dumps(record))
+    message = refused(
+        capfd, tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"),
+        "--prior", str(tmp_path / "a.json"),
+    )  # fmt: skip
+    assert "a.json" in message
+    assert "shoulder" in message
+
+
+def test_results_are_not_put_where_a_file_is(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "out").write_text("mine")
+    assert main(["--robot", "builtin:imi_scara", "--out", str(tmp_path / "out")]) == 2
+    assert capfd.readouterr().err.count("\n") == 1
+    assert (tmp_path / "out").read_text() == "mine"

@@ -1,0 +1,91 @@
+"""A robot's shapes as Drake holds them: what cannot be read is said, and costs nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oed.design.collision import Surroundings, check_clearance
+from oed.dynamics.motion import Motion
+from oed.robot import load_robot
+from tests.design.primitive_arm import LENGTH, TIP, planar_arm, sphere, tip_at
+
+PAIR = ("base", "lower")
+STILL = Motion(np.zeros(1), *np.zeros((3, 1, 2)))
+
+
+def test_missing_meshes_are_said_and_the_rest_is_checked(tmp_path: Path) -> None:
+    absent = '<collision><geometry><mesh filename="package://gone/a.stl"/></geometry></collision>'
+    robot = planar_arm(
+        tmp_path, base=sphere(0.1, "0 0.9 0"), upper=absent, lower=sphere(TIP, f"{LENGTH} 0 0")
+    )
+    surroundings = Surroundings(robot)
+    assert "package://gone/a.stl" in surroundings.note
+    q = np.array([1.5, 0.1])
+    assert surroundings.distances(q)[PAIR] == pytest.approx(
+        np.linalg.norm(tip_at(q) - [0, 0.9, 0]) - 0.1 - TIP, abs=1e-9
+    )
+
+
+def test_a_file_that_has_changed_is_read_again(tmp_path: Path) -> None:
+    before = Surroundings(planar_arm(tmp_path, base=sphere(0.2), lower=sphere(0.2)))
+    after = Surroundings(planar_arm(tmp_path, base=sphere(0.1), lower=sphere(0.2)))
+    assert before.distances(np.zeros(2))[PAIR] == pytest.approx(0.1)
+    assert after.distances(np.zeros(2))[PAIR] == pytest.approx(0.2)
+
+
+def test_an_mjcf_file_has_its_shapes_too(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text("""<mujoco model="arm"><worldbody>
+<geom name="post" type="sphere" size="0.1" pos="0 0.9 0"/>
+<body name="upper"><joint name="shoulder" axis="0 0 1" range="-170 170"/>
+<geom type="sphere" size="0.1" pos="0.5 0 0"/></body>
+</worldbody></mujoco>""")
+    robot = load_robot(tmp_path / "arm.xml")
+    found = Surroundings(robot).distances(np.array([1.2]))
+    at = 0.5 * np.array([np.cos(1.2), np.sin(1.2)])
+    (distance,) = found.values()
+    assert distance == pytest.approx(np.linalg.norm(at - [0, 0.9]) - 0.2, abs=1e-9)
+
+
+def test_a_floor_is_checked_where_drake_can_and_else_said(tmp_path: Path) -> None:
+    def distances(shape: str) -> tuple[dict, str]:
+        (tmp_path / "arm.xml").write_text(f"""<mujoco model="arm"><worldbody>
+<geom type="plane" size="1 1 0.1"/>
+<body name="arm"><joint name="j" axis="0 1 0" range="-90 90"/>
+<geom {shape} pos="0.5 0 0.1"/></body></worldbody></mujoco>""")
+        surroundings = Surroundings(load_robot(tmp_path / "arm.xml"))
+        return surroundings.distances(np.array([-0.5])), surroundings.note
+
+    found, note = distances('type="sphere" size="0.05"')
+    assert note == ""
+    # Turned upwards by half a radian about y.
+    height = 0.5 * np.sin(0.5) + 0.1 * np.cos(0.5)
+    assert found == {("arm", "world"): pytest.approx(height - 0.05)}
+    _, note = distances('type="box" size="0.05 0.05 0.05"')
+    assert "planes" in note
+
+
+@pytest.mark.parametrize(
+    "colour", ['<color rgba="1 0 0"/>', '<texture filename="gone.png"/>'], ids=["rgb", "texture"]
+)
+def test_a_colour_that_drake_refuses_costs_the_drawing_only(colour: str, tmp_path: Path) -> None:
+    painted = sphere(0.1, kind="visual").replace(
+        "</visual>", f'<material name="m">{colour}</material></visual>'
+    )
+    robot = planar_arm(
+        tmp_path, base=sphere(0.1, "0 0.9 0") + painted, lower=sphere(TIP, f"{LENGTH} 0 0")
+    )
+    surroundings, q = Surroundings(robot), np.array([1.5, 0.1])
+    assert "drawings" in surroundings.note
+    distance = np.linalg.norm(tip_at(q) - [0, 0.9, 0]) - 0.1 - TIP
+    assert surroundings.distances(q)[PAIR] == pytest.approx(distance, abs=1e-9)
+
+
+def test_shapes_that_drake_refuses_are_said(tmp_path: Path) -> None:
+    (tmp_path / "bad.obj").write_text("v a b c\n")
+    bad = '<collision><geometry><mesh filename="bad.obj"/></geometry></collision>'
+    check = check_clearance(planar_arm(tmp_path, lower=bad), STILL)
+    assert check.instants == 0
+    assert "shapes cannot be read" in check.note
