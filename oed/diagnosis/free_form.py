@@ -7,6 +7,7 @@ any loop against a joint's position, as a sum of elastic sliders.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -62,6 +63,10 @@ class Coordinate:
         inside = np.clip(self._values(state), self.lower, self.upper)
         return BSpline.design_matrix(inside, knots, DEGREE).toarray()
 
+    def halved(self) -> Coordinate:
+        """With pieces half as long."""
+        return dataclasses.replace(self, pieces=2 * self.pieces)
+
     def _values(self, state: State) -> Float[ndarray, " samples"]:
         if self.kind == "time":
             return np.asarray(state.t, dtype=float)
@@ -87,6 +92,10 @@ class Loop:
     longest: float
     functions: int
     kind = "loop"
+
+    def halved(self) -> Loop:
+        """With twice the sliders."""
+        return dataclasses.replace(self, functions=2 * self.functions)
 
     @property
     def name(self) -> str:

@@ -9,6 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
+from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.judgement import (
     COVERED,
     Accepted,
@@ -27,7 +28,7 @@ from oed.diagnosis.scan import (
     scan,
     score,
 )
-from oed.diagnosis.trials import Trial
+from oed.diagnosis.trials import Trial, free_form_trials
 from oed.diagnosis.turning import NAME as GRAVITY
 from oed.diagnosis.turning import accepted_tilt, far_turned, turned
 from oed.diagnosis.workbench import Augmented, moved
@@ -205,17 +206,31 @@ def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Acc
     joint = item.trial.joint
     found = shop.fit(others, shop.layout(item.trial))
     plain = shop.validation_rms(found)
-    best, least = dataclasses.replace(item, stands_in=False), BETTER
-    for trial in restrained(item.trial, found.fit, shop.size_of_residual(found, joint)):
-        if held_out_fault(shop, others, trial) is not None:
-            continue
-        if plain is None:
+    size = shop.size_of_residual(found, joint)
+    choices = [
+        trial
+        for whole in (item.trial, *_finer(shop, item.trial))
+        for trial in restrained(whole, found.fit, size)
+    ]
+    ratios = [0.0] * len(choices)
+    if plain is not None:
+        fits = (shop.fit([*others, t], shop.layout(t), bend=False) for t in choices)
+        ratios = [float(shop.validation_rms(fit)[joint] / plain[joint]) for fit in fits]
+    for ratio, trial in sorted(zip(ratios, choices, strict=True), key=lambda pair: pair[0]):
+        if ratio >= BETTER:
+            break
+        if held_out_fault(shop, others, trial) is None:
             return dataclasses.replace(item, trial=trial, stands_in=True)
-        with_it = shop.fit([*others, trial], shop.layout(trial), bend=False)
-        ratio = float(shop.validation_rms(with_it)[joint] / plain[joint])
-        if ratio < least:
-            best, least = dataclasses.replace(item, trial=trial, stands_in=True), ratio
-    return best
+    return dataclasses.replace(item, stands_in=False)
+
+
+def _finer(shop: Workshop, trial: Trial) -> list[Trial]:
+    """The term with twice the pieces: what was noticed may be finer than what noticed it."""
+    effect = trial.effect
+    if not isinstance(effect, FreeForm):
+        return []
+    term = dataclasses.replace(effect, coordinates=tuple(c.halved() for c in effect.coordinates))
+    return free_form_trials([term], shop.layout(trial).rows, contrast=trial.contrast)
 
 
 def _outdone_by(
