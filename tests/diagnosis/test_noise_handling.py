@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline import find_baseline
+from oed.diagnosis.free_form import Coordinate, FreeForm
 from oed.diagnosis.prepare import prepare
-from oed.diagnosis.restraint import restrained
+from oed.diagnosis.restraint import expectation, restrained
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.sign_width import widths_of
 from oed.diagnosis.workshop import Workshop
@@ -86,16 +87,36 @@ def test_a_free_form_term_keeps_only_what_the_data_determine():
     shop = Workshop(baseline, estimation, (), SETTINGS, gear_ratio=None)
     term = next(t for t in shop.smooth if t.effect.label == "f(dq_1)" and t.joint == 0)
     steps = list(restrained(term, shop.before.fit, size=1.0))
-    counts = [len(step.effect.parameters) for step in steps]
-    assert counts == sorted(counts, reverse=True)
-    # Constant friction, its sign and its slope are the model's own: never all functions.
-    assert 0 < counts[0] < len(term.effect.parameters)
-    for step in steps:
-        assert step.effect.mixing.T @ step.effect.mixing == pytest.approx(
-            np.eye(len(step.effect.parameters)), abs=1e-9
-        )
+    mixings = [step.effect.mixing for step in steps]
+    is_plain = [np.allclose(m.T @ m, np.eye(m.shape[1])) for m in mixings]
+    plain, smooth = (
+        [step for step, flag in zip(steps, is_plain, strict=True) if flag == wanted]
+        for wanted in (True, False)
+    )
+    assert len(plain) > 0
+    assert len(smooth) > 0
+    for kind in (plain, smooth):
+        counts = [_kept(step) for step in kind]
+        assert counts == sorted(counts, reverse=True)
+        # Constant friction, its sign and its slope are the model's own: never all functions.
+        assert 0 < counts[0] < len(term.effect.parameters)
     with pytest.raises(TypeError, match="free-form"):
         next(restrained(shop.physical[0], shop.before.fit, size=1.0))
+
+
+def _kept(step):
+    return len(step.effect.parameters)
+
+
+@pytest.mark.parametrize("flatness", [None, 0.03, 1.0])
+def test_an_expected_function_is_of_unit_size_and_rather_smooth(flatness):
+    term = FreeForm(0, (Coordinate("q", 0, -1.0, 1.0, 4), Coordinate("dq", 1, -1.0, 1.0, 5)))
+    inverse = expectation(term, flatness)
+    covariance = np.linalg.inv(inverse)
+    assert np.mean(np.diag(covariance)) == pytest.approx(1.0)
+    rough = (-1.0) ** np.add.outer(np.arange(7), np.arange(8)).ravel()
+    flat, wavy = (x @ inverse @ x for x in (np.ones(56), rough))
+    assert flat == pytest.approx(wavy) if flatness is None else flat < wavy / 4
 
 
 def test_recordings_of_one_clock_make_a_session():
