@@ -49,6 +49,7 @@ from oed.robot import Robot, arm_joints, load_robot
 from studies.design_summary import summary
 
 CHECKED_INSTANTS = 1000  # of the clearance check
+MOST_POINTS = 1_000_000  # that a motion is written with
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,11 @@ class Config:
         ):
             if not (value > 0 and np.isfinite(value)):
                 raise ValueError(f"--{name} {value:g} is not a positive number")
+        if self.rate * self.problem.horizon > MOST_POINTS:
+            raise ValueError(
+                f"--rate {self.rate:g} for --horizon {self.problem.horizon:g} is more than "
+                f"{MOST_POINTS} set points"
+            )
         if self.seed < 0:
             raise ValueError(f"--seed {self.seed} is negative")
         if self.box and not np.isfinite(self.box).all():

@@ -11,8 +11,13 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.clear_limits import ClearLimits, NoClearRange, clear_limits
-from oed.design.collision import Surroundings
-from oed.design.collision_free import NoClearMotion, avoid_collision
+from oed.design.collision import CLEARANCE, Surroundings
+from oed.design.collision_free import (
+    ROUNDS,
+    NoClearMotion,
+    _short_distances,
+    avoid_collision,
+)
 from oed.design.default_limits import with_default_limits
 from oed.design.design import Design
 from oed.design.optimisers.result import OptimiserResult
@@ -107,7 +112,8 @@ def test_a_motion_is_moved_clear_and_keeps_its_limits(tmp_path: Path) -> None:
     z = starts(problem, hits_post=True)
     found = avoid_collision(problem, z, Surroundings(robot), CLEAR)
     design = Design.from_result(problem, OptimiserResult(found.z, 0.0, (), 0, 0.0, "moved"))
-    assert to_post(design.motion(FINE).q).min() > 0.0
+    # As near as is allowed and no farther: the nearest motion that keeps its distance.
+    assert 0.0 < to_post(design.motion(FINE).q).min() < 1.5 * CLEARANCE
     assert design.certificate.violation <= 0.0
     # The certificate is believed only as far as the motion itself bears it out.
     assert np.abs(design.motion(FINE).q).max() <= 3.0
@@ -115,7 +121,23 @@ def test_a_motion_is_moved_clear_and_keeps_its_limits(tmp_path: Path) -> None:
     # As little as that takes: most of the motion is still there.
     before, after = (problem.trajectory.motion(x, FINE).q for x in (z, design.z))
     assert np.std(after, axis=0) == pytest.approx(np.std(before, axis=0), rel=0.6)
-    assert found.rounds > 0
+    assert 0 < found.rounds < ROUNDS
+    assert found.factor == 1.0
+
+
+def test_a_posture_on_a_linearised_bound_has_the_distance_that_is_wanted(tmp_path: Path) -> None:
+    robot = arm_and_post(tmp_path)
+    q = random_postures(robot.limits)
+    q = q[np.abs(to_post(q) - CLEARANCE) < 0.01][:50]
+    short, is_clear = _short_distances(Surroundings(robot), q)
+    assert len(short) == 50
+    assert not is_clear
+    for each in short:
+        lacking = each.bound - each.slope @ q[each.instant]
+        moved = q[each.instant] + each.slope * lacking / (each.slope @ each.slope)
+        # A step of a hundredth of a radian or so is linear to a ten-thousandth or so.
+        if np.linalg.norm(each.slope) > 0.3:
+            assert to_post(moved) == pytest.approx(CLEARANCE, abs=1.5e-3)
 
 
 def test_a_clear_motion_stays_as_it_is(tmp_path: Path) -> None:

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from oed.design.collision import Surroundings, check_clearance
+from oed.design.default_limits import with_default_limits
 from oed.dynamics.motion import Motion
 from oed.robot import load_robot
 from tests.design.primitive_arm import LENGTH, TIP, planar_arm, sphere, tip_at
+from tests.paths import example_robot
 
 PAIR = ("base", "lower")
 STILL = Motion(np.zeros(1), *np.zeros((3, 1, 2)))
@@ -89,3 +91,22 @@ def test_shapes_that_drake_refuses_are_said(tmp_path: Path) -> None:
     check = check_clearance(planar_arm(tmp_path, lower=bad), STILL)
     assert check.instants == 0
     assert "shapes cannot be read" in check.note
+
+
+def test_an_arm_of_meshes_is_found_whole_and_its_slopes_are_finite_differences() -> None:
+    robot, _ = with_default_limits(load_robot(example_robot("ur_description/urdf/ur5_robot.urdf")))
+    surroundings = Surroundings(robot)
+    assert "cannot be" not in surroundings.note
+    rng, step, errors = np.random.default_rng(5), 1e-4, []
+    for q in rng.uniform(*robot.limits.position.T, (10, robot.n)):
+        ends = [
+            [surroundings.distances(q + sign * d) for sign in (1, -1)]
+            for d in step * np.eye(robot.n)
+        ]
+        for near in surroundings.near(q):
+            if near.distance > 0.01 and all(near.pair in end for pair in ends for end in pair):
+                numeric = [(up[near.pair] - down[near.pair]) / 2 / step for up, down in ends]
+                errors.append(np.abs(near.slope - numeric).max())
+    assert len(errors) > 40
+    # Not all: Drake's distance of two hulls is now and then a tenth of a millimetre off.
+    assert np.quantile(errors, 0.9) < 1e-5

@@ -145,6 +145,7 @@ def test_a_robot_that_is_not_there_is_one_line(
         (("--horizon", "inf"), "--horizon inf"),
         (("--rate", "0"), "--rate 0"),
         (("--rate", "nan"), "--rate nan"),
+        (("--rate", "1e9"), "set points"),
         (("--budget", "inf"), "--budget inf"),
         (("--seed", "-1"), "--seed -1"),
         (("--box", "0", "1", "1", "1", "0", "1"), "--box"),
