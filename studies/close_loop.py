@@ -87,7 +87,7 @@ def run(config: Config) -> Outcome:
     model = build_model(config.model, dataset.robot)
     settings = config.settings
     found = diagnose(dataset, model, settings, _say)
-    pairs = found.rival_pairs(settings.decisive)
+    pairs = found.rival_pairs()
     following = None
     if found.verdict == "ambiguous" and pairs:
         _say(f"designing a motion that tells {len(pairs)} pair(s) of rivals apart")

@@ -97,7 +97,7 @@ def run(config: Config) -> list[Row]:
         _say(text_table(rows[-1:]))
         if found.verdict in ("explained", "nothing found"):
             break
-        motion, purpose = _next_motion(found, model, config, rng, count)
+        motion, purpose = _next_motion(found, model, rng, count)
     return rows
 
 
@@ -157,10 +157,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _next_motion(
-    found: Diagnosis, model: TorqueModel, config: Config, rng: np.random.Generator, count: int
+    found: Diagnosis, model: TorqueModel, rng: np.random.Generator, count: int
 ) -> tuple[Motion, str]:
     """Between rivals the motion that tells them apart; without a name, one that covers more."""
-    pairs = found.rival_pairs(config.settings.decisive)
+    pairs = found.rival_pairs()
     if found.verdict == "ambiguous" and pairs:
         following = design_discriminating(found.shop, pairs, rng, candidates=count)
         return _whole_period(following.motion), "; ".join(following.pairs)

@@ -78,7 +78,7 @@ class Diagnosis:
     sign_width: Float[ndarray, " joints"]
     shop: Workshop = field(repr=False, compare=False)
 
-    def rival_pairs(self, decisive: float) -> list[tuple[Trial, Float[ndarray, " columns"], Trial]]:
+    def rival_pairs(self) -> list[tuple[Trial, Float[ndarray, " columns"], Trial]]:
         """Found effects, their coefficients, and the rivals that the data cannot exclude."""
         if not self.effects:
             return []
@@ -87,7 +87,7 @@ class Diagnosis:
             (effect.trial, coefficients, rival.trial)
             for effect, coefficients in zip(self.effects, chosen.coefficients, strict=True)
             for rival in effect.rivals
-            if rival.contender and rival.evidence < decisive
+            if rival.contender
         ]
 
 

@@ -28,6 +28,9 @@ Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 RIVALS = 5
 # Ratio of residual to floor above which a lack of fit without a located cause is stated.
 CLEAR_LACK = {"repetitions": 1.4, "free-form fit": 1.4}
+# Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
+# err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
+SYSTEMATIC = 0.005
 SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
 
 
@@ -49,9 +52,10 @@ class Rival:
         name: Of the catalogue.
         joint: Index, None for the whole arm.
         evidence: By how much the found one is better, in -2 log likelihood less Schwarz's
-            penalty; below the decisive difference the data cannot tell.
+            penalty.
         trial: Its columns, for the design that will tell.
-        contender: Whether it passes all tests that the found one passed.
+        contender: Whether that difference is too small to tell, and it passes all tests that
+            the found one passed.
     """
 
     name: str
@@ -161,7 +165,7 @@ def decide(
     A free-form term that mends the formula of a named effect is no riddle. A lack of fit that no term locates counts only where it is clear: a floor that was not
     read off repetitions is itself uncertain by some tenths.
     """
-    if any(r.contender and r.evidence < settings.decisive for e in effects for r in e.rivals):
+    if any(r.contender for e in effects for r in e.rivals):
         return "ambiguous"
     limit = settings.floor_ratio if effects else CLEAR_LACK[source]
     limit = max(limit, CLEAR_LACK[source]) if source != "repetitions" else limit
@@ -239,13 +243,20 @@ def _rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, 
         if found.trial.key == own.trial.key or len(rivals) == RIVALS:
             continue
         behind = here.evidence(rows) - found.evidence(rows)
-        contender = bool(behind < shop.settings.decisive) and _contends(
-            shop, found, here, others, fit
-        )
+        decisive = shop.settings.decisive
+        if _is_of_kind(found.trial, own.trial):
+            decisive = max(decisive, SYSTEMATIC * here.gain)
+        contender = bool(behind < decisive) and _contends(shop, found, here, others, fit)
         rivals.append(
             Rival(found.trial.name, found.trial.joint, float(behind), found.trial, contender)
         )
     return tuple(rivals)
+
+
+def _is_of_kind(one: Trial, other: Trial) -> bool:
+    """Whether two effects of one family are attached to the same joint, or to the arm."""
+    families = (set(CATALOGUE[t.name].families) for t in (one, other))
+    return one.joint == other.joint and bool(set.intersection(*families))
 
 
 def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial], fit) -> bool:
