@@ -9,7 +9,6 @@ from itertools import combinations
 
 import numpy as np
 
-from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.judgement import (
     COVERED,
     Accepted,
@@ -20,25 +19,21 @@ from oed.diagnosis.judgement import (
     too_little,
     within,
 )
-from oed.diagnosis.restraint import restrained
-from oed.diagnosis.ripening import is_unripe, ripened
+from oed.diagnosis.ranking import ranked, simplest_first
+from oed.diagnosis.review import drop_superfluous, review_names
 from oed.diagnosis.scan import (
     Score,
     refine,
-    scan,
     score,
 )
-from oed.diagnosis.trials import Trial, free_form_trials
+from oed.diagnosis.standing_in import next_free_form
+from oed.diagnosis.trials import Trial
 from oed.diagnosis.turning import NAME as GRAVITY
 from oed.diagnosis.turning import accepted_tilt, far_turned, turned
 from oed.diagnosis.workbench import Augmented, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
-# Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
-# would carry it to the next motion.
-BETTER = 0.95
-UNRIPE_SHARE = 0.2  # of the best gain, from which on a candidate is worth evaluating anew
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
 
@@ -84,17 +79,17 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
             shop = sharper
             accepted = _settle(shop, [_at_home(shop, a) for a in accepted])
     for _ in range(shop.settings.max_effects):
-        pick = _next_free_form(shop, accepted, refused)
+        pick = next_free_form(shop, accepted, refused)
         if pick is None:
             break
         accepted.append(pick)
-    accepted = _review_names(shop, accepted, refused)
+    accepted = review_names(shop, accepted, refused)
     tilt = []
     if shop.is_turned:
         shop = turned(shop, [a.trial for a in accepted if a.stands_in])
         accepted = [_at_home(shop, a) for a in accepted]
         tilt = [accepted_tilt(shop, declared, tilt_p_value)]
-    accepted = [*tilt, *_drop_superfluous(shop, accepted, refused)]
+    accepted = [*tilt, *drop_superfluous(shop, accepted, refused)]
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))
@@ -106,60 +101,6 @@ def _at_home(shop: Workshop, item: Accepted) -> Accepted:
     rows = shop.layout(trial).rows
     trial = moved(trial, rows, shop.context, contrast=trial.contrast)
     return dataclasses.replace(item, trial=trial)
-
-
-def ranked(
-    shop: Workshop,
-    pool: Sequence[Trial],
-    others: Sequence[Trial],
-    most: int,
-    *,
-    ripe: bool = False,
-) -> list[Score]:
-    """Refined candidates beside some additions, best evidence first.
-
-    Args:
-        shop: The laid-out data.
-        pool: Candidates, over the grids of their shapes.
-        others: Additions.
-        most: Candidates that are refined.
-        ripe: Whether those that act on the torque itself are evaluated on what they leave.
-    """
-    keys = {t.key for t in others}
-    if shop.is_turned:
-        pool = [t for t in pool if t.name != GRAVITY]
-    found: list[Score] = []
-    rows = shop.full.rows.count
-    for between in (False, True):
-        layout = shop.full if between else shop.mean
-        part = [t for t in pool if t.between_repetitions == between and t.key not in keys]
-        if not part:
-            continue
-        fit = shop.fit(others, layout).fit
-        scores = scan(part, fit)
-        # By surprise for the small effect of a quiet joint, by gain for the large one that
-        # makes its joint's residual loud.
-        leading = {s.trial.key: s for s in scores[:most]}
-        leading |= {s.trial.key: s for s in sorted(scores, key=lambda s: -s.gain)[:most]}
-        refined = [refine(s, fit, shop.context) for s in leading.values()]
-        promising = UNRIPE_SHARE * max(s.gain for s in refined)
-        found += [
-            ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
-            if ripe and is_unripe(s.trial) and s.gain > promising and s.evidence(rows) > 0
-            else s
-            for s in refined
-        ]
-    return sorted(found, key=lambda s: -s.evidence(rows))
-
-
-def simplest_first(shop: Workshop, candidates: list[Score]) -> list[Score]:
-    """Where the evidence does not decide, the one that cancels least against the model first."""
-    if not candidates:
-        return []
-    rows = shop.full.rows.count
-    best = candidates[0].evidence(rows)
-    level = [c for c in candidates if c.evidence(rows) > best - shop.settings.decisive]
-    return [*sorted(level, key=lambda c: c.cancelled), *candidates[len(level) :]]
 
 
 def _next_physical(
@@ -184,53 +125,6 @@ def _next_physical(
         if passed is not None:
             return passed
     return None
-
-
-def _next_free_form(
-    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
-) -> Accepted | None:
-    others = [a.trial for a in accepted]
-    pool = (*shop.smooth, *shop.smooth_pairs)
-    candidates = ranked(shop, pool, others, shop.settings.refined)
-    for candidate in candidates:
-        if candidate.evidence(shop.full.rows.count) <= shop.settings.free_form_margin:
-            break
-        passed = judge(shop, candidate, accepted, pool, refused)
-        if passed is not None:
-            return _standing_in(shop, passed, others)
-    return None
-
-
-def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:
-    """A free-form term as far as the data determine it, part of the model if it then predicts."""
-    joint = item.trial.joint
-    found = shop.fit(others, shop.layout(item.trial))
-    plain = shop.validation_rms(found)
-    size = shop.size_of_residual(found, joint)
-    choices = [
-        trial
-        for whole in (item.trial, *_finer(shop, item.trial))
-        for trial in restrained(whole, found.fit, size)
-    ]
-    ratios = [0.0] * len(choices)
-    if plain is not None:
-        fits = (shop.fit([*others, t], shop.layout(t), bend=False) for t in choices)
-        ratios = [float(shop.validation_rms(fit)[joint] / plain[joint]) for fit in fits]
-    for ratio, trial in sorted(zip(ratios, choices, strict=True), key=lambda pair: pair[0]):
-        if ratio >= BETTER:
-            break
-        if held_out_fault(shop, others, trial) is None:
-            return dataclasses.replace(item, trial=trial, stands_in=True)
-    return dataclasses.replace(item, stands_in=False)
-
-
-def _finer(shop: Workshop, trial: Trial) -> list[Trial]:
-    """The term with twice the pieces: what was noticed may be finer than what noticed it."""
-    effect = trial.effect
-    if not isinstance(effect, FreeForm):
-        return []
-    term = dataclasses.replace(effect, coordinates=tuple(c.halved() for c in effect.coordinates))
-    return free_form_trials([term], shop.layout(trial).rows, contrast=trial.contrast)
 
 
 def _outdone_by(
@@ -313,63 +207,3 @@ def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> A
         ):
             return Accepted(trial, rival.gain, current.p_value)
     return Accepted(here.trial, here.gain, current.p_value)
-
-
-def _review_names(
-    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
-) -> list[Accepted]:
-    """Drop names that a free-form term of their joint makes superfluous.
-
-    A name stays where it explains nearly all that name and free form explain together (the
-    same physics in a slightly other formula), or where nothing else can do its part.
-    """
-    free = [a for a in accepted if a.trial.is_free_form]
-    kept = list(accepted)
-    for joint in {a.trial.joint for a in free}:
-        named = [a for a in kept if not a.trial.is_free_form and a.trial.joint in (joint, None)]
-        for item in named:
-            rest = [a.trial for a in kept if a is not item]
-            bare = [t for t in rest if not (t.is_free_form and t.joint == joint)]
-            layout = shop.layout_for([a.trial for a in kept])
-            whole = shop.fit([a.trial for a in kept], layout).fit.squares
-            without_free = shop.fit([*bare, item.trial], layout).fit.squares
-            without_both = shop.fit(bare, layout).fit.squares
-            without_name = shop.fit(rest, layout).fit.squares
-            own = any(
-                within(a.trial.effect.depends_on, item.trial)
-                for a in free
-                if a.trial.joint == joint
-            )
-            share = shop.settings.own_family_share if own else shop.settings.family_share
-            together = without_both - whole
-            alone = without_both - without_free
-            needed = without_name - whole
-            if alone < share * together and needed < (
-                0.1 * together + shop.settings.free_form_margin
-            ):
-                kept = [a for a in kept if a is not item]
-                reason = f"free form explains its part: {alone / together:.0%} of what both do"
-                refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
-    return kept
-
-
-def _drop_superfluous(
-    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
-) -> list[Accepted]:
-    """Drop names that gain nothing beside the others."""
-    kept = list(accepted)
-    for item in accepted:
-        if item.trial.is_free_form:
-            continue
-        layout = shop.layout_for([a.trial for a in kept])
-        whole, without = (
-            shop.fit([a.trial for a in kept if a.stands_in and a is not left_out], layout).fit
-            for left_out in (None, item)
-        )
-        needed = without.squares - whole.squares
-        columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
-        if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
-            kept = [a for a in kept if a is not item]
-            reason = f"gains {needed:.3g} beside the other additions"
-            refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
-    return kept

@@ -12,8 +12,9 @@ from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.judgement import Accepted, held_out_fault, within
 from oed.diagnosis.lack_of_fit import LackOfFit
 from oed.diagnosis.noise_floor import NoiseSource
+from oed.diagnosis.ranking import ranked
 from oed.diagnosis.scan import Score, score
-from oed.diagnosis.selection import Selection, ranked
+from oed.diagnosis.selection import Selection
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.shape_axes import axis_slope
 from oed.diagnosis.trials import Trial
