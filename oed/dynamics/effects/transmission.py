@@ -162,7 +162,11 @@ class TransmissionChange(Effect):
     """
 
     gear: Transmission
-    name = "transmission_change"
+
+    @property
+    def name(self) -> str:
+        """Of what the gear does."""
+        return self.gear.name
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
