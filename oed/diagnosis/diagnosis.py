@@ -13,7 +13,7 @@ from oed.diagnosis.baseline import Baseline, find_baseline
 from oed.diagnosis.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.encoder_steps import encoder_steps, rounding_squares
 from oed.diagnosis.final_model import FinalModel, errors_of, fit_final, install
-from oed.diagnosis.judgement import Refused
+from oed.diagnosis.judgement import Refused, costs
 from oed.diagnosis.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.predict import rms
 from oed.diagnosis.prepare import Prepared, prepare
@@ -182,7 +182,9 @@ def _never_worse(
         layout = shop.layout_for(kept.trials)
         found = shop.fit(kept.trials, layout)
         final = fit_final(shop.baseline, layout, install(shop.baseline, found, shop.context))
-        if old is None or np.mean((rms(errors_of(final, validation), weights) / old) ** 2) < 1:
+        if old is None or not costs(
+            old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
+        ):
             return Selection(kept.accepted, found, kept.refused), final
         last = [a for a in kept.accepted if a.stands_in][-1]
         gone = Refused(

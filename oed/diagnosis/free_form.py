@@ -119,18 +119,55 @@ class Loop:
 
 
 @dataclass(frozen=True)
+class Factor:
+    """A signal in proportion to which a function of something else acts.
+
+    With it a term is linear in this signal, its coefficient varying (Hastie and Tibshirani
+    1993, "Varying-coefficient models", JRSS B 55(4)): far fewer parameters than a function of
+    both coordinates, and sure beyond the range that was covered.
+
+    Attributes:
+        kind: "dq" or "ddq".
+        joint: Index of the joint.
+    """
+
+    kind: str
+    joint: int
+    functions = 1
+
+    def halved(self) -> Factor:
+        """Itself: a line has no pieces."""
+        return self
+
+    @property
+    def name(self) -> str:
+        """Such as "dq_2" (joints from 1)."""
+        return f"{self.kind}_{self.joint + 1}"
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Itself."""
+        return (self.name,)
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """The signal."""
+        values = np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
+        return values[:, None]
+
+
+@dataclass(frozen=True)
 class FreeForm(Effect):
     """A function of one or two coordinates on one joint.
 
     Attributes:
         joint: On which the torque acts.
-        coordinates: One or two.
+        coordinates: One or two, of which a factor may be one.
         direction: Joint by the sign of whose velocity it is multiplied; None for none.
         mixing: Combinations of the basis functions that are its columns; None for each alone.
     """
 
     joint: int
-    coordinates: tuple[Coordinate | Loop, ...]
+    coordinates: tuple[Coordinate | Loop | Factor, ...]
     direction: int | None = None
     mixing: Float[ndarray, "functions columns"] | None = field(
         default=None, repr=False, compare=False
@@ -143,11 +180,17 @@ class FreeForm(Effect):
         return any(isinstance(c, Loop) for c in self.coordinates)
 
     @property
+    def varies(self) -> bool:
+        """Whether it is a signal times a coefficient that varies with something else."""
+        return any(isinstance(c, Factor) for c in self.coordinates)
+
+    @property
     def label(self) -> str:
-        """In words, such as "f(q_1, dq_2)" or "f(q_1) sgn(dq_1)"."""
-        inside = ", ".join(c.name for c in self.coordinates)
+        """In words, such as "f(q_1, dq_2)", "f(q_2) dq_1" or "f(q_1) sgn(dq_1)"."""
+        inside = ", ".join(c.name for c in self.coordinates if not isinstance(c, Factor))
+        times = "".join(f" {c.name}" for c in self.coordinates if isinstance(c, Factor))
         turn = "" if self.direction is None else f" sgn(dq_{self.direction + 1})"
-        return f"f({inside}){turn}"
+        return f"f({inside}){times}{turn}"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

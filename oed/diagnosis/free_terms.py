@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.free_form import Coordinate, FreeForm, Loop
+from oed.diagnosis.free_form import Coordinate, Factor, FreeForm, Loop
 from oed.diagnosis.prepare import Prepared
 
 PIECES_ALONE = 8
@@ -51,6 +51,9 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
             # Friction of this joint that varies, and what another joint drags along.
             own = {i, j}
             terms += [FreeForm(j, (coordinate(prepared, "q", i),), direction=k) for k in own]
+            terms.append(FreeForm(j, (coordinate(prepared, "q", i), Factor("dq", j))))
+            if i != j:
+                terms.append(FreeForm(j, (coordinate(prepared, "dq", i),), direction=j))
         fine = coordinate(prepared, "q", j, PIECES_FINE)
         terms += [FreeForm(j, (fine,)), FreeForm(j, (fine,), direction=j)]
         terms.append(FreeForm(j, (coordinate(prepared, "ddq", j),)))

@@ -6,17 +6,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
+from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.held_out import cross_validate
 from oed.diagnosis.scan import Score, family_p_value, inflation_of, score, surrogate_surprise
+from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.trials import Trial
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 COVERED = 0.3  # share of a gain that is left where another term explains the rest
 WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls
-# Share of what joints win, in squares of the floor, that others may lose: an addition moves
-# parameters that all rows share.
+# Share of what joints win, in squares of the floor, that others may lose to a named effect: it
+# moves parameters that all rows share. To what claims no physics nobody has to lose.
 PRICE = 1 / 3
 
 
@@ -107,11 +111,10 @@ def _mended_by(
         return None
     layout = shop.layout(candidate.trial)
     for mend in shop.smooth:
-        effect = mend.effect
         if (
             mend.joint == earlier.trial.joint
             and not mend.between_repetitions
-            and within(effect.depends_on, earlier.trial)
+            and is_own(mend, earlier.trial)
         ):
             fit = shop.fit([*others, mend], layout).fit
             left = score(candidate.trial, fit.projection, fit.residual).gain
@@ -123,6 +126,25 @@ def _mended_by(
 def within(coordinates: Sequence[str], trial: Trial) -> bool:
     """Whether an effect depends on all of these coordinates."""
     return not trial.is_free_form and set(coordinates) <= set(trial.effect.depends_on)
+
+
+def is_own(free: Trial, named: Trial) -> bool:
+    """Whether a free-form term is but a freer form of a named effect.
+
+    None of the catalogue's effects is a signal whose coefficient varies with position.
+    """
+    effect = free.effect
+    return isinstance(effect, FreeForm) and not effect.varies and within(effect.depends_on, named)
+
+
+def share_needed(free: Sequence[Trial], named: Trial, settings: DiagnosisSettings) -> float:
+    """Share of what free-form terms explain that a named effect must reach to keep its name."""
+    if any(is_own(t, named) for t in free):
+        return settings.own_family_share
+    effects = [t.effect for t in free]
+    if any(isinstance(effect, FreeForm) and effect.varies for effect in effects):
+        return settings.foreign_share
+    return settings.family_share
 
 
 def _implausible(shop: Workshop, candidate: Score) -> str | None:
@@ -161,12 +183,29 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     old, new = shop.validation_rms(plain), shop.validation_rms(after)
     if old is None or new is None:
         return None
-    ratio = new / old
-    fall = (old**2 - new**2) / shop.baseline.floor.deviation**2
-    costly = -fall[fall < 0].sum() > PRICE * fall[fall > 0].sum()
-    if np.mean(ratio**2) >= 1 or (ratio.max() > WORSE and costly):
-        return f"validation error changes by the factors {np.round(ratio, 3).tolist()}"
+    if costs(old, new, shop.baseline.floor.deviation, 0.0 if trial.is_free_form else PRICE):
+        return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
     return None if before.fit.squares > 0 else "nothing is left to explain"
+
+
+def costs(
+    old: Float[ndarray, " joints"],
+    new: Float[ndarray, " joints"],
+    floor: Float[ndarray, " joints"],
+    price: float = PRICE,
+) -> bool:
+    """Whether held-out errors rise, or too much at one joint for what the others win.
+
+    Args:
+        old: (n,) root mean squares before [N m].
+        new: After.
+        floor: (n,) standard deviation of the noise [N m].
+        price: Share of what joints win that others may lose.
+    """
+    fall = (old**2 - new**2) / floor**2
+    dear = -fall[fall < 0].sum() > price * fall[fall > 0].sum()
+    ratio = new / old
+    return bool(np.mean(ratio**2) >= 1 or (ratio.max() > WORSE and dear))
 
 
 def refusal(candidate: Score, reason: str) -> Refused:

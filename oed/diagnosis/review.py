@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from oed.diagnosis.judgement import Accepted, Refused, within
+from oed.diagnosis.judgement import Accepted, Refused, share_needed
 from oed.diagnosis.workshop import Workshop
 
 
@@ -28,12 +28,8 @@ def review_names(
             without_free = shop.fit([*bare, item.trial], layout).fit.squares
             without_both = shop.fit(bare, layout).fit.squares
             without_name = shop.fit(rest, layout).fit.squares
-            own = any(
-                within(a.trial.effect.depends_on, item.trial)
-                for a in free
-                if a.trial.joint == joint
-            )
-            share = shop.settings.own_family_share if own else shop.settings.family_share
+            terms = [a.trial for a in free if a.trial.joint == joint]
+            share = share_needed(terms, item.trial, shop.settings)
             together = without_both - whole
             alone = without_both - without_free
             needed = without_name - whole

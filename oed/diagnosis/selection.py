@@ -16,8 +16,8 @@ from oed.diagnosis.judgement import (
     held_out_fault,
     judge,
     refusal,
+    share_needed,
     too_little,
-    within,
 )
 from oed.diagnosis.ranking import ranked, simplest_first
 from oed.diagnosis.review import drop_superfluous, review_names
@@ -135,8 +135,7 @@ def _outdone_by(
     for rival in rivals:
         if rival.evidence(rows) - candidate.evidence(rows) < shop.settings.free_form_margin:
             break
-        own = within(rival.trial.effect.depends_on, candidate.trial)
-        share = shop.settings.own_family_share if own else shop.settings.family_share
+        share = share_needed([rival.trial], candidate.trial, shop.settings)
         if candidate.gain > share * rival.gain:
             continue
         if candidate.trial.joint == rival.trial.joint or _covered(shop, candidate, rival, others):

@@ -20,6 +20,8 @@ class DiagnosisSettings:
         decisive: Difference in -2 log likelihood that separates two rivals.
         free_form_margin: By how much a free-form term must beat the physical ones (BIC).
         family_share: Share of a free-form term's gain that a named effect must reach.
+        foreign_share: As `family_share`, for a term that is linear in a signal with a coefficient
+            that varies: no effect of the catalogue is, nor comes close to one in other words.
         mending_share: Gain of an addition over an earlier one's up to which it counts as mending
             that one's formula, if a free-form term of the same coordinate would do as well.
         own_family_share: As `family_share`, for a free-form term of nothing but the named
@@ -43,6 +45,7 @@ class DiagnosisSettings:
     free_form_margin: float = 10.0
     family_share: float = 0.85
     own_family_share: float = 0.6
+    foreign_share: float = 0.95
     mending_share: float = 0.25
     floor_ratio: float = 1.15
     lowest_cutoff: float = 8.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.judgement import Accepted, Refused, held_out_fault, judge
@@ -15,6 +16,9 @@ from oed.diagnosis.workshop import Workshop
 # Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
 # would carry it to the next motion.
 BETTER = 0.95
+HALVINGS = 4  # of the pieces of a term, one coordinate at a time
+WORTH = 0.98  # ratio by which a halving must lower the held-out error to be followed by another
+MOST_FUNCTIONS = 400
 
 
 def next_free_form(
@@ -29,37 +33,90 @@ def next_free_form(
             break
         passed = judge(shop, candidate, accepted, pool, refused)
         if passed is not None:
-            return _standing_in(shop, passed, others)
+            standing = [a.trial for a in accepted if a.stands_in]
+            return _standing_in(shop, passed, standing)
     return None
 
 
 def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:
     """A free-form term as far as the data determine it, part of the model if it then predicts."""
-    joint = item.trial.joint
-    found = shop.fit(others, shop.layout(item.trial))
-    plain = shop.validation_rms(found)
-    size = shop.size_of_residual(found, joint)
-    choices = [
-        trial
-        for whole in (item.trial, *_finer(shop, item.trial))
-        for trial in restrained(whole, found.fit, size)
-    ]
-    ratios = [0.0] * len(choices)
-    if plain is not None:
-        fits = (shop.fit([*others, t], shop.layout(t), bend=False) for t in choices)
-        ratios = [float(shop.validation_rms(fit)[joint] / plain[joint]) for fit in fits]
-    for ratio, trial in sorted(zip(ratios, choices, strict=True), key=lambda pair: pair[0]):
-        if ratio >= BETTER:
+    bench = _Bench(shop, others, item.trial)
+    tried = bench.tried([item.trial, *_alike(shop, item.trial)])
+    best = tried[0]
+    # What was noticed may be finer than what noticed it.
+    for _ in range(HALVINGS):
+        finer = bench.tried(_halved(shop, best.whole))
+        tried += finer
+        if not finer or finer[0].ratio > WORTH * best.ratio:
             break
-        if held_out_fault(shop, others, trial) is None:
-            return dataclasses.replace(item, trial=trial, stands_in=True)
+        best = finer[0]
+    for choice in sorted(tried, key=lambda c: c.ratio):
+        if choice.ratio >= BETTER:
+            break
+        if held_out_fault(shop, others, choice.trial) is None:
+            return dataclasses.replace(item, trial=choice.trial, stands_in=True)
     return dataclasses.replace(item, stands_in=False)
 
 
-def _finer(shop: Workshop, trial: Trial) -> list[Trial]:
-    """The term with twice the pieces: what was noticed may be finer than what noticed it."""
+@dataclass(frozen=True)
+class _Choice:
+    """A term, what of it the data determine, and the ratio of the validation error with it."""
+
+    whole: Trial
+    trial: Trial
+    ratio: float
+
+
+class _Bench:
+    """Where the restraints of a term are compared on the validation recordings."""
+
+    def __init__(self, shop: Workshop, others: Sequence[Trial], trial: Trial) -> None:
+        self._shop, self._others, self._layout = shop, others, shop.layout(trial)
+        self._fit = shop.fit(others, self._layout)
+        self._joint = next(iter(trial.group))
+        self._plain = shop.validation_rms(self._fit)
+        self._size = shop.size_of_residual(self._fit, self._joint)
+
+    def tried(self, terms: Sequence[Trial]) -> list[_Choice]:
+        """Every restraint of every term, the best first."""
+        choices = [
+            _Choice(whole, trial, self._ratio(trial))
+            for whole in terms
+            for trial in restrained(whole, self._fit.fit, self._size)
+        ]
+        return sorted(choices, key=lambda c: c.ratio)
+
+    def _ratio(self, trial: Trial) -> float:
+        if self._plain is None:
+            return 0.0
+        found = self._shop.fit([*self._others, trial], self._layout, bend=False)
+        rms = self._shop.validation_rms(found)
+        assert rms is not None  # noqa: S101  # there are validation recordings
+        return float(rms[self._joint] / self._plain[self._joint])
+
+
+def _alike(shop: Workshop, trial: Trial) -> list[Trial]:
+    """Other terms of the same joint in the same coordinates: one may carry over better."""
+    return [
+        t
+        for t in (*shop.smooth, *shop.smooth_pairs)
+        if t.key != trial.key
+        and t.joint == trial.joint
+        and t.between_repetitions == trial.between_repetitions
+        and set(t.effect.depends_on) == set(trial.effect.depends_on)
+    ]
+
+
+def _halved(shop: Workshop, trial: Trial) -> list[Trial]:
+    """The term with pieces half as long, in one of its coordinates at a time."""
     effect = trial.effect
     if not isinstance(effect, FreeForm):
         return []
-    term = dataclasses.replace(effect, coordinates=tuple(c.halved() for c in effect.coordinates))
-    return free_form_trials([term], shop.layout(trial).rows, contrast=trial.contrast)
+    terms = []
+    for k, coordinate in enumerate(effect.coordinates):
+        finer = coordinate.halved()
+        parts = (*effect.coordinates[:k], finer, *effect.coordinates[k + 1 :])
+        term = dataclasses.replace(effect, coordinates=parts)
+        if finer != coordinate and len(term.parameters) <= MOST_FUNCTIONS:
+            terms.append(term)
+    return free_form_trials(terms, shop.layout(trial).rows, contrast=trial.contrast)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from oed.diagnosis.free_form import FreeForm
-from oed.diagnosis.judgement import Accepted, held_out_fault, within
+from oed.diagnosis.judgement import Accepted, held_out_fault, is_own
 from oed.diagnosis.lack_of_fit import LackOfFit
 from oed.diagnosis.noise_floor import NoiseSource
 from oed.diagnosis.ranking import ranked
@@ -100,6 +100,7 @@ class Unexplained:
         share: Of the joint's residual variance (before any addition) that it carries.
         label: The free-form term in words; empty where only a lack of fit is known.
         stands_in: Whether the free-form term is part of the augmented model.
+        trial: Its columns.
     """
 
     joint: int
@@ -107,6 +108,7 @@ class Unexplained:
     share: float
     label: str
     stands_in: bool
+    trial: Trial
 
 
 def describe_effects(shop: Workshop, selection: Selection) -> tuple[FoundEffect, ...]:
@@ -149,7 +151,9 @@ def describe_unexplained(shop: Workshop, selection: Selection) -> tuple[Unexplai
         residual = shop.fit((), shop.layout(item.trial)).fit.residual[effect.joint]
         share = min(1.0, item.gain / float(np.sum(residual**2)))
         result.append(
-            Unexplained(effect.joint, effect.depends_on, share, effect.label, item.stands_in)
+            Unexplained(
+                effect.joint, effect.depends_on, share, effect.label, item.stands_in, item.trial
+            )
         )
     return tuple(result)
 
@@ -178,8 +182,8 @@ def decide(
 
 
 def _mends(term: Unexplained, effect: FoundEffect) -> bool:
-    """Whether a free-form term depends on nothing that the effect does not."""
-    return term.joint == effect.joint and within(term.depends_on, effect.trial)
+    """Whether a free-form term is but a freer form of the effect."""
+    return term.joint == effect.joint and is_own(term.trial, effect.trial)
 
 
 def _inflation(found: Augmented) -> float:

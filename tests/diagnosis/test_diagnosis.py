@@ -11,6 +11,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set, stribeck
 
+SEALED = ("validation", "test")
 FAST = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
 
 
@@ -22,9 +23,16 @@ def diagnosis_of(kind, seed=0):
         "steps": {"step": 1e-4},
         "stribeck": {"extra": stribeck(1.0)},
         "foreign": {"extra": lambda q, dq, ddq: np.stack([q[:, 1] * dq[:, 0], 0 * q[:, 0]], 1)},
+        "strange": {"extra": _strange, "repetitions": 1, "roles": ("estimation",) * 5 + SEALED},
     }
     dataset = data_set(seed, **cases[kind])
     return diagnose(dataset, TorqueModel.standard(dataset.robot), FAST)
+
+
+def _strange(q, dq, ddq):
+    """Waves too fine for the term that notices them; drag that varies along the turn."""
+    waves = 1.5 * np.cos(6 * q[:, 0]) * np.sin(1.5 * q[:, 1])
+    return np.stack([waves, q[:, 1] * dq[:, 1]], axis=1)
 
 
 @pytest.mark.parametrize("kind", ["clean", "coloured", "steps"])
@@ -66,6 +74,30 @@ def test_claims_no_name_for_what_the_catalogue_lacks():
     assert found.effects == ()
     assert found.verdict == "unexplained"
     assert any(u.joint == 0 and "q_2" in u.depends_on for u in found.unexplained)
+
+
+def test_drag_that_varies_along_the_turn_is_not_taken_for_friction_that_does():
+    found = diagnosis_of("strange")
+    assert found.effects == ()
+    assert [u.label for u in found.unexplained if u.joint == 1] == ["f(q_2) dq_2"]
+
+
+@pytest.mark.parametrize(("kind", "joint"), [("foreign", 0), ("strange", 1)])
+def test_a_coefficient_that_varies_stands_in_down_to_the_floor(kind, joint):
+    found = diagnosis_of(kind)
+    test = next(p for p in found.proof if p.role == "test")
+    assert test.before[joint] > 1.5 * found.noise_floor[joint]
+    assert test.after[joint] < 1.1 * found.noise_floor[joint]
+
+
+def test_pieces_become_as_fine_as_what_they_follow():
+    found = diagnosis_of("strange")
+    term = next(u for u in found.unexplained if u.joint == 0)
+    assert term.depends_on == ("q_1", "q_2")
+    first, second = term.trial.effect.coordinates
+    assert first.pieces > second.pieces
+    test = next(p for p in found.proof if p.role == "test")
+    assert test.after[0] < 0.5 * test.before[0]
 
 
 def test_augmented_model_is_an_ordinary_torque_model():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.free_form import Coordinate, FreeForm, Loop
+from oed.diagnosis.free_form import Coordinate, Factor, FreeForm, Loop
 from oed.diagnosis.model_columns import effect_columns
 from oed.dynamics.motion import Motion
 
@@ -65,3 +65,20 @@ def test_a_spline_stays_at_its_edge(motion):
     assert columns.sum(axis=1) == pytest.approx(1.0)
     beyond = motion.q[:, 0] > 0.3
     assert np.allclose(columns[beyond], columns[beyond][0])
+
+
+def test_a_varying_coefficient_is_linear_in_its_signal(motion):
+    term = FreeForm(1, (Coordinate("q", 0, -1.0, 1.0, 8), Factor("dq", 1)))
+    faster = Motion(motion.t, motion.q, 3.0 * motion.dq, motion.ddq)
+    once, thrice = (effect_columns(term, m, 0.0)[1] for m in (motion, faster))
+    assert thrice == pytest.approx(3.0 * once)
+    assert once.sum(axis=1) == pytest.approx(motion.dq[:, 1])
+
+
+def test_a_varying_coefficient_says_what_it_is():
+    term = FreeForm(0, (Coordinate("q", 1, -1.0, 1.0, 8), Factor("dq", 0)))
+    assert term.label == "f(q_2) dq_1"
+    assert term.depends_on == ("q_2", "dq_1")
+    assert len(term.parameters) == 11
+    assert term.varies
+    assert not FreeForm(0, (Coordinate("q", 1, -1.0, 1.0, 8),)).varies
