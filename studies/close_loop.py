@@ -147,7 +147,9 @@ def _say(text: str) -> None:
 
 
 def _parse(arguments: Sequence[str] | None) -> Config:
-    parser = argparse.ArgumentParser(prog="studies.close_loop", description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(
+        prog="studies.close_loop", description=(__doc__ or "").split("\n")[0]
+    )
     parser.add_argument("--data", type=Path, required=True, help="folder of the data set")
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--model", default="standard", choices=sorted(MODELS), help="base model")

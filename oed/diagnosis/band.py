@@ -48,7 +48,7 @@ class Band:
     def taps(self) -> Float[ndarray, " taps"]:
         """Symmetric impulse response of unit sum."""
         length = 2 * int(np.ceil(1.65 * self.rate / (TRANSITION * self.cutoff))) + 1
-        return firwin(length, self.cutoff, fs=self.rate)
+        return np.asarray(firwin(length, self.cutoff, fs=self.rate))
 
     @property
     def reach(self) -> int:
@@ -91,14 +91,13 @@ def position_noise(
         (n,) one-sided density [rad^2/Hz], and (n,) frequency [Hz].
     """
     length = int(min(min(len(q) for q in positions) - 2, 4 * rate))
-    spectra = []
-    for q in positions:
-        acceleration = np.diff(q, n=2, axis=0)
-        frequency, power = welch(
-            acceleration, fs=rate, nperseg=length, axis=0, detrend="constant", window="hann"
-        )
-        spectra.append(power)
-    power = np.mean(spectra, axis=0)
+    accelerations = (np.diff(q, n=2, axis=0) for q in positions)
+    spectra = [
+        welch(a, fs=rate, nperseg=length, axis=0, detrend="constant", window="hann")
+        for a in accelerations
+    ]
+    frequency = spectra[0][0]
+    power = np.mean([each for _, each in spectra], axis=0)
     # |1 - z^-1|^4 of the second difference.
     shape = (2 - 2 * np.cos(2 * np.pi * frequency / rate)) ** 2
     upper = frequency > 0.3 * rate

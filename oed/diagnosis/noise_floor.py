@@ -53,14 +53,18 @@ def repetition_series(
     Raises:
         ValueError: If the recording has no repetitions.
     """
-    if recording.period is None:
-        raise ValueError(f"{recording.name} has no repetitions")
     filtered = fftconvolve(fine_residual, recording.band.taps[:, None], mode="valid", axes=0)
     return filtered[repetition_samples(recording)]
 
 
 def repetition_samples(recording: Prepared) -> Int[ndarray, "repetitions rows"]:
-    """Where the rows of each repetition lie among the settled fine samples."""
+    """Where the rows of each repetition lie among the settled fine samples.
+
+    Raises:
+        ValueError: If the recording has no repetitions.
+    """
+    if recording.period is None:
+        raise ValueError(f"{recording.name} has no repetitions")
     band = recording.band
     settled = len(recording.motion) - 2 * band.reach
     step = recording.period * band.rate

@@ -44,12 +44,12 @@ class Autoregression:
     @cached_property
     def deviation(self) -> float:
         """Standard deviation of the noise itself [unit of x]."""
-        response = lfilter([1.0], self.coefficients, np.eye(1, RESPONSE)[0])
+        response = np.asarray(lfilter([1.0], self.coefficients, np.eye(1, RESPONSE)[0]))
         return float(self.scale * np.sqrt(np.sum(response**2)))
 
     def whiten(self, x: Float[ndarray, " rows *columns"]) -> Float[ndarray, " rows *columns"]:
         """Innovations of unit variance; the first p rows lack their past and are approximate."""
-        return lfilter(self.coefficients, [1.0], x, axis=0) / self.scale
+        return np.asarray(lfilter(self.coefficients, [1.0], x, axis=0)) / self.scale
 
     def with_scale(self, factor: float) -> Autoregression:
         """The same colour with its standard deviation multiplied."""
@@ -94,9 +94,10 @@ def fit_autoregression(
     left = []
     for x, mask in zip(series, masks, strict=True):
         # A row is as good as all of its past that the filter reads.
-        whole = lfilter(np.ones(len(best)), [1.0], (~mask).astype(float)) < 0.5
+        distrusted = np.asarray(lfilter(np.ones(len(best)), [1.0], (~mask).astype(float)))
+        whole = distrusted < 0.5
         whole[: len(best) - 1] = False
-        left.append(lfilter(best, [1.0], x)[whole])
+        left.append(np.asarray(lfilter(best, [1.0], x))[whole])
     innovations = np.concatenate(left)
     if len(innovations) < 20 * len(best):
         innovations = np.concatenate([lfilter(best, [1.0], x) for x in clean])

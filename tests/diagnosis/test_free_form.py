@@ -14,9 +14,12 @@ RATE = 500.0
 def motion():
     t = np.arange(0, 20, 1 / RATE)
     phases = np.array([0.0, 1.0]), np.array([2.0, 0.5])
-    q = sum(
-        np.sin(2 * np.pi * f * t[:, None] + phase) / (1 + k)
-        for k, (f, phase) in enumerate(zip((0.15, 0.4), phases, strict=True))
+    q = np.sum(
+        [
+            np.sin(2 * np.pi * f * t[:, None] + phase) / (1 + k)
+            for k, (f, phase) in enumerate(zip((0.15, 0.4), phases, strict=True))
+        ],
+        axis=0,
     )
     dq = np.gradient(q, t, axis=0)
     return Motion(t, q, dq, np.gradient(dq, t, axis=0))

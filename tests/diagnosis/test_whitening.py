@@ -6,7 +6,7 @@ from oed.diagnosis.whitening import fit_autoregression
 
 
 def coloured(rng, count):
-    return lfilter([1.0], [1.0, -1.4, 0.6], rng.normal(size=count + 200))[200:]
+    return np.asarray(lfilter([1.0], [1.0, -1.4, 0.6], rng.normal(size=count + 200)))[200:]
 
 
 def test_whitened_noise_is_white_and_of_unit_variance():

@@ -29,13 +29,13 @@ from oed.dynamics.torque_model import TorqueModel
 
 
 def _gear(
-    kind: type[Transmission], context: Context, target: Target, *values: float
+    kind: Callable[..., Transmission], context: Context, target: Target, *values: float
 ) -> Transmission:
     first = context.model.effects[0]
     if isinstance(first, RigidBody):
         posture = tuple(float(x) for x in context.position_range.mean(axis=1))
         return kind(joint_of(target), *values, posture, context.reference, len(first.parameters))
-    raise ValueError(f"{kind.name} needs the rigid body first, not {first.name}")
+    raise ValueError(f"{kind.__name__} needs the rigid body first, not {first.name}")
 
 
 def _spring(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
