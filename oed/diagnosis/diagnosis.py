@@ -13,6 +13,7 @@ from oed.diagnosis.baseline import Baseline, find_baseline
 from oed.diagnosis.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.encoder_steps import encoder_steps, rounding_squares
 from oed.diagnosis.final_model import FinalModel, errors_of, fit_final, install
+from oed.diagnosis.free_running import find_lines
 from oed.diagnosis.judgement import Refused, costs
 from oed.diagnosis.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.predict import rms
@@ -138,6 +139,8 @@ def _conclude(
     selection, after = _never_worse(shop, selection, by_role["validation"], before)
     effects = describe_effects(shop, selection)
     unexplained = describe_unexplained(shop, selection)
+    if not any(a.trial.between_repetitions for a in selection.accepted):
+        unexplained += _lines(after, by_role["estimation"], baseline)
     freedom = float(sum(p.rows for p in by_role["estimation"]))
     rounding = rounding_squares(before.model, before.parameters, layout.rows, steps)
     left = lack_of_fit(after.fit, freedom, rounding)
@@ -162,6 +165,22 @@ def _conclude(
         sign_width=estimation[0].sign_noise,
         shop=shop,
     )
+
+
+def _lines(
+    after: FinalModel, estimation: tuple[Prepared, ...], baseline: Baseline
+) -> tuple[Unexplained, ...]:
+    """What makes repetitions differ at a frequency of its own."""
+    repeated = tuple(p for p in estimation if p.period is not None)
+    stretches = []
+    for p, weights in zip(repeated, baseline.certainty(repeated), strict=True):
+        error = p.fine_torque - after.model.torque(after.parameters, p.motion)
+        between = p.band.apply(error - p.phase_mean(error))
+        stretch = np.zeros_like(between)
+        stretch[p.valid] = weights * between[p.valid]
+        stretches.append(stretch)
+    found = find_lines(stretches, estimation[0].band.analysis_rate, estimation[0].band.cutoff)
+    return tuple(Unexplained(x.joint, ("time",), x.share, x.label, stands_in=False) for x in found)
 
 
 def _never_worse(

@@ -97,10 +97,11 @@ class Unexplained:
     Attributes:
         joint: Index.
         depends_on: Coordinates that it depends on.
-        share: Of the joint's residual variance (before any addition) that it carries.
-        label: The free-form term in words; empty where only a lack of fit is known.
+        share: Of the joint's residual variance (before any addition) that it carries; of what
+            repetitions differ by where it keeps its own time.
+        label: What it is, in words.
         stands_in: Whether the free-form term is part of the augmented model.
-        trial: Its columns.
+        trial: Its columns; None where it is no function of the state.
     """
 
     joint: int
@@ -108,7 +109,7 @@ class Unexplained:
     share: float
     label: str
     stands_in: bool
-    trial: Trial
+    trial: Trial | None = None
 
 
 def describe_effects(shop: Workshop, selection: Selection) -> tuple[FoundEffect, ...]:
@@ -183,6 +184,8 @@ def decide(
 
 def _mends(term: Unexplained, effect: FoundEffect) -> bool:
     """Whether a free-form term is but a freer form of the effect."""
+    if term.trial is None:
+        return False
     return term.joint == effect.joint and is_own(term.trial, effect.trial)
 
 

@@ -16,10 +16,11 @@ NOISE = np.array([0.5, 0.1])  # [N m]
 LENGTH = 0.359  # [m] of the first link
 
 
-def data_set(seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, roles=None):
+def data_set(seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, hum=None, roles=None):
     """A data set with noise of a time constant `colour` [s] and encoder steps [rad].
 
-    `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have.
+    `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t)` what
+    comes from elsewhere.
     """
     rng = np.random.default_rng(seed)
     roles = roles or ("estimation", "estimation", "validation", "test")
@@ -32,6 +33,7 @@ def data_set(seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, roles=Non
             repetitions=repetitions,
             colour=colour,
             step=step,
+            hum=hum,
         )
         for k, role in enumerate(roles)
     )
@@ -49,12 +51,14 @@ def stribeck(size, speed=0.1, joint=0):
     return torque
 
 
-def _record(rng, name, role, *, extra, repetitions, colour, step):
+def _record(rng, name, role, *, extra, repetitions, colour, step, hum):
     t = np.arange(int(PERIOD * RATE) * repetitions) / RATE
     q, dq, ddq = _motion(rng, t)
     tau = _rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
     if extra is not None:
         tau = tau + extra(q, dq, ddq)
+    if hum is not None:
+        tau = tau + hum(t + rng.uniform(0, PERIOD))
     tau = tau + NOISE * _noise(rng, len(t), colour)
     measured = q + 1e-5 * rng.normal(size=q.shape)
     if step > 0:

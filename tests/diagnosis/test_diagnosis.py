@@ -11,6 +11,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set, stribeck
 
+HUM = 2.347  # [Hz], no multiple of the motion's own frequency
 SEALED = ("validation", "test")
 FAST = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
 
@@ -23,6 +24,7 @@ def diagnosis_of(kind, seed=0):
         "steps": {"step": 1e-4},
         "stribeck": {"extra": stribeck(1.0)},
         "foreign": {"extra": lambda q, dq, ddq: np.stack([q[:, 1] * dq[:, 0], 0 * q[:, 0]], 1)},
+        "hum": {"hum": lambda t: np.outer(np.sin(2 * np.pi * HUM * t), [0.1, 0.0])},
         "strange": {"extra": _strange, "repetitions": 1, "roles": ("estimation",) * 5 + SEALED},
     }
     dataset = data_set(seed, **cases[kind])
@@ -94,10 +96,23 @@ def test_pieces_become_as_fine_as_what_they_follow():
     found = diagnosis_of("strange")
     term = next(u for u in found.unexplained if u.joint == 0)
     assert term.depends_on == ("q_1", "q_2")
+    assert term.trial is not None
     first, second = term.trial.effect.coordinates
     assert first.pieces > second.pieces
     test = next(p for p in found.proof if p.role == "test")
     assert test.after[0] < 0.5 * test.before[0]
+
+
+def test_says_that_something_keeps_its_own_time():
+    found = diagnosis_of("hum")
+    assert found.effects == ()
+    assert found.verdict == "unexplained"
+    (hum,) = found.unexplained
+    assert (hum.joint, hum.depends_on, hum.stands_in) == (0, ("time",), False)
+    amplitude, frequency = (float(hum.label.split()[k]) for k in (0, 3))
+    # An amplitude's standard deviation is sqrt(2 S f_band / N), here about 0.004 N m.
+    assert amplitude == pytest.approx(0.1, abs=0.015)
+    assert frequency == pytest.approx(HUM, abs=1 / 60)
 
 
 def test_augmented_model_is_an_ordinary_torque_model():
