@@ -20,11 +20,10 @@ from pathlib import Path
 
 import numpy as np
 
-from oed.dynamics.models import MODELS, build_model
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError
-from oed.estimation.calibration import calibrate, choose_velocity
+from oed.estimation.calibration import calibrate
 from oed.estimation.feasible.calibration import (
     FeasibleCalibration,
     FeasibleSettings,
@@ -33,8 +32,6 @@ from oed.estimation.feasible.calibration import (
 from oed.estimation.feasible.collision_regions import collision_regions
 from oed.estimation.feasible.feasible_set import FeasibleSet
 from oed.estimation.feasible.regularisation import RegularisationKind
-from oed.experiment.choose_settings import choose_settings
-from oed.experiment.read_dataset import read_dataset
 from oed.export.calibrated_robot import CalibratedRobot
 from oed.export.mjcf import write_mjcf
 from oed.export.parameter_file import ParameterTable, write_parameters
@@ -46,61 +43,37 @@ from oed.report.feasible_rows import link_rows, validation_rows
 from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table
+from studies.from_data_set import DataSetConfig, add_arguments, prepare, say
 
-SIGN_WIDTH = 0.02  # [rad/s]: as in studies.identify
 ROUND_TRIP_SAMPLES = 200
 
 
 @dataclass(frozen=True)
-class Config:
-    """What to identify, and how.
+class Config(DataSetConfig):
+    """What to identify, and how; `smoke` takes few resamples and poses as well.
 
     Attributes:
-        data: Folder of the data set.
-        out: Folder to leave results in.
-        joints: Names of the joints to identify; all if empty.
-        cutoff: Of the low-pass [Hz]; chosen from the data if None.
-        model: Name of the torque model.
-        sign_width: Velocity over which the Coulomb terms change sign [rad/s].
         prior: Whether the inertials of the robot's file are a prior; else neutral bodies are.
         kind: Of the pull to the reference.
         weight: Of that pull; by cross-validation if None.
         total_mass: Of all moving links [kg], where it is known.
         collision: Whether each link's mass must lie in a box around its collision geometry.
-        smoke: Whether to take few samples, resamples and poses.
         seed: Of poses and bootstrap.
     """
 
-    data: Path
-    out: Path
-    joints: tuple[str, ...] = ()
-    cutoff: float | None = None
-    model: str = "rotor"
-    sign_width: float = SIGN_WIDTH
     prior: bool = False
     kind: RegularisationKind = "entropic"
     weight: float | None = None
     total_mass: float | None = None
     collision: bool = False
-    smoke: bool = False
     seed: int = 0
 
 
 def run(config: Config) -> FeasibleCalibration:
     """Read, process, estimate plainly and feasibly, validate; says what it does."""
-    _say(f"reading {config.data}")
-    dataset = read_dataset(config.data, joints=config.joints or None)
-    model = build_model(config.model, dataset.robot, sign_width=config.sign_width)
-    settings = choose_settings(dataset)
-    if config.cutoff is not None:
-        settings = settings.with_cutoff(config.cutoff)
-    settings = choose_velocity(dataset, model, settings)
-    if config.smoke:
-        settings = settings.thinned()
-    for reason in settings.reasons:
-        _say(f"  {reason}")
+    dataset, model, settings = prepare(config)
     plain = calibrate(dataset, model, settings)
-    _say(f"estimating {len(model.parameters)} parameters of {dataset.robot.n} joints feasibly")
+    say(f"estimating {len(model.parameters)} parameters of {dataset.robot.n} joints feasibly")
     return calibrate_feasibly(plain, _settings(config, model))
 
 
@@ -158,17 +131,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.feasible: {error}\n")
         return 2
-    _say("\n" + text_table(link_rows(result)))
-    _say(text_table(validation_rows(result)))
-    _say(text_table(rows))
-    _say(
+    say("\n" + text_table(link_rows(result)))
+    say(text_table(validation_rows(result)))
+    say(text_table(rows))
+    say(
         f"mass matrix positive definite in {100 * result.positive_definite:.4g} % of "
         f"{result.settings.poses} poses, plain least squares "
         f"{100 * result.plain_positive_definite:.4g} %"
     )
-    _say("\n".join(result.estimate.solution.attempts))
-    _say(f"two solvers differ by {result.disagreement} {result.second_failure}")
-    _say(f"wrote {config.out} in {time.perf_counter() - start:.1f} s")
+    say("\n".join(result.estimate.solution.attempts))
+    say(f"two solvers differ by {result.disagreement} {result.second_failure}")
+    say(f"wrote {config.out} in {time.perf_counter() - start:.1f} s")
     return 0
 
 
@@ -202,12 +175,7 @@ def _some(motion: Motion) -> Motion:
 
 def _parse(arguments: Sequence[str] | None) -> Config:
     parser = argparse.ArgumentParser(prog="python -m studies.feasible", description=__doc__)
-    parser.add_argument("--data", type=Path, required=True, help="folder of the data set")
-    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
-    parser.add_argument("--joints", nargs="+", default=(), help="identify only these joints")
-    parser.add_argument("--cutoff", type=float, help="low-pass cut-off [Hz]")
-    parser.add_argument("--model", choices=sorted(MODELS), default=Config.model)
-    parser.add_argument("--sign-width", type=float, default=SIGN_WIDTH, help="[rad/s]")
+    add_arguments(parser)
     parser.add_argument(
         "--prior", action="store_true", help="the inertials of the robot's file are a prior"
     )
@@ -221,11 +189,6 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     parser.add_argument("--seed", type=int, default=0)
     given = vars(parser.parse_args(arguments))
     return Config(**{**given, "joints": tuple(given["joints"])})
-
-
-def _say(text: str) -> None:
-    sys.stdout.write(f"{text}\n")
-    sys.stdout.flush()
 
 
 if __name__ == "__main__":

@@ -24,7 +24,8 @@ from oed.report.table import read_csv
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
 from studies import feasibility_price
-from studies.feasible import SIGN_WIDTH, main
+from studies.feasible import main
+from studies.from_data_set import SIGN_WIDTH
 from tests.paths import SHARED_DATA, needs_shared_data
 
 GAZ = 0.0141  # overall relative error of Gaz and others 2019, supplementary material, table III
