@@ -9,6 +9,7 @@ from studies.bench import drive_forms as drive
 from studies.bench import friction_forms as friction
 from studies.bench import outside_forms as outside
 from studies.bench import position_forms as position
+from studies.bench import stranger_forms as stranger
 from studies.bench.injection import Inject
 
 OUTSIDE = "outside"
@@ -120,7 +121,19 @@ _OUTSIDE = tuple(
         outside.dragged_hose,
     )
 )
-FORMS = {form.key: form for form in (*_PLAIN, *_OTHER_FORMULA, *_OUTSIDE)}
+_STRANGERS = (
+    Form("pumped_balancer", OUTSIDE, stranger.pumped_balancer, "outside"),
+    # At the last joint the mean of its inertia would be a rotor's.
+    Form("connecting_rod", OUTSIDE, stranger.connecting_rod, "outside", has_outer=True),
+    Form("stray_field", OUTSIDE, stranger.stray_field, "outside"),
+    Form("sliding_pad", OUTSIDE, stranger.sliding_pad, "outside"),
+    Form("brake_of_its_own_mind", OUTSIDE, stranger.brake_of_its_own_mind, "outside"),
+    Form("slack_tether", OUTSIDE, stranger.slack_tether, "outside"),
+    Form("creeping_strap", OUTSIDE, stranger.creeping_strap, "outside"),
+)
+FORMS = {form.key: form for form in (*_PLAIN, *_OTHER_FORMULA, *_OUTSIDE, *_STRANGERS)}
+# They came when rounds had been run: a plan draws them apart, so that the others stay the same.
+CAME_LATER = frozenset(form.key for form in _STRANGERS)
 
 
 def forms_of(kind: Kind, robot: str) -> tuple[Form, ...]:

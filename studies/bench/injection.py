@@ -40,3 +40,13 @@ def another_joint(arm: Arm, joint: int, rng: np.random.Generator) -> int:
     """A neighbour of a joint, where it moves enough to matter."""
     n = arm.robot.n
     return int(rng.choice([i for i in (joint - 1, joint + 1) if 0 <= i < n]))
+
+
+def named(*coordinates: str) -> tuple[str, ...]:
+    """Coordinates with joints counted from 0, as reports count them: from 1."""
+    return tuple(sorted(_counted_from_one(coordinate) for coordinate in coordinates))
+
+
+def _counted_from_one(coordinate: str) -> str:
+    symbol, _, joint = coordinate.partition("_")
+    return f"{symbol}_{int(joint) + 1}" if joint else symbol

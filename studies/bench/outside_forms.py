@@ -12,7 +12,7 @@ from oed.dynamics.effects import State
 from oed.dynamics.scalars import Scalar, add, cos, magnitude, sin
 from oed.experiment.friction_memory import MemoryTorque
 from studies.bench.arm import Arm, direction
-from studies.bench.injection import Injected, another_joint
+from studies.bench.injection import Injected, another_joint, named
 
 
 def drag_of_a_bundle(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -24,7 +24,7 @@ def drag_of_a_bundle(arm: Arm, joint: int, size: float, rng: np.random.Generator
         del rigid
         return {joint: drag * sin(1.7 * state.q[other] + phase) * state.dq[joint]}
 
-    return Injected(arm.add(torque), coordinates=(_named(f"q_{other}", f"dq_{joint}"),))
+    return Injected(arm.add(torque), coordinates=(named(f"q_{other}", f"dq_{joint}"),))
 
 
 def drag_along_the_turn(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -36,7 +36,7 @@ def drag_along_the_turn(arm: Arm, joint: int, size: float, rng: np.random.Genera
         del rigid
         return {joint: slope * (state.q[joint] - middle) * state.dq[joint]}
 
-    return Injected(arm.add(torque), coordinates=(_named(f"q_{joint}", f"dq_{joint}"),))
+    return Injected(arm.add(torque), coordinates=(named(f"q_{joint}", f"dq_{joint}"),))
 
 
 def landscape(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -55,7 +55,7 @@ def landscape(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> In
             value = add(value, float(weight) * own * cos(float(b) * state.q[other] + float(d)))
         return {joint: height * value}
 
-    return Injected(arm.add(torque), coordinates=(_named(f"q_{joint}", f"q_{other}"),))
+    return Injected(arm.add(torque), coordinates=(named(f"q_{joint}", f"q_{other}"),))
 
 
 def modulated_cogging(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -69,7 +69,7 @@ def modulated_cogging(arm: Arm, joint: int, size: float, rng: np.random.Generato
         strength = sin(2.0 * state.q[other] + second)
         return {joint: wave * strength * cos(periods * state.q[joint] + first)}
 
-    return Injected(arm.add(torque), coordinates=(_named(f"q_{joint}", f"q_{other}"),))
+    return Injected(arm.add(torque), coordinates=(named(f"q_{joint}", f"q_{other}"),))
 
 
 def fanned_drag(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -81,7 +81,7 @@ def fanned_drag(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> 
         del rigid
         return {joint: drag * magnitude(state.dq[other]) * direction(arm, state, joint)}
 
-    return Injected(arm.add(torque), coordinates=(_named(f"dq_{other}", f"dq_{joint}"),))
+    return Injected(arm.add(torque), coordinates=(named(f"dq_{other}", f"dq_{joint}"),))
 
 
 def shaking_floor(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -102,9 +102,9 @@ def dragged_hose(arm: Arm, joint: int, size: float, rng: np.random.Generator) ->
     hose = Hose(joint, other, 0.5 * size * arm.coulomb[joint], rng.uniform(0.15, 0.35))
     changed = dataclasses.replace(arm, memory=(*arm.memory, hose))
     either = (
-        _named(f"q_{other}", f"dq_{other}"),
-        _named(f"q_{other}"),
-        _named(f"dq_{other}"),
+        named(f"q_{other}", f"dq_{other}"),
+        named(f"q_{other}"),
+        named(f"dq_{other}"),
     )
     return Injected(changed, coordinates=either)
 
@@ -144,9 +144,3 @@ class Hose(MemoryTorque):
         """Of the loop."""
         del state
         return {self.joint: self.pull * memory[0]}
-
-
-def _named(*coordinates: str) -> tuple[str, ...]:
-    """Coordinates with joints counted from 0, as reports count them: from 1."""
-    pairs = (coordinate.split("_") for coordinate in coordinates)
-    return tuple(sorted(f"{symbol}_{int(index) + 1}" for symbol, index in pairs))

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from studies.bench.case import Case, NoiseKind
-from studies.bench.forms import Kind, forms_of
+from studies.bench.forms import CAME_LATER, Kind, forms_of
 
 TWO_JOINTS = ("scara", "vertical")
 MANY_JOINTS = ("ur5", "panda")
@@ -79,13 +79,7 @@ def _round(seed: int) -> Iterator[Case]:
         for noise, repeated in CLEAN_KINDS:
             yield Case("clean", robot, (), 1.0, noise, repeated, seed)
     for kind, group in ONE_EFFECT:
-        for index, form in enumerate(
-            sorted({f.key for r in TWO_JOINTS for f in forms_of(kind, r)})
-        ):
-            robot = TWO_JOINTS[(seed + index) % 2]
-            if form not in {f.key for f in forms_of(kind, robot)}:
-                robot = TWO_JOINTS[(seed + index + 1) % 2]
-            yield Case(group, robot, (form,), 1.0, *_setting(rng), seed)
+        yield from _one_effect(kind, group, seed, rng, later=False)
     yield from _pairs(seed, rng)
     for form in SIZED:
         size = float(rng.choice(SIZES))
@@ -94,6 +88,22 @@ def _round(seed: int) -> Iterator[Case]:
     for index, robot in enumerate(MANY_JOINTS):
         key = MANY_JOINT_FORMS[(2 * seed + index) % len(MANY_JOINT_FORMS)]
         yield Case("many_joints", robot, (key,) if key else (), 1.0, "white", index == 0, seed)
+    own = np.random.default_rng([seed, 29])
+    for kind, group in ONE_EFFECT:
+        yield from _one_effect(kind, group, seed, own, later=True)
+
+
+def _one_effect(
+    kind: Kind, group: str, seed: int, rng: np.random.Generator, *, later: bool
+) -> Iterator[Case]:
+    """Each form of a kind on one of the two arms, the other one in the next round."""
+    shown = {robot: {form.key for form in forms_of(kind, robot)} for robot in TWO_JOINTS}
+    keys = {key for robot in TWO_JOINTS for key in shown[robot] if (key in CAME_LATER) == later}
+    for index, key in enumerate(sorted(keys)):
+        robot = TWO_JOINTS[(seed + index) % 2]
+        if key not in shown[robot]:
+            robot = TWO_JOINTS[(seed + index + 1) % 2]
+        yield Case(group, robot, (key,), 1.0, *_setting(rng), seed)
 
 
 def _pairs(seed: int, rng: np.random.Generator) -> Iterator[Case]:
