@@ -198,7 +198,7 @@ def write(config: Config, rows: RowFile, out: Path) -> None:
     """Leave summary, figure and provenance beside the rows."""
     wanted = {case.key for case in config.cases()}
     chosen = [row for row in rows.rows() if tuple(row[c] for c in KEY) in wanted]
-    write_summary(chosen, out)
+    write_summary(chosen, len(wanted), out)
     Provenance.collect(config, seed=0).write(out / "provenance.json")
 
 

@@ -69,11 +69,17 @@ def agreement(rows: Sequence[Line], predicted: str, wrong: str, runs: str) -> di
     }
 
 
-def write_summary(rows: Sequence[Line], out: Path) -> None:
-    """Leave summary.md and calibration.png in a folder."""
+def write_summary(rows: Sequence[Line], planned: int, out: Path) -> None:
+    """Leave summary.md and calibration.png in a folder.
+
+    Args:
+        rows: Cases that were tried.
+        planned: Number of cases that the configuration asks for.
+        out: The folder.
+    """
     out.mkdir(parents=True, exist_ok=True)
     done = [row for row in rows if row["status"] == "done"]
-    write_atomically(out / "summary.md", page(rows))
+    write_atomically(out / "summary.md", page(rows, planned))
     if done:
         panels = [_panel(done, *line) for line in (KINDS[0], KINDS[2])]
         save_figure(plot_calibration(panels), out / "calibration", ("png",))
@@ -92,8 +98,8 @@ KINDS = (
 )
 
 
-def page(rows: Sequence[Line]) -> str:
-    """The result in words and tables."""
+def page(rows: Sequence[Line], planned: int) -> str:
+    """The result of so many planned cases in words and tables."""
     done = [row for row in rows if row["status"] == "done"]
     text = "# Rivals: predicted and observed error, and one motion that decides\n\n"
     if not done:
@@ -102,7 +108,7 @@ def page(rows: Sequence[Line]) -> str:
     named = agreement(done, *KINDS[2][1:])
     verdict = "agree" if _agrees(named) else "do not agree"
     text += (
-        f"{len(done)} cases ({len(rows) - len(done)} failed); a case hides one effect of a pair in "
+        f"{len(done)} of {planned} planned cases ({len(rows) - len(done)} failed); a case hides one effect of a pair in "
         "an arm, and draws the noise anew end to end. Rates are means over the cases; `difference` "
         "is predicted less observed, with the half width of its 95 % interval from the draws "
         "alone. The last column counts cases whose prediction lies more than 5 points outside the "
