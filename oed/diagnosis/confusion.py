@@ -9,6 +9,7 @@ favourite's torque is drawn with noise many times, both are fitted, and the wron
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -28,8 +29,8 @@ from oed.diagnosis.linear_fit import (
 from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.rows import Rows
 from oed.diagnosis.shape_axes import from_axis, to_axis
-from oed.diagnosis.trials import Trial, catalogue_trial, grid_of
-from oed.diagnosis.workbench import Layout, moved
+from oed.diagnosis.trials import Trial, catalogue_trial, grid_of, white_group
+from oed.diagnosis.workbench import Layout
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
@@ -145,7 +146,8 @@ def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> Linea
     layout = _with_further(shop, shop.layout_for([favourite, rival]), further)
     regressor = np.concatenate([layout.regressor, layout.nuisances], axis=2)
     projection = project(regressor)
-    mine = moved(favourite, layout.rows, shop.context)
+    # The effect as it was fitted: one that acts on the model's torque brings its own.
+    mine = dataclasses.replace(favourite, group=white_group(favourite.effect, layout.rows))
     torque = dense_columns(mine, shop.context.n, layout.rows.count) @ coefficients
     coordinates = projection.coordinates(torque)
     return LinearFit(
