@@ -1,0 +1,123 @@
+"""Rivals: how far apart they are, and how often noise confuses them."""
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from oed.diagnosis.baseline import find_baseline
+from oed.diagnosis.confusion import confusion, dense_columns
+from oed.diagnosis.discrimination import (
+    as_prepared,
+    design_discriminating,
+    error_rate,
+    separation,
+)
+from oed.diagnosis.prepare import prepare
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.trials import catalogue_trial
+from oed.diagnosis.workshop import Workshop
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
+
+
+@pytest.fixture(scope="module")
+def shop() -> Workshop:
+    dataset = data_set(3, roles=("estimation", "estimation"))
+    settings = DiagnosisSettings()
+    prepared = prepare(dataset.recordings, settings)
+    baseline = find_baseline(TorqueModel.standard(dataset.robot), prepared)
+    return Workshop(baseline, prepared, (), settings, gear_ratio=None)
+
+
+def trial(shop, name, values=(), target=0):
+    return catalogue_trial(CATALOGUE[name], shop.context, target, values, shop.mean.rows)
+
+
+def outside(shop, *trials):
+    """White columns of trials less their least-squares fit by model and nuisances, flat."""
+    model = np.concatenate([shop.mean.regressor, shop.mean.nuisances], axis=2)
+    model = model.reshape(-1, model.shape[2])
+    columns = np.concatenate([dense_columns(t, 2, shop.mean.rows.count) for t in trials], axis=2)
+    columns = columns.reshape(len(model), -1)
+    scaled = model / np.maximum(np.linalg.norm(model, axis=0), 1e-12)
+    return columns - scaled @ np.linalg.lstsq(scaled, columns, rcond=1e-9)[0]
+
+
+def scaled_pair(shop, wanted):
+    """A favourite whose lambda against its rival is as wanted, and the angle between both."""
+    own, other = trial(shop, "torque_offset"), trial(shop, "asymmetric_viscous")
+    lengths = np.linalg.norm(columns := outside(shop, own, other), axis=0)
+    cosine = abs(columns[:, 0] @ columns[:, 1]) / lengths.prod()
+    size = np.sqrt(wanted / (1 - cosine**2)) / lengths[0]
+    return (own, np.array([size]), other), np.arccos(cosine)
+
+
+def test_error_rate_is_that_of_two_models_without_freedom() -> None:
+    rng = np.random.default_rng(0)
+    one, two = rng.normal(size=(2, 50))
+    one, two = (1.8 * x / np.linalg.norm(one - two) for x in (one, two))
+    y = one + rng.normal(size=(100_000, 50))
+    wrong = np.mean(np.sum((y - two) ** 2, axis=1) < np.sum((y - one) ** 2, axis=1))
+    apart = float(np.sum((one - two) ** 2))
+    assert error_rate(apart) == pytest.approx(wrong, abs=0.005)
+
+
+def test_separation_is_what_least_squares_leaves_of_all_recordings(shop: Workshop) -> None:
+    pair, _ = scaled_pair(shop, 7.0)
+    assert separation(shop, *pair) == pytest.approx(7.0, rel=1e-4)
+    own, size, other = pair
+    left = outside(shop, own)[:, 0] * size
+    rival = outside(shop, other)[:, 0]
+    left -= rival * (rival @ left) / (rival @ rival)
+    assert separation(shop, *pair) == pytest.approx(left @ left, rel=1e-4)
+
+
+def test_a_rivals_shape_is_searched_over_its_range(shop: Workshop) -> None:
+    own = trial(shop, "position_dependent_friction", (6.0,))
+    far = trial(shop, "position_dependent_friction", (1.0,))
+    coefficients = np.array([0.3, 0.1])
+    own_squares = np.sum((outside(shop, own) @ coefficients) ** 2)
+    # The same effect with its shape elsewhere: nothing stands between them.
+    assert separation(shop, own, coefficients, far) < 0.02 * own_squares
+
+
+@pytest.mark.parametrize("wanted", [0.5, 3.0, 8.0])
+def test_confusion_is_the_closed_form_of_two_directions(shop: Workshop, wanted: float) -> None:
+    pair, angle = scaled_pair(shop, wanted)
+    length = np.sqrt(wanted) / np.sin(angle)
+    # Of two unit vectors the one with the larger product wins: the signs of the products with
+    # their sum and their difference, independent of each other, decide.
+    a, b = norm.cdf([-length * np.cos(angle / 2), -length * np.sin(angle / 2)])
+    found = confusion(shop, pair, np.random.default_rng(1), draws=4000)
+    assert found.by_fit == pytest.approx(a + b - 2 * a * b, abs=0.03)
+
+
+def test_the_price_of_shapes_counts_for_the_name_alone(shop: Workshop) -> None:
+    own = trial(shop, "torque_ripple", (9.0,))
+    columns = outside(shop, own)
+    coefficients = np.array([1.0, 0.0]) * 2.0 / np.linalg.norm(columns[:, 0])
+    cheap = trial(shop, "torque_offset")
+    found = confusion(shop, (own, coefficients, cheap), np.random.default_rng(2), draws=200)
+    # A ripple searched over all periods always fits better; its price gives the name away.
+    assert found.by_fit < 0.1
+    assert found.by_name > 0.9
+
+
+def test_a_further_motion_sets_rivals_further_apart(shop: Workshop) -> None:
+    pair, _ = scaled_pair(shop, 4.0)
+    pattern = shop.mean.rows.prepared[0]
+    again = as_prepared(pattern, pattern.motion)
+    assert separation(shop, *pair, again) > separation(shop, *pair)
+    following = design_discriminating(shop, [pair], np.random.default_rng(0), candidates=6)
+    assert following.separation > following.separation_now == pytest.approx(4.0, rel=1e-3)
+    assert following.error_rate < following.error_rate_now
+    # As long as a repetition at hand, so that noise can be read off both.
+    step = following.motion.t[1] - following.motion.t[0]
+    assert len(following.motion) * step == pytest.approx(shop.estimation[0].period, abs=2 * step)
+
+
+def test_refuses_to_choose_among_no_motions(shop: Workshop) -> None:
+    pair, _ = scaled_pair(shop, 4.0)
+    with pytest.raises(ValueError, match="candidates=0"):
+        design_discriminating(shop, [pair], np.random.default_rng(0), candidates=0)
