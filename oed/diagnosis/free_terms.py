@@ -51,13 +51,20 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
             # Friction of this joint that varies, and what another joint drags along.
             own = {i, j}
             terms += [FreeForm(j, (coordinate(prepared, "q", i),), direction=k) for k in own]
-            terms.append(FreeForm(j, (coordinate(prepared, "q", i), Factor("dq", j))))
+            # Drag and inertia that a position changes.
+            terms += [
+                FreeForm(j, (coordinate(prepared, "q", i), Factor(kind, j)))
+                for kind in ("dq", "ddq")
+            ]
             if i != j:
                 terms.append(FreeForm(j, (coordinate(prepared, "dq", i),), direction=j))
+                terms.append(FreeForm(j, (coordinate(prepared, "q", j), Factor("dq", i))))
         fine = coordinate(prepared, "q", j, PIECES_FINE)
         terms += [FreeForm(j, (fine,)), FreeForm(j, (fine,), direction=j)]
         terms.append(FreeForm(j, (coordinate(prepared, "ddq", j),)))
         terms.append(FreeForm(j, (coordinate(prepared, "time", 0),)))
+        # Friction and whatever hangs on position that come and go.
+        terms.append(FreeForm(j, (coordinate(prepared, "time", 0, PIECES_FINE),), direction=j))
     return tuple(terms)
 
 
@@ -77,11 +84,6 @@ def terms_together(
                     continue
                 pair = tuple(coordinate(prepared, *c, PIECES_TOGETHER) for c in (first, second))
                 terms.append(FreeForm(j, pair))
-        for kind in ("dq", "time"):
-            pair = (
-                coordinate(prepared, kind, j if kind == "dq" else 0, PIECES_TOGETHER),
-                coordinate(prepared, "dq" if kind == "time" else "q", j, PIECES_TOGETHER),
-            )
-            if kind == "time":
-                terms.append(FreeForm(j, pair))
+        time = coordinate(prepared, "time", 0, PIECES_TOGETHER)
+        terms.append(FreeForm(j, (time, coordinate(prepared, "dq", j, PIECES_TOGETHER))))
     return tuple(terms)

@@ -10,12 +10,14 @@ from oed.diagnosis.free_form import FreeForm
 from oed.diagnosis.judgement import Accepted, Refused, held_out_fault, judge
 from oed.diagnosis.ranking import ranked
 from oed.diagnosis.restraint import restrained
+from oed.diagnosis.scan import Score
 from oed.diagnosis.trials import Trial, free_form_trials
 from oed.diagnosis.workshop import Workshop
 
 # Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
 # would carry it to the next motion.
 BETTER = 0.95
+RIVAL_SHARE = 0.7  # of the best term's gain, from which on another may be the one that is meant
 HALVINGS = 4  # of the pieces of a term, one coordinate at a time
 WORTH = 0.98  # ratio by which a halving must lower the held-out error to be followed by another
 MOST_FUNCTIONS = 400
@@ -26,30 +28,55 @@ def next_free_form(
 ) -> Accepted | None:
     """The best term that passes all tests, with what of it may predict; None if none does."""
     others = [a.trial for a in accepted]
+    standing = [a.trial for a in accepted if a.stands_in]
     pool = (*shop.smooth, *shop.smooth_pairs)
-    candidates = ranked(shop, pool, others, shop.settings.refined)
-    for candidate in candidates:
-        if candidate.evidence(shop.full.rows.count) <= shop.settings.free_form_margin:
-            break
+    candidates = [
+        c
+        for c in ranked(shop, pool, others, shop.settings.refined)
+        if c.evidence(shop.full.rows.count) > shop.settings.free_form_margin
+    ]
+    for candidate in _most_telling_first(shop, candidates, standing):
         passed = judge(shop, candidate, accepted, pool, refused)
         if passed is not None:
-            standing = [a.trial for a in accepted if a.stands_in]
             return _standing_in(shop, passed, standing)
     return None
+
+
+def _most_telling_first(
+    shop: Workshop, candidates: list[Score], standing: Sequence[Trial]
+) -> list[Score]:
+    """Terms that explain about as much as the best, in the order of what they predict.
+
+    On one motion many pairs of coordinates trace out much the same curve: what a function of
+    the wrong ones explains there, it does not on another.
+    """
+    if not candidates:
+        return []
+    best = candidates[0]
+    rivals = [
+        c
+        for c in candidates
+        if c.trial.joint == best.trial.joint
+        and c.trial.between_repetitions == best.trial.between_repetitions
+        and c.gain > RIVAL_SHARE * best.gain
+    ]
+    bench = _Bench(shop, standing, best.trial)
+    order = sorted(rivals, key=lambda c: min((x.ratio for x in bench.tried([c.trial])), default=1))
+    return [*order, *(c for c in candidates if all(c is not r for r in rivals))]
 
 
 def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:
     """A free-form term as far as the data determine it, part of the model if it then predicts."""
     bench = _Bench(shop, others, item.trial)
     tried = bench.tried([item.trial, *_alike(shop, item.trial)])
-    best = tried[0]
     # What was noticed may be finer than what noticed it.
-    for _ in range(HALVINGS):
-        finer = bench.tried(_halved(shop, best.whole))
+    best = tried[:1]
+    for _ in range(HALVINGS if best else 0):
+        finer = bench.tried(_halved(shop, best[0].whole))
         tried += finer
-        if not finer or finer[0].ratio > WORTH * best.ratio:
+        if not finer or finer[0].ratio > WORTH * best[0].ratio:
             break
-        best = finer[0]
+        best = finer
     for choice in sorted(tried, key=lambda c: c.ratio):
         if choice.ratio >= BETTER:
             break
