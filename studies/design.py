@@ -208,7 +208,9 @@ def write(result: Result, config: Config, out: Path) -> None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
-    parser = argparse.ArgumentParser(prog="studies.design", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="studies.design", description=(__doc__ or "").partition("\n")[0]
+    )
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--robot", default="", help="URDF, SDF or MJCF file, or builtin:NAME")
     source.add_argument("--data", default="", help="folder of a data set")

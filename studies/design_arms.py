@@ -23,7 +23,7 @@ from pathlib import Path
 from oed.report.json_file import write_atomically
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
-from oed.report.table import Row, markdown_table, write_csv
+from oed.report.table import Row, markdown_table, number_of, write_csv
 from studies.data_folders import EXAMPLE_ROBOTS, REPOSITORY
 
 ARMS = (
@@ -129,7 +129,7 @@ def write(rows: Sequence[Row], config: Config) -> None:
     """Leave runs.csv, summary.md and provenance.json."""
     write_csv(config.out / "runs.csv", rows)
     good = [row for row in rows if row.get("feasible") is True and row.get("J_k") is not None]
-    walls, cpus = ([float(row[key]) for row in rows] for key in ("wall_s", "cpu_s"))
+    walls, cpus = ([number_of(row[key]) for row in rows] for key in ("wall_s", "cpu_s"))
     shown = [
         {key: row.get(key, "") for key in SHOWN} | {"problem": row.get("problem", "")}
         for row in rows
@@ -155,7 +155,7 @@ bodies at the instants of a check, negative where they overlap: `--avoid-collisi
 
 def _all(rows: Sequence[Row], key: str) -> str:
     """The values that occur in a column, such as "40 or 200"."""
-    values = sorted({float(row[key]) for row in rows if key in row})
+    values = sorted({number_of(row[key]) for row in rows if key in row})
     return " or ".join(f"{value:g}" for value in values) or "no"
 
 
@@ -177,7 +177,7 @@ SHOWN = (
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--robot", nargs="+", default=(), help="files; the default list if none")
     parser.add_argument("--out", type=Path, default=Config.out)
     parser.add_argument("--smoke", action="store_true", help="a few seconds an arm")

@@ -32,7 +32,7 @@ from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
 from oed.experiment.imi_laboratory import ImiLaboratory
-from oed.experiment.recording import Recording, Role
+from oed.experiment.recording import HELD_OUT, Recording, Role
 from oed.experiment.simulation import Setup, simulate
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table, write_csv
@@ -99,9 +99,6 @@ def run(config: Config) -> list[Row]:
             break
         motion, purpose = _next_motion(found, model, rng, count)
     return rows
-
-
-HELD_OUT: tuple[Role, ...] = ("validation", "test")
 
 
 def laboratory(hidden: str) -> Setup:
@@ -222,7 +219,9 @@ def _say(text: str) -> None:
 
 
 def _parse(arguments: Sequence[str] | None) -> Config:
-    parser = argparse.ArgumentParser(prog="studies.loop", description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(
+        prog="studies.loop", description=(__doc__ or "").partition("\n")[0]
+    )
     parser.add_argument("--out", type=Path, required=True, help="folder for the table")
     parser.add_argument("--hidden", default="stribeck", choices=[*sorted(HIDDEN), "nothing"])
     parser.add_argument("--rounds", type=int, default=4, help="most experiments")

@@ -154,7 +154,7 @@ def write(result: Result, config: Config, out: Path) -> None:
 
 def main(argv: list[str] | None = None) -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--robot", default=str(PANDA), help="URDF file; the Panda by default")
     parser.add_argument("--instants", type=int, default=Config.instants)
     parser.add_argument("--seed", type=int, default=Config.seed)

@@ -110,7 +110,8 @@ def _centre(
     if surroundings.is_clear(middle):
         return middle
     best, most = middle, 0.0
-    for q in rng.uniform(*position.T, (CENTRES, len(position))):
+    lower, upper = position.T
+    for q in rng.uniform(lower, upper, (CENTRES, len(position))):
         room = min(surroundings.distances(q).values(), default=np.inf)
         if room > most and surroundings.is_clear(q):
             best, most = q, room

@@ -105,7 +105,7 @@ class Surroundings:
             self._diagram = self._scene.builder.Build()
             self._context = self._diagram.CreateDefaultContext()
         self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
-        self._rest = plant.GetPositions(self._plant_context).copy()
+        self._rest = np.array(plant.GetPositions(self._plant_context))
         self._moved_by = self._joints_below()
         self.middle = robot.limits.position.mean(axis=1)
         self._ignored: frozenset[Pair] = frozenset()
@@ -139,7 +139,8 @@ class Surroundings:
     def _nearest(self, q: Float[ndarray, " joints"]) -> dict[Pair, SignedDistancePair]:
         """Pose the arm; of each pair of bodies the two shapes that are nearest."""
         plant = self._scene.plant
-        plant.SetPositions(self._plant_context, self._scene.positions(q, self._rest))
+        posture = self._scene.positions(q, self._rest)
+        plant.SetPositions(self._plant_context, posture)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
         query = plant.get_geometry_query_input_port().Eval(self._plant_context)
         nearest: dict[Pair, SignedDistancePair] = {}
         for found in query.ComputeSignedDistancePairwiseClosestPoints(FAR):
@@ -200,7 +201,8 @@ class Surroundings:
             return set()
         rng = np.random.default_rng(0)
         together: dict[Pair, int] = {}
-        for q in rng.uniform(*robot.limits.position.T, (POSTURES, robot.n)):
+        lower, upper = robot.limits.position.T
+        for q in rng.uniform(lower, upper, (POSTURES, robot.n)):
             for pair, distance in self.distances(q).items():
                 if distance < NEIGHBOURLY and not _is_wall(pair):
                     together[pair] = together.get(pair, 0) + 1
@@ -231,7 +233,12 @@ class Surroundings:
         plant = self._scene.plant
         world = plant.world_frame()
         jacobian = plant.CalcJacobianTranslationalVelocity(
-            self._plant_context, JacobianWrtVariable.kQDot, frame, point, world, world
+            self._plant_context,
+            JacobianWrtVariable.kQDot,
+            frame,
+            point,  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
+            world,
+            world,
         )
         return jacobian[:, self._scene.columns]
 

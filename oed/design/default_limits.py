@@ -57,7 +57,7 @@ def _both_ways(
     """The bounds with those that are missing filled in, and where one was missing."""
     size = np.minimum(usual, np.abs(given).min(axis=1))
     filled = np.where(np.isfinite(given), given, np.stack([-size, size], axis=1))
-    return filled, ~np.isfinite(given).all(axis=1)
+    return filled, np.any(~np.isfinite(given), axis=1)
 
 
 def _notes(

@@ -49,7 +49,7 @@ def proven_range(
     attained = np.stack([np.full(len(scale), np.inf), np.full(len(scale), -np.inf)])
     proven = attained.copy()
     gap = tolerance * scale
-    for _ in range(DEPTH):
+    for level in range(DEPTH):
         value = trajectory.derivative(z, middle, order)
         slope = np.abs(trajectory.derivative(z, middle, order + 1))
         reach = slope * half[:, None] + curvature * half[:, None] ** 2 / 2
@@ -57,12 +57,12 @@ def proven_range(
         attained[1] = np.maximum(attained[1], value.max(axis=0))
         is_open = (value - reach < attained[0] - gap) | (value + reach > attained[1] + gap)
         split = is_open.any(axis=1)
+        if level == DEPTH - 1:
+            split[:] = False
         _widen(proven, (value - reach)[~split], (value + reach)[~split])
         if not split.any():
             break
         middle, half = split_intervals(middle[split], half[split])
-    else:
-        _widen(proven, (value - reach)[split], (value + reach)[split])
     slack = ROUNDING * (scale + np.abs(attained).max(axis=0))
     centre = trajectory.centre(z) if order == 0 else 0.0
     lower, upper = np.maximum(proven[0], centre - scale), np.minimum(proven[1], centre + scale)

@@ -175,7 +175,7 @@ class DesignProblem:
                 evaluated on intervals.
         """
         torque = None
-        if self.limits_torque:
+        if self.nominal is not None and self.limits_torque:
             torque = proven_torque_range(self.model, self.nominal, self.trajectory, z)
         return certify(self.trajectory, z, self.limits, torque)
 
@@ -203,6 +203,8 @@ class DesignProblem:
 
     @cached_property
     def _torque(self) -> NominalTorque:
+        if self.nominal is None:
+            raise ValueError("no nominal parameters to limit the torque of")
         return NominalTorque.of(self.regressor, self.base, self.nominal, self.limits.torque)
 
     def _within_torque(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:

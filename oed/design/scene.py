@@ -75,6 +75,7 @@ def load_scene(robot: Robot) -> Scene:
         readable = _readable_file(source.resolve(), source.stat().st_mtime_ns)
         missing = _missing_note(readable.urdf.missing)
         edited = readable.folder / source.name
+        refused = RobotError(f"{robot.source}: no geometry")
         # A colour that Drake refuses should cost the picture, not the check for collisions.
         for left_out, note in LESS_AND_LESS:
             edited.write_text(_without(readable.urdf.text, left_out), encoding="utf-8")
@@ -113,7 +114,7 @@ def _parse(robot: Robot, file: Path, readable: _Readable | None, note: str) -> S
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     try:
-        Parser(plant).AddModels(str(file))
+        Parser(plant).AddModels(file)
     except (RuntimeError, ValueError) as error:
         raise RobotError(f"{robot.source}: no geometry: {error}") from error
     weld_free_bodies(plant)

@@ -66,8 +66,8 @@ def proven_torque_range(
         centre = model.torque(parameters, trajectory.motion(z, middle))
         attained[0] = np.minimum(attained[0], centre.min(axis=0))
         attained[1] = np.maximum(attained[1], centre.max(axis=0))
-        signals = [_signal_on(trajectory, z, order, middle, half) for order in range(3)]
-        state = State(Interval(middle - half, middle + half), *signals)
+        q, dq, ddq = (_signal_on(trajectory, z, order, middle, half) for order in range(3))
+        state = State(Interval(middle - half, middle + half), q, dq, ddq)
         lower, upper = _torque_on(model, parameters, state)
         gap = TOLERANCE * np.abs(attained).max(axis=0)
         is_open = ((lower < attained[0] - gap) | (upper > attained[1] + gap)).any(axis=1)
@@ -89,8 +89,8 @@ def check_torque_bounded(model: TorqueModel, parameters: Float[ndarray, " parame
         TorqueNotBounded: If it cannot.
     """
     short = Interval(np.zeros(1), np.full(1, 1e-3))
-    signals = [[short] * model.robot.n for _ in range(3)]
-    _torque_on(model, parameters, State(short, *signals))
+    signals = [short] * model.robot.n
+    _torque_on(model, parameters, State(short, signals, signals, signals))
 
 
 def _torque_on(model: TorqueModel, parameters: ndarray, state: State) -> tuple[ndarray, ndarray]:

@@ -133,7 +133,7 @@ def normalised_factor(
     """
     norms = np.linalg.norm(regressor, axis=0)
     norms = np.where(norms > tolerance * norms.max(initial=0.0), norms, np.inf)
-    return np.linalg.qr(regressor / norms, mode="r"), norms
+    return np.asarray(np.linalg.qr(regressor / norms, mode="r")), norms
 
 
 def _rank(singular_values: Float[ndarray, " parameters"], tolerance: float, gap: float) -> int:
@@ -172,7 +172,7 @@ def _expression(
 ) -> str:
     """The regrouped parameter in words: the kept name first, then what joins it."""
     text = names[kept]
-    for column in np.flatnonzero(row):
+    for column in np.flatnonzero(row).tolist():
         if column != kept:
             sign = "-" if row[column] < 0 else "+"
             text += f" {sign} {_coefficient(abs(row[column]), lengths)}{names[column]}"

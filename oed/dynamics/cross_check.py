@@ -93,7 +93,7 @@ def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck
 def file_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
     """Torque by Drake's MultibodyPlant of the robot's own file, other joints locked at 0."""
     plant = load_plant(robot.source)
-    plant.mutable_gravity_field().set_gravity_vector(robot.gravity)
+    plant.mutable_gravity_field().set_gravity_vector(robot.gravity)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
     context = plant.CreateDefaultContext()
     joints = [plant.GetJointByName(name) for name in robot.joint_names]
     for name in robot.locked:
@@ -135,10 +135,10 @@ def _inverse_dynamics(
     for k, (q, dq, ddq) in enumerate(zip(motion.q, motion.dq, motion.ddq, strict=True)):
         q_all[positions], dq_all[velocities], ddq_all[velocities] = q, dq, ddq
         plant.SetPositions(context, q_all)
-        plant.SetVelocities(context, dq_all)
-        total = plant.CalcInverseDynamics(context, ddq_all, no_force)
-        total = total - plant.CalcGravityGeneralizedForces(context)
-        torques[k] = total[velocities]
+        plant.SetVelocities(context, dq_all)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
+        total = plant.CalcInverseDynamics(context, ddq_all, no_force)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
+        gravity = plant.CalcGravityGeneralizedForces(context)
+        torques[k] = total[velocities] - gravity[velocities]
     return torques
 
 

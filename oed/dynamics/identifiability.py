@@ -54,9 +54,10 @@ def base_parameters(model: TorqueModel, *, seed: int = 0) -> BaseParameters:
     )
 
 
-def rigid_body_base_parameters(
-    robot: Robot, *, route: Literal["torque", "energy"], seed: int = 0
-) -> BaseParameters:
+Route = Literal["torque", "energy"]
+
+
+def rigid_body_base_parameters(robot: Robot, *, route: Route, seed: int = 0) -> BaseParameters:
     """Base inertial parameters alone, from the torque or from the energy model.
 
     A parameter matters to the energy model if its energy is not the same everywhere

@@ -101,7 +101,7 @@ class TorqueModel:
             ddq: Acceleration.
             sign_width: Smoothing of the velocity sign [rad/s], so that it has a derivative.
         """
-        state = State(0.0, *(casadi.vertsplit(x) for x in (q, dq, ddq)), sign_width)
+        state = State(0.0, *(casadi.vertsplit(x) for x in (q, dq, ddq)), sign_width=sign_width)
         result = casadi.SX(self.robot.n, len(self.parameters))
         for column, by_joint in enumerate(self._entries(state)):
             for joint, entry in by_joint.items():

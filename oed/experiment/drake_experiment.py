@@ -110,13 +110,15 @@ def build_diagram(
 ) -> tuple[Diagram, MultibodyPlant, Feedback, VectorLogSink, VectorLogSink]:
     """Plant, drive and feedback wired up, with loggers of the joints and of the feedback."""
     builder = DiagramBuilder()
-    plant = builder.AddSystem(MultibodyPlant(time_step=0.0))
+    plant = MultibodyPlant(time_step=0.0)
+    builder.AddSystem(plant)
     add_robot(plant, setup.plant.robot)
     plant.Finalize()
     if coordinate_order(plant, setup.plant.robot) != list(range(setup.plant.robot.n)):
         raise ValueError("joints must stand in outward order for the Drake experiment")
-    drive = builder.AddSystem(Drive(setup))
-    feedback = builder.AddSystem(Feedback(setup, inputs))
+    drive, feedback = Drive(setup), Feedback(setup, inputs)
+    builder.AddSystem(drive)
+    builder.AddSystem(feedback)
     joints = plant.get_state_output_port()
     builder.Connect(joints, feedback.get_input_port())
     builder.Connect(joints, drive.joints)

@@ -238,8 +238,8 @@ def process(recording: Recording, settings: ProcessingSettings) -> ProcessedReco
         return lowpass(uniform, settings.rate, settings.motion_cutoff, settings.order)
 
     q = smooth(recording.q)
-    is_logged = settings.velocity == "logged" and recording.dq is not None
-    dq = smooth(recording.dq) if is_logged else central_difference(q, settings.rate)
+    logged = recording.dq if settings.velocity == "logged" else None
+    dq = smooth(logged) if logged is not None else central_difference(q, settings.rate)
     whole = Motion(grid, q, dq, central_difference(dq, settings.rate))
     # The torque is smoothed too: what is linear in the motion then sees one and the same filter.
     tau = lowpass(smooth(recording.tau), settings.rate, settings.cutoff, settings.order)

@@ -11,6 +11,7 @@ from numpy import ndarray
 
 Role = Literal["estimation", "validation", "test"]
 ROLES: tuple[Role, ...] = get_args(Role)
+HELD_OUT: tuple[Role, ...] = ("validation", "test")
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ def torque_by_drake(
         motion: N states.
     """
     robot = calibrated.robot
-    plant.mutable_gravity_field().set_gravity_vector(robot.gravity)
+    plant.mutable_gravity_field().set_gravity_vector(robot.gravity)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
     context = plant.CreateDefaultContext()
     order = coordinate_order(plant, robot)
     forces = MultibodyForces(plant)
@@ -74,11 +74,12 @@ def torque_by_drake(
     torque = np.empty_like(motion.q)
     for k in range(len(motion)):
         q[order], dq[order], ddq[order] = motion.q[k], motion.dq[k], motion.ddq[k]
-        plant.SetPositions(context, q)
-        plant.SetVelocities(context, dq)
+        plant.SetPositions(context, q)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
+        plant.SetVelocities(context, dq)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
         # Gravity, and the damping of joints with it.
         plant.CalcForceElementsContribution(context, forces)
-        torque[k] = plant.CalcInverseDynamics(context, ddq, forces)[order]
+        total = plant.CalcInverseDynamics(context, ddq, forces)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
+        torque[k] = total[order]
     return torque
 
 

@@ -28,11 +28,11 @@ class JointDrive(LeafSystem):
         self.DeclareVectorOutputPort("force", self._velocities, self._force)
 
     def _force(self, context, output: BasicVector) -> None:  # pydrake's Context
-        velocity = self._state.Eval(context)[self._positions :][self._order]
+        velocity = np.asarray(self._state.Eval(context))[self._positions :][self._order]
         force = np.zeros(self._velocities)
         friction = self._coulomb * np.tanh(velocity / self._width)
         force[self._order] = self._torque.Eval(context) - friction
-        output.SetFromVector(force)
+        output.SetFromVector(force)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
 
 
 def build_simulation_plant(calibrated: CalibratedRobot) -> MultibodyPlant:
@@ -65,8 +65,10 @@ def build_simulation(
         port "state" (2 n, in the plant's), and the plant inside it.
     """
     builder = DiagramBuilder()
-    plant = builder.AddSystem(build_simulation_plant(calibrated))
-    drive = builder.AddSystem(JointDrive(calibrated, plant, sign_width))
+    plant = build_simulation_plant(calibrated)
+    drive = JointDrive(calibrated, plant, sign_width)
+    builder.AddSystem(plant)
+    builder.AddSystem(drive)
     builder.Connect(plant.get_state_output_port(), drive.GetInputPort("state"))
     builder.Connect(drive.get_output_port(), plant.get_applied_generalized_force_input_port())
     builder.ExportInput(drive.GetInputPort("torque"), "torque")

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from oed.estimation.calibration import Calibration
+from oed.experiment.recording import HELD_OUT, Role
 from oed.report.provenance import Provenance
 from oed.report.table import Row
 
@@ -121,5 +122,5 @@ def validation_rows(calibration: Calibration) -> list[Row]:
     return rows
 
 
-def _roles(recordings: Mapping) -> tuple[str, ...]:
-    return ("estimation", *(r for r in ("validation", "test") if r in recordings))
+def _roles(recordings: Mapping) -> tuple[Role, ...]:
+    return ("estimation", *(r for r in HELD_OUT if r in recordings))

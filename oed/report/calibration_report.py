@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy import ndarray
 from oed.estimation.calibration import Calibration
 from oed.estimation.recursive import RecursiveEstimate
 from oed.experiment.processing import ProcessedRecording
+from oed.experiment.recording import HELD_OUT, Role
 from oed.report.calibration_record import (
     condition,
     estimate_record,
@@ -134,7 +136,7 @@ def _draw_convergence(calibration: Calibration, history: RecursiveEstimate) -> F
 
 def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Provenance) -> Page:
     dataset, estimate = calibration.dataset, calibration.estimate
-    held_out = [role for role in ("validation", "test") if role in calibration.validation]
+    held_out: list[Role] = [role for role in HELD_OUT if role in calibration.validation]
     captions = {
         "torque": "Measured and reconstructed torque, recordings with role",
         "residual": "Measured minus reconstructed torque, recordings with role",
@@ -188,7 +190,7 @@ def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Prove
     )
 
 
-def _verdict(calibration: Calibration, held_out: list[str]) -> Verdict:
+def _verdict(calibration: Calibration, held_out: Sequence[Role]) -> Verdict:
     figures = condition(calibration)
     count = int(calibration.estimate.determined.sum())
     lost = len(calibration.estimate.unidentifiable)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.experiment.recording import HELD_OUT, Role
 from oed.report.feasible_rows import (
     MOSTLY_DATA,
     link_rows,
@@ -64,7 +65,7 @@ def feasible_page(
 
 
 def _verdict(result: FeasibleCalibration) -> Verdict:
-    held_out = [role for role in ("validation", "test") if role in result.validation]
+    held_out: list[Role] = [role for role in HELD_OUT if role in result.validation]
     prices = ", ".join(f"{100 * result.price(role):+.2g} % on {role}" for role in held_out)
     share = 100 * result.positive_definite
     agreed = result.disagreement is not None and result.disagreement < 1e-6

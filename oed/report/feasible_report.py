@@ -8,6 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.experiment.recording import HELD_OUT, Role
 from oed.report.feasibility_plots import (
     plot_link_margins,
     plot_residual_comparison,
@@ -131,7 +132,7 @@ def draw_figures(result: FeasibleCalibration) -> dict[str, Figure]:
             chosen=curve.chosen,
             least_squares=float(curve.least_squares.mean()),
         )
-    held_out = [role for role in ("validation", "test") if role in result.validation]
+    held_out: list[Role] = [role for role in HELD_OUT if role in result.validation]
     names = result.plain.dataset.robot.joint_names
     for role in held_out:
         plain, feasible = result.plain.validation[role], result.validation[role]

@@ -47,11 +47,12 @@ def record_motion(robot: Robot, motion: Motion, path: str | Path) -> str:
     diagram = scene.builder.Build()
     context = diagram.CreateDefaultContext()
     plant_context = scene.plant.GetMyMutableContextFromRoot(context)
-    rest = scene.plant.GetPositions(plant_context).copy()
+    rest = np.array(scene.plant.GetPositions(plant_context))
     visualizer.StartRecording(False)
     for t, q in zip(motion.t, motion.q, strict=True):
         context.SetTime(float(t))
-        scene.plant.SetPositions(plant_context, scene.positions(np.asarray(q), rest))
+        posture = scene.positions(np.asarray(q), rest)
+        scene.plant.SetPositions(plant_context, posture)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
         diagram.ForcedPublish(context)
     visualizer.StopRecording()
     visualizer.PublishRecording()

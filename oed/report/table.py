@@ -7,6 +7,7 @@ import io
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -91,7 +92,7 @@ def write_csv(
     write_atomically(path, stream.getvalue())
 
 
-def read_csv(path: str | Path) -> list[dict[str, Cell]]:
+def read_csv(path: str | Path) -> list[dict[str, Any]]:
     """Rows that `write_csv` wrote: integers, numbers, booleans and missing cells come back.
 
     Text that looks like one of these comes back as that.
@@ -126,6 +127,17 @@ def _formatted(rows: Sequence[Row], columns: Sequence[str], digits: int) -> list
 
 def _escape(text: str) -> str:
     return text.replace("|", r"\|").replace("\n", " ")
+
+
+def number_of(value: Cell) -> float:
+    """The number in a cell.
+
+    Raises:
+        TypeError: If there is none.
+    """
+    if not isinstance(value, int | float):
+        raise TypeError(f"{value!r} is no number")
+    return float(value)
 
 
 def _exact(value: Cell) -> str:

@@ -65,12 +65,12 @@ class MergedTree:
             name=joint.name(),
             kind="revolute" if is_revolute else "prismatic",
             parent=parent,
-            axis=_without_rounding(axis),
-            R_PJ=_without_rounding(X_CF.rotation().matrix()),
-            p_PJ=X_CF.translation(),
+            axis=_without_rounding(np.asarray(axis)),
+            R_PJ=_without_rounding(np.asarray(X_CF.rotation().matrix())),
+            p_PJ=np.asarray(X_CF.translation()),
             link=joint.child_body().name(),
-            R_LJ=X_BM.rotation().matrix(),
-            p_LJ=X_BM.translation(),
+            R_LJ=np.asarray(X_BM.rotation().matrix()),
+            p_LJ=np.asarray(X_BM.translation()),
         )
         self._carrier[child] = (column, X_BM.inverse())
 
@@ -84,8 +84,9 @@ class MergedTree:
         for body in bodies_of(self._plant):
             carrier, X_CB = self._carrier[int(body.index())]
             if carrier >= 0:
+                rotation, origin = X_CB.rotation().matrix(), X_CB.translation()
                 parameters[carrier] += transform_parameters(
-                    _body_parameters(body), X_CB.rotation().matrix(), X_CB.translation()
+                    _body_parameters(body), np.asarray(rotation), np.asarray(origin)
                 )
         return parameters.reshape(-1)
 
@@ -99,7 +100,7 @@ def _body_parameters(body: RigidBody) -> np.ndarray:
     moments, products = inertia.get_moments(), inertia.get_products()
     xx, yy, zz = moments
     xy, xz, yz = products
-    return np.array([mass, *(mass * spatial.get_com()), xx, xy, xz, yy, yz, zz])
+    return np.array([mass, *(mass * np.asarray(spatial.get_com())), xx, xy, xz, yy, yz, zz])
 
 
 def _without_rounding(entries: np.ndarray) -> np.ndarray:

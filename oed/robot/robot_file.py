@@ -30,7 +30,7 @@ def load_plant(source: str | Path) -> MultibodyPlant:
     plant = MultibodyPlant(time_step=0.0)
     with warnings_off():
         try:
-            Parser(plant).AddModels(str(path))
+            Parser(plant).AddModels(path)
         except RuntimeError as error:
             raise RobotError(f"{path}: Drake cannot read this file: {error}") from error
     weld_free_bodies(plant)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
-from oed.report.table import Cell, Row, markdown_table
+from oed.report.table import Cell, Row, markdown_table, number_of
 from studies.paper_experiment import values as paper
 from studies.paper_experiment.claims import Finding
 
@@ -90,7 +90,8 @@ def _errors(rows: PaperRows) -> list[str]:
     if floor:
         row = floor[0]
         is_noise = all(
-            _float(row[f"rms residual {j} [N m]"]) < 1.05 * _float(row[f"noise floor {j} [N m]"])
+            number_of(row[f"rms residual {j} [N m]"])
+            < 1.05 * number_of(row[f"noise floor {j} [N m]"])
             for j in (1, 2)
         )
         lines.append(
@@ -115,7 +116,7 @@ def _errors(rows: PaperRows) -> list[str]:
 
 def _distance(row: Row) -> str:
     """Whether the paper's error of joint 1 on the J_d trajectory comes back."""
-    ratio = _float(row["paper"]) / _float(row["reproduced"])
+    ratio = number_of(row["paper"]) / number_of(row["reproduced"])
     squared_torque = (paper.RMS[1][0][0] / paper.RELATIVE[1][0][0]) ** 2
     share = paper.VARIANCES[1][0] / squared_torque
     came = "comes" if 0.5 < ratio < 2 else "does not come"
@@ -205,7 +206,10 @@ def _energy(rows: PaperRows) -> list[str]:
             cell = [r for r in rows.energy if (r["friction"], r["processing"]) == (friction, way)]
             agree = sum(bool(r["agree"]) for r in cell)
             bias = [
-                sum(((_float(r[k]) - _float(r["truth"])) / _float(r["truth"])) ** 2 for r in cell)
+                sum(
+                    ((number_of(r[k]) - number_of(r["truth"])) / number_of(r["truth"])) ** 2
+                    for r in cell
+                )
                 for k in ("Newton-Euler", "energy")
             ]
             torque, energy = ((100 * (b / len(cell)) ** 0.5) for b in bias)
@@ -245,10 +249,4 @@ def claim_rows(claims: Sequence[Finding]) -> list[Row]:
 
 
 def _number(value: Cell) -> str:
-    return f"{_float(value):.3g}"
-
-
-def _float(value: Cell) -> float:
-    if not isinstance(value, int | float):
-        raise TypeError(f"{value!r} is no number")
-    return float(value)
+    return f"{number_of(value):.3g}"

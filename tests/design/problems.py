@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from oed.design.criteria import Criterion
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
 from oed.dynamics.base_parameters import BaseParameters
@@ -45,7 +46,9 @@ def classes(limits: JointLimits) -> dict[str, TrajectoryClass]:
     }
 
 
-def paper_problem(trajectory: TrajectoryClass, criterion: str = "J_d", **given) -> DesignProblem:
+def paper_problem(
+    trajectory: TrajectoryClass, criterion: Criterion = "J_d", **given
+) -> DesignProblem:
     """The paper's arm and instants with a class of motions."""
     robot, model, base = scara()
     return DesignProblem(

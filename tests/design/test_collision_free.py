@@ -38,7 +38,8 @@ def narrowed(robot: Robot, box: ndarray | None = None) -> ClearLimits:
 
 
 def random_postures(limits: JointLimits) -> Float[ndarray, "postures 2"]:
-    return np.random.default_rng(99).uniform(*limits.position.T, (20_000, 2))
+    lower, upper = limits.position.T
+    return np.random.default_rng(99).uniform(lower, upper, (20_000, 2))
 
 
 def problem_of(robot: Robot, **given) -> DesignProblem:

@@ -10,7 +10,7 @@ from oed.design.optimisers.hopping import HoppingSettings, optimise
 from oed.design.optimisers.result import Budget
 from oed.design.optimisers.sequential_quadratic import solve_quadratic
 from oed.design.optimisers.starts import structured_start
-from oed.design.trajectories import FourierClass
+from oed.design.trajectories import FourierClass, HarmonicClass
 from oed.robot import JointLimits
 from tests.design.problems import classes, paper_problem, scara
 
@@ -34,6 +34,7 @@ def test_a_split_at_one_frequency_is_the_same_motion(monkeypatch) -> None:
     monkeypatch.setattr(moves, "RELATIVE_SPLIT", 0.0)
     problem = paper_problem(CLASSES["harmonic"])
     trajectory, t = problem.trajectory, problem.instants
+    assert isinstance(trajectory, HarmonicClass)
     z = problem.random_start(np.random.default_rng(0))
     z[trajectory.variables[:, 0]] = 0.0  # the first term of each joint does nothing
     for seed in range(20):

@@ -106,7 +106,7 @@ def test_obj_counts_from_one_and_holds_each_corner_once(tmp_path: Path) -> None:
 def test_drake_reads_the_obj_as_the_same_solid(tmp_path: Path) -> None:
     shifted = TETRAHEDRON + np.array([0.1, -0.2, 1 / 3])
     write_obj(shifted, tmp_path / "t.obj")
-    mesh = ReadObjToTriangleSurfaceMesh(str(tmp_path / "t.obj"))
+    mesh = ReadObjToTriangleSurfaceMesh(tmp_path / "t.obj")
     found = np.array(
         [
             [mesh.vertex(mesh.element(i).vertex(k)) for k in range(3)]
@@ -240,7 +240,7 @@ def drakes_colours(text: str, path: Path) -> list[str]:
     """Colour of every visual shape as Drake reads it."""
     path.write_text(text)
     plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)
-    Parser(plant).AddModels(str(path))
+    Parser(plant).AddModels(path)
     inspector = scene_graph.model_inspector()
     properties = [inspector.GetIllustrationProperties(g) for g in inspector.GetAllGeometryIds()]
     return [

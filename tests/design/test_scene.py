@@ -98,7 +98,8 @@ def test_an_arm_of_meshes_is_found_whole_and_its_slopes_are_finite_differences()
     surroundings = Surroundings(robot)
     assert "cannot be" not in surroundings.note
     rng, step, errors = np.random.default_rng(5), 1e-4, []
-    for q in rng.uniform(*robot.limits.position.T, (10, robot.n)):
+    lower, upper = robot.limits.position.T
+    for q in rng.uniform(lower, upper, (10, robot.n)):
         ends = [
             [surroundings.distances(q + sign * d) for sign in (1, -1)]
             for d in step * np.eye(robot.n)

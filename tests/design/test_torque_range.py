@@ -102,4 +102,4 @@ def test_an_interval_is_never_taken_for_a_number() -> None:
     with pytest.raises(NotImplementedError):
         np.asarray(interval)
     with pytest.raises(NotImplementedError):
-        1.0 / interval
+        _ = 1.0 / interval

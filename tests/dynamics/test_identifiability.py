@@ -7,7 +7,7 @@ import pytest
 
 from oed.dynamics.base_parameters import find_base_parameters
 from oed.dynamics.effects import Parameter, RotorInertia
-from oed.dynamics.identifiability import base_parameters, rigid_body_base_parameters
+from oed.dynamics.identifiability import Route, base_parameters, rigid_body_base_parameters
 from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import RankUndetermined
@@ -34,13 +34,13 @@ def _arm(name: str) -> Robot:
 @pytest.mark.parametrize("route", ["torque", "energy"])
 @pytest.mark.parametrize(("name", "count"), COUNTS.items())
 def test_torque_and_energy_models_have_the_published_number(
-    name: str, count: int, route: str
+    name: str, count: int, route: Route
 ) -> None:
     assert len(rigid_body_base_parameters(_arm(name), route=route)) == count
 
 
 @pytest.mark.parametrize("route", ["torque", "energy"])
-def test_the_scara_has_the_papers_four(route: str) -> None:
+def test_the_scara_has_the_papers_four(route: Route) -> None:
     base = rigid_body_base_parameters(imi_scara(), route=route)
     values = dict(zip(base.expressions, base.from_standard(imi_scara().parameters), strict=True))
     expected = dict(
@@ -88,7 +88,7 @@ def test_refuses_to_guess_the_rank() -> None:
 
 
 @pytest.mark.parametrize("route", ["torque", "energy"])
-def test_sees_through_rounded_right_angles(route: str) -> None:
+def test_sees_through_rounded_right_angles(route: Route) -> None:
     panda = _arm("panda_description/urdf/panda.urdf")
     base = rigid_body_base_parameters(_with_rounded_angles(panda), route=route)
     assert len(base) == 43

@@ -32,7 +32,7 @@ def autoregressive_noise(rng, samples, coefficient):
     """Unit variance AR(1), stationary from the first sample."""
     innovation = rng.standard_normal((samples + 1000, JOINTS))
     scale = np.sqrt(1 - coefficient**2)
-    return lfilter([scale], [1.0, -coefficient], innovation, axis=0)[1000:]
+    return np.asarray(lfilter([scale], [1.0, -coefficient], innovation, axis=0))[1000:]
 
 
 def low_passed_noise(rng, samples, cutoff):

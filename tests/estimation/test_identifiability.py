@@ -60,7 +60,7 @@ def test_names_what_is_badly_excited_and_its_partner():
     rng = np.random.default_rng(2)
     H = rng.standard_normal((300, 3))
     H[:, 2] = H[:, 1] + 1e-3 * H[:, 2]
-    R = np.linalg.qr(H, mode="r")
+    R = np.asarray(np.linalg.qr(H, mode="r"))
     covariance = np.linalg.inv(H.T @ H)
     sentences = badly_excited(("a", "b", "c"), np.array([1.0, 2.0, 2.0]), covariance, R)
     assert set(sentences) == {"b", "c"}

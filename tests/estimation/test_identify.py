@@ -27,7 +27,8 @@ def test_recovers_the_truth_within_its_intervals(data):
 
 
 def test_intervals_are_those_of_student(data):
-    found = identify(*data, NAMES, UNITS, covariance="white")
+    W, tau = data
+    found = identify(W, tau, NAMES, UNITS, covariance="white")
     reach = stats.t.ppf(0.95, 792) * found.std
     assert np.allclose(np.diff(found.interval(0.9), axis=1)[:, 0], 2 * reach)
 

@@ -34,10 +34,10 @@ def exact_solution(W, y):
     """Least squares in rational arithmetic: the entries are taken as the exact doubles they are."""
     rows = [[Fraction(x) for x in row] for row in W.tolist()]
     right = [Fraction(x) for x in y.tolist()]
-    p = W.shape[1]
+    p, zero = W.shape[1], Fraction(0)
     system = [
-        [sum(r[i] * r[j] for r in rows) for j in range(p)]
-        + [sum(r[i] * b for r, b in zip(rows, right, strict=True))]
+        [sum((r[i] * r[j] for r in rows), zero) for j in range(p)]
+        + [sum((r[i] * b for r, b in zip(rows, right, strict=True)), zero)]
         for i in range(p)
     ]
     for i in range(p):

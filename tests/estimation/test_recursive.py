@@ -36,7 +36,7 @@ def test_says_nothing_before_the_rows_determine_all():
     rng = np.random.default_rng(1)
     W = planar_regressor(rng, 60)
     found = recursive_least_squares(W, W @ TRUTH, 2)
-    undetermined = np.isnan(found.parameters).all(axis=1)
+    undetermined = np.all(np.isnan(found.parameters), axis=1)
     assert undetermined[:7].all()
     assert not undetermined[-1]
     assert np.isnan(found.std[0]).all()

@@ -98,7 +98,7 @@ def test_observer_finds_the_velocity():
 
 
 def test_observer_must_be_hurwitz():
-    assert (HighGainObserver.paper().poles().real < 0).all()
+    assert (np.real(HighGainObserver.paper().poles()) < 0).all()
     with pytest.raises(ValueError, match=r"joint 2.*Hurwitz"):
         HighGainObserver((7.0, -6.2), (2.0, 4.0), 0.002)
 

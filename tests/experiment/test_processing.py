@@ -74,6 +74,8 @@ def test_grid_trim_and_repetition():
     assert np.allclose(np.diff(t), 0.005, rtol=0, atol=1e-9)
     assert t[0] - recording.t[0] == pytest.approx(0.2, abs=1e-9)
     assert 0.2 <= recording.t[-1] - t[-1] < 0.2 + 0.007
+    assert processed.repetition is not None
+    assert recording.repetition is not None
     assert np.array_equal(
         processed.repetition,
         recording.repetition[np.searchsorted(recording.t, t + 1e-9, side="right") - 1],
@@ -82,6 +84,7 @@ def test_grid_trim_and_repetition():
 
 def test_the_recording_is_left_as_it_was():
     recording = recorded(np.random.default_rng(3))
+    assert recording.dq is not None
     before = [x.copy() for x in (recording.t, recording.q, recording.tau, recording.dq)]
     process(recording, SETTINGS)
     after = (recording.t, recording.q, recording.tau, recording.dq)

@@ -50,6 +50,7 @@ def test_reads_what_is_there(tmp_path):
     assert np.array_equal(recording.q, expected[:, 1:3])
     assert np.array_equal(recording.tau, expected[:, 3:])
     assert recording.dq is None
+    assert recording.repetition is not None
     assert recording.repetition.tolist() == [k // 10 for k in range(30)]
     assert dataset.robot.joint_names == ("joint_1", "joint_2")
 
@@ -93,6 +94,7 @@ def test_currents_become_torques(tmp_path):
     )
     dataset = read_dataset(folder)
     assert np.array_equal(dataset.test[0].tau, plain.test[0].tau * [2.0, -3.0])
+    assert dataset.drive.gear_ratio is not None
     assert dataset.drive.gear_ratio.tolist() == [5.0, 6.0]
 
 
@@ -136,6 +138,7 @@ def test_missing_robot(tmp_path, robot):
 )
 def test_missing_key(tmp_path, line):
     error = refused(spoil(tmp_path, "dataset.toml", line, ""))
+    assert error.column is not None
     assert error.column.endswith(line.split(" =")[0])
     assert "missing" in str(error)
 

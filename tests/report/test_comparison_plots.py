@@ -23,7 +23,7 @@ def test_draws_every_curve_it_is_given() -> None:
 
 def test_marks_the_budget() -> None:
     figure = plot_target_hits([panel("one", ("a",))])
-    assert list(figure.axes[0].get_lines()[-1].get_xdata()) == [50.0, 50.0]
+    assert np.array_equal(figure.axes[0].get_lines()[-1].get_xdata(), [50.0, 50.0])
 
 
 def test_refuses_an_empty_figure() -> None:

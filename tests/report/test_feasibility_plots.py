@@ -15,7 +15,7 @@ def test_the_curve_shows_what_was_chosen_and_what_it_is_measured_against():
     )
     panel = figure.axes[0]
     vertical = [line for line in panel.lines if line.get_label() == "chosen"]
-    assert list(vertical[0].get_xdata()) == [weights[3]] * 2
+    assert np.array_equal(vertical[0].get_xdata(), [weights[3]] * 2)
     # The end of the curve that is far off does not hide the rest.
     assert panel.get_ylim()[1] < 2.0
 

@@ -12,9 +12,8 @@ def _cloud(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _parameters(masses: np.ndarray, points: np.ndarray) -> np.ndarray:
-    inertia = sum(
-        m * (p @ p * np.eye(3) - np.outer(p, p)) for m, p in zip(masses, points, strict=True)
-    )
+    parts = (m * (p @ p * np.eye(3) - np.outer(p, p)) for m, p in zip(masses, points, strict=True))
+    inertia = sum(parts, np.zeros((3, 3)))
     return np.concatenate([[masses.sum()], masses @ points, inertia[np.triu_indices(3)]])
 
 

@@ -107,7 +107,7 @@ def test_every_number_of_the_summarys_text_is_in_a_row(tmp_path: Path) -> None:
 
 
 def test_the_summary_can_be_written_where_every_arm_failed(tmp_path: Path) -> None:
-    rows = [{"arm": "e", "wall_s": 0.4, "cpu_s": 0.3, "problem": "no such robot file"}]
+    rows: list[Row] = [{"arm": "e", "wall_s": 0.4, "cpu_s": 0.3, "problem": "no such robot file"}]
     assert "0 of 1 arms" in summary_of(rows, tmp_path)
     provenance = json.loads((tmp_path / "provenance.json").read_text())
     assert provenance["seed"] == 0

@@ -18,7 +18,7 @@ from oed.estimation.feasible.regularisation import Regularisation
 from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
-from oed.experiment.recording import Recording
+from oed.experiment.recording import Recording, Role
 from oed.experiment.write_dataset import write_dataset
 from oed.report.table import read_csv
 from oed.robot import imi_scara
@@ -51,7 +51,8 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     friction = np.column_stack([IMI_COULOMB, IMI_VISCOUS]).reshape(-1)
     truth = np.concatenate([robot.parameters, friction])
     recordings = []
-    for name, role in (("fit", "estimation"), ("held", "validation")):
+    roles: dict[str, Role] = {"fit": "estimation", "held": "validation"}
+    for name, role in roles.items():
         motion = motion_of(rng)
         torque = model.torque(truth, motion) + rng.normal(size=motion.q.shape) * (0.05, 0.02)
         recordings.append(Recording(name, role, motion.t, motion.q, torque))

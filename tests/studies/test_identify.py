@@ -10,7 +10,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from oed.experiment.dataset import DataSet
-from oed.experiment.recording import Recording
+from oed.experiment.recording import Recording, Role
 from oed.experiment.write_dataset import write_dataset
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
@@ -20,7 +20,7 @@ from tests.paths import SHARED_DATA, needs_shared_data
 NOISE = (0.05, 0.02)  # [N m]
 WIDTH = 0.02  # [rad/s] of the true Coulomb terms' sign, the study's default
 # Relative rms that plain least squares reaches, from the README of the recordings.
-PUBLISHED = {
+PUBLISHED: dict[str, dict[Role, list[float]]] = {
     "dfki_a0": {"estimation": [0.071, 0.147], "validation": [0.092, 0.156]},
     "staubli_tx40": {
         "estimation": [0.044, 0.042, 0.072, 0.080, 0.375, 0.260],
@@ -39,7 +39,8 @@ def _simulated(folder: Path, rng: np.random.Generator) -> dict[str, float]:
     friction = [x for pair in zip(IMI_COULOMB, IMI_VISCOUS, strict=True) for x in pair]
     truth = np.concatenate([imi_scara().parameters, friction])
     recordings = []
-    for name, role in (("fit", "estimation"), ("held", "validation")):
+    roles: dict[str, Role] = {"fit": "estimation", "held": "validation"}
+    for name, role in roles.items():
         motion = _motion(rng)
         noise = rng.normal(size=motion.q.shape) * NOISE
         torque = model.torque(truth, motion) + noise

@@ -201,9 +201,10 @@ class _Source:
         x = np.concatenate([fresh, near])
         ddq, value = self._best_vertex(x, point)
         best = np.argsort(-value)[: settings.kept]
+        least, most = np.log(settings.reach)
         x, ddq, value = x[best], ddq[best], value[best]
         for _ in range(settings.sweeps):
-            reach = np.exp(rng.uniform(*np.log(settings.reach), (len(x), 1)))
+            reach = np.exp(rng.uniform(least, most, (len(x), 1)))
             moves = rng.random(x.shape) < 2 / x.shape[1]
             step = reach * moves * (upper - lower) * rng.standard_normal(x.shape)
             tried = np.clip(x + step, lower, upper)

@@ -62,10 +62,15 @@ def optimise(
     log = EvaluationLog(budget)
     starts = hops = 0
     while not log.is_spent:
-        is_hop = starts >= settings.first_starts and rng.random() < settings.hop_share
-        start = _hop(problem, log.best_z, rng, settings) if is_hop else None
-        if start is None:
-            start = structured_start(problem, rng) if starts == 0 else problem.random_start(rng)
+        may_hop = starts >= settings.first_starts and rng.random() < settings.hop_share
+        best = log.best_z if may_hop else None
+        is_hop = best is not None
+        if best is not None:
+            start = _hop(problem, best, rng, settings)
+        elif starts == 0:
+            start = structured_start(problem, rng)
+        else:
+            start = problem.random_start(rng)
         log.evaluate(problem.cost, start)
         solution, _ = solve_locally(problem, start, log, settings.local, is_warm=is_hop)
         starts, hops = starts + 1, hops + is_hop

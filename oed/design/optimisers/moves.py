@@ -62,9 +62,10 @@ def renew_term(
     problem: DesignProblem, z: Float[ndarray, " size"], rng: np.random.Generator
 ) -> Float[ndarray, " size"]:
     """One term with another frequency and amplitude."""
-    a, omega = _terms(problem.trajectory, rng)
-    z[a[0]] = rng.standard_normal() * problem.trajectory.amplitude_bound.max() / 8
-    z[omega[0]] = problem.trajectory.draw(rng)[omega[0]]
+    trajectory = _sines(problem)
+    a, omega = _terms(trajectory, rng)
+    z[a[0]] = rng.standard_normal() * trajectory.amplitude_bound.max() / 8
+    z[omega[0]] = trajectory.draw(rng)[omega[0]]
     return z
 
 
@@ -72,8 +73,9 @@ def split_term(
     problem: DesignProblem, z: Float[ndarray, " size"], rng: np.random.Generator
 ) -> Float[ndarray, " size"]:
     """One term's place taken by a part of another, at nearly that one's frequency."""
-    a, omega = _terms(problem.trajectory, rng)
-    part = rng.standard_normal() * problem.trajectory.amplitude_bound.max() / 4
+    trajectory = _sines(problem)
+    a, omega = _terms(trajectory, rng)
+    part = rng.standard_normal() * trajectory.amplitude_bound.max() / 4
     z[omega[0]] = z[omega[1]] * np.exp(RELATIVE_SPLIT * rng.standard_normal())
     z[a[0]] = -part
     z[a[1]] += part
@@ -84,7 +86,7 @@ def overtone(
     problem: DesignProblem, z: Float[ndarray, " size"], rng: np.random.Generator
 ) -> Float[ndarray, " size"]:
     """One term turned into an overtone, or undertone, of another."""
-    a, omega = _terms(problem.trajectory, rng)
+    a, omega = _terms(_sines(problem), rng)
     ratio = rng.choice(OVERTONES)
     z[omega[0]] = ratio * z[omega[1]]
     z[a[0]] = z[a[1]] / ratio**2 * rng.uniform(-OVERTONE_STRENGTH, OVERTONE_STRENGTH)
@@ -93,6 +95,13 @@ def overtone(
 
 GENERAL: tuple[Move, ...] = (shift, renew_joint)
 OF_TERMS: tuple[Move, ...] = (renew_term, split_term, overtone)
+
+
+def _sines(problem: DesignProblem) -> HarmonicClass:
+    """The class of motions, which must be one of single terms."""
+    if not isinstance(problem.trajectory, HarmonicClass):
+        raise TypeError(f"motions of class {problem.trajectory.name} have no terms to move")
+    return problem.trajectory
 
 
 def _terms(trajectory: HarmonicClass, rng: np.random.Generator) -> tuple[ndarray, ndarray]:

@@ -7,7 +7,7 @@ remembered pair, and took five times longer.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import casadi
@@ -170,10 +170,10 @@ class _Callback(casadi.Callback):
     def get_n_out(self) -> int:
         return 1
 
-    def get_sparsity_in(self, index: int) -> casadi.Sparsity:
-        return self._inputs[index]
+    def get_sparsity_in(self, i: int) -> casadi.Sparsity:
+        return self._inputs[i]
 
-    def get_sparsity_out(self, _: int) -> casadi.Sparsity:
+    def get_sparsity_out(self, i: int) -> casadi.Sparsity:  # noqa: ARG002  # there is one
         return self._output
 
 
@@ -182,13 +182,13 @@ class _Objective(_Callback):
         self._scaled = scaled
         super().__init__("objective", [_dense(scaled.size)], _dense(1))
 
-    def eval(self, arguments: list) -> list:
+    def eval(self, arguments: Sequence[casadi.DM]) -> list:
         return [self._scaled.objective(_flat(arguments[0]))[0]]
 
     def has_jacobian(self) -> bool:
         return True
 
-    def get_jacobian(self, name: str, *_: object) -> casadi.Function:
+    def get_jacobian(self, name: str, *_: object, **__: object) -> casadi.Function:
         scaled = self._scaled
         # Kept here, because CasADi does not keep a callback alive.
         self._derivative = _Derivative(
@@ -205,20 +205,20 @@ class _Limits(_Callback):
         self._scaled = scaled
         super().__init__("limits", [_dense(scaled.size)], _dense(scaled.constraints.count))
 
-    def eval(self, arguments: list) -> list:
+    def eval(self, arguments: Sequence[casadi.DM]) -> list:
         return [self._scaled.limits(_flat(arguments[0]))]
 
     def has_jacobian(self) -> bool:
         return True
 
     # Without this CasADi gives IPOPT a dense Jacobian, and an iteration takes five times longer.
-    def has_jac_sparsity(self, *_: int) -> bool:
+    def has_jac_sparsity(self, *_: object, **__: object) -> bool:
         return True
 
-    def get_jac_sparsity(self, *_: object) -> casadi.Sparsity:
+    def get_jac_sparsity(self, *_: object, **__: object) -> casadi.Sparsity:
         return self._scaled.sparsity
 
-    def get_jacobian(self, name: str, *_: object) -> casadi.Function:
+    def get_jacobian(self, name: str, *_: object, **__: object) -> casadi.Function:
         scaled = self._scaled
         inputs = [_dense(scaled.size), _dense(scaled.constraints.count)]
         self._derivative = _Derivative(name, inputs, scaled.sparsity, scaled.jacobian)
@@ -238,7 +238,7 @@ class _Derivative(_Callback):
         self._evaluate = evaluate
         super().__init__(name, inputs, output)
 
-    def eval(self, arguments: list) -> list:
+    def eval(self, arguments: Sequence[casadi.DM]) -> list:
         return [self._evaluate(_flat(arguments[0]))]
 
 
@@ -251,7 +251,7 @@ class _Hessian(_Callback):
         inputs = [_dense(scaled.size), _dense(0), _dense(1), _dense(scaled.constraints.count)]
         super().__init__("hessian", inputs, casadi.Sparsity.upper(scaled.size))
 
-    def eval(self, arguments: list) -> list:
+    def eval(self, arguments: Sequence[casadi.DM]) -> list:
         u, weight, multipliers = _flat(arguments[0]), float(arguments[2]), _flat(arguments[3])
         scaled = self._scaled
         if weight > 0.0:  # it is 0 while IPOPT restores feasibility and ignores the objective

@@ -59,7 +59,7 @@ class FourierClass(TrajectoryClass):
         return 2 * np.pi / self.horizon
 
     @cached_property
-    def bounds(self) -> Float[ndarray, "size 2"]:
+    def bounds(self) -> Float[ndarray, "size 2"]:  # pyright: ignore[reportIncompatibleMethodOverride]  # a property too, and cached
         """A box that cuts off no admissible motion.
 
         A coefficient of a function within +-M is at most 4 M / pi, and so are, divided by
@@ -78,7 +78,7 @@ class FourierClass(TrajectoryClass):
         return np.stack([lower.reshape(-1), upper.reshape(-1)], axis=1)
 
     @cached_property
-    def variables(self) -> Int[ndarray, "joints own"]:
+    def variables(self) -> Int[ndarray, "joints own"]:  # pyright: ignore[reportIncompatibleMethodOverride]  # a property too, and cached
         """Joint after joint."""
         own = self._subspace.shape[1]
         return np.arange(self.joints * own).reshape(self.joints, own)
@@ -114,7 +114,7 @@ class FourierClass(TrajectoryClass):
     ) -> Float[ndarray, " size"]:
         """Gradient by z, one matrix product an order."""
         parts = [adjoint.T @ self.basis(t, order) for order, adjoint in enumerate(adjoints)]
-        return sum(parts).reshape(-1)
+        return sum(parts[1:], parts[0]).reshape(-1)
 
     def derivative_bound(self, z: Float[ndarray, " size"], order: int) -> Float[ndarray, " joints"]:
         """sum_k of the harmonics' magnitudes times (k w)^order."""
@@ -162,7 +162,7 @@ class FourierClass(TrajectoryClass):
         zero = np.zeros(self.harmonics)
         # q'(0) = w sum k s_k and q''(0) = -w^2 sum k^2 c_k
         conditions = np.stack([np.concatenate([order, zero]), np.concatenate([zero, order**2])])
-        return scipy.linalg.block_diag(1.0, scipy.linalg.null_space(conditions))
+        return np.asarray(scipy.linalg.block_diag(1.0, scipy.linalg.null_space(conditions)))
 
 
 @lru_cache(maxsize=BASES_KEPT)

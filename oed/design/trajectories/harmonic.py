@@ -84,7 +84,7 @@ class HarmonicClass(TrajectoryClass):
         return len(self.middle)
 
     @cached_property
-    def bounds(self) -> Float[ndarray, "size 2"]:
+    def bounds(self) -> Float[ndarray, "size 2"]:  # pyright: ignore[reportIncompatibleMethodOverride]  # a property too, and cached
         """|a| <= amplitude_bound and 0 <= omega <= frequency_bound."""
         amplitude = np.repeat(self.amplitude_bound, self.terms)
         frequency = np.repeat(self.frequency_bound, self.terms)
@@ -92,7 +92,7 @@ class HarmonicClass(TrajectoryClass):
         return np.stack([lower, np.concatenate([amplitude, frequency])], axis=1)
 
     @cached_property
-    def variables(self) -> Int[ndarray, "joints own"]:
+    def variables(self) -> Int[ndarray, "joints own"]:  # pyright: ignore[reportIncompatibleMethodOverride]  # a property too, and cached
         """Amplitudes, then frequencies, of each joint."""
         amplitude = np.arange(self.joints * self.terms).reshape(self.joints, self.terms)
         return np.concatenate([amplitude, amplitude + amplitude.size], axis=1)
@@ -140,7 +140,8 @@ class HarmonicClass(TrajectoryClass):
         bare = [(np.abs(a) * omega**k).sum(axis=1) for k in range(order + 1)]
         if not self.ramp:
             return bare[order]
-        return sum(comb(order, k) * self._ramp.bound(order - k) * bare[k] for k in range(order + 1))
+        parts = (comb(order, k) * self._ramp.bound(order - k) * bare[k] for k in range(order + 1))
+        return sum(parts, np.zeros(self.joints))
 
     def centre(
         self,
@@ -192,7 +193,7 @@ class HarmonicClass(TrajectoryClass):
         """Derivative of ramp times part, by Leibniz' rule; of part alone without a ramp."""
         if not self.ramp:
             return part(t, order)
-        total = 0.0
+        total = np.zeros(())
         for k in range(order + 1):
             values = part(t, k)
             factor = comb(order, k) * self._ramp.derivative(t, order - k)

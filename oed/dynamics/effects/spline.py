@@ -17,6 +17,8 @@ from oed.dynamics.scalars import Scalar, magnitude, mul
 DEGREE = 3
 SMALLEST_SPAN = 1e-9  # a coordinate that moves less than this has no shape to find
 
+CoordinateKind = Literal["q", "dq", "ddq", "|dq|", "tau", "|tau|", "time"]
+
 
 @dataclass(frozen=True)
 class Coordinate:
@@ -29,7 +31,7 @@ class Coordinate:
         reference: Gives the torque, where that is the coordinate.
     """
 
-    kind: Literal["q", "dq", "ddq", "|dq|", "tau", "|tau|", "time"]
+    kind: CoordinateKind
     joint: int = 0
     reference: ReferenceTorque | None = None
 

@@ -164,7 +164,7 @@ class TransmissionChange(Effect):
     gear: Transmission
 
     @property
-    def name(self) -> str:
+    def name(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]  # one for each gear
         """Of what the gear does."""
         return self.gear.name
 

@@ -63,7 +63,7 @@ def solve_conic(problem: FeasibleProblem, solver: ConicSolver = "clarabel") -> S
         raise SolverFailed("no solution", (f"{solver}: {error}",)) from error
     if x.value is None:
         raise SolverFailed("no solution", (f"{solver}: {program.status}",))
-    prices = np.atleast_1d(rows[0].dual_value) if rows else np.zeros(0)
+    prices = np.atleast_1d(np.asarray(rows[0].dual_value)) if rows else np.zeros(0)
     return SolverResult(
         x=np.asarray(x.value, dtype=float),
         multipliers=Multipliers(np.array([link.dual_value for link in links]), prices),
@@ -94,7 +94,7 @@ def _build(
     else:
         root = quadratic_root(coordinates)
         distance = cp.sum_squares(root @ (x - coordinates.start)) / 2
-    links = [matrix >> problem.margin * np.eye(4) for matrix in matrices]
+    links: list[cp.Constraint] = [matrix >> problem.margin * np.eye(4) for matrix in matrices]
     rows = [problem.inequality.matrix @ x >= problem.inequality.bound]
     equal = [problem.equality.matrix @ x == problem.equality.bound]
     rows, equal = rows[: len(problem.inequality)], equal[: len(problem.equality)]

@@ -72,7 +72,8 @@ class Coordinates:
             blocks.append(np.column_stack([parameters_from_pseudo_inertia(c) for c in congruent]))
         if not np.all(effect_scales > 0):
             raise ValueError("every scale of an effect's parameter must be positive")
-        return cls(np.asarray(reference, dtype=float), block_diag(*blocks, np.diag(effect_scales)))
+        to_parameters = np.asarray(block_diag(*blocks, np.diag(effect_scales)))
+        return cls(np.asarray(reference, dtype=float), to_parameters)
 
     @property
     def links(self) -> int:

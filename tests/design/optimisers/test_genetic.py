@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -121,6 +123,6 @@ def test_what_is_evaluated_is_feasible_even_where_the_box_is_not() -> None:
         {"selection_pressure": 1.0},
     ],
 )
-def test_refuses_settings_that_make_no_sense(wrong: dict[str, float]) -> None:
+def test_refuses_settings_that_make_no_sense(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError):  # noqa: PT011 - each setting has its own message
         GeneticSettings(**wrong)

@@ -69,9 +69,10 @@ def test_the_same_seed_gives_the_same_result(name: str) -> None:
 @pytest.mark.parametrize("name", BLACK_BOX)
 def test_leaves_numpys_global_generator_alone(name: str) -> None:
     np.random.seed(3)  # noqa: NPY002 - that generator is what this test is about
-    before = np.random.get_state()[1].copy()  # noqa: NPY002
+    before = np.random.get_state(legacy=False)["state"]["key"].copy()  # noqa: NPY002
     BLACK_BOX[name](Sphere(), Budget(evaluations=60), np.random.default_rng(0))
-    np.testing.assert_array_equal(before, np.random.get_state()[1])  # noqa: NPY002
+    after = np.random.get_state(legacy=False)["state"]["key"]  # noqa: NPY002
+    np.testing.assert_array_equal(before, after)
 
 
 @pytest.mark.parametrize(

@@ -230,7 +230,7 @@ def test_effects_with_history_refuse_symbols_clearly(
     effect = entry.build(context, target, _defaults(name, context, target))
     parts = [casadi.vertsplit(casadi.SX.sym(x, context.n)) for x in ("q", "dq", "ddq")]
     with pytest.raises(ValueError, match=f"{name} depends on the history"):
-        effect.entries(State(0.0, *parts, 0.1))
+        effect.entries(State(0.0, *parts, sign_width=0.1))
 
 
 @pytest.mark.parametrize("name", NAMES)

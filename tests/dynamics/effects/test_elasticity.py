@@ -27,7 +27,7 @@ def _seen(robot: Robot, motion: Motion, joint: int, rotor: float) -> tuple[ndarr
     spring = JointElasticity(joint, FREQUENCY, DAMPING, rotor, 0.0, 0.0, posture, reference, 20)
     model = TorqueModel(robot, (rigid,))
     sprung = model.with_measurement(spring)
-    return tuple(m.torque(robot.parameters, motion) for m in (model, sprung))
+    return model.torque(robot.parameters, motion), sprung.torque(robot.parameters, motion)
 
 
 @pytest.mark.parametrize(("joint", "rotor"), [(0, 0.0), (0, 0.15), (1, 0.0)])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy import ndarray
 
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.effects.gravity import (
@@ -91,13 +92,17 @@ def test_a_level_arm_shows_its_first_moments_when_it_is_tilted() -> None:
     torque = true.torque(parameters_of(true), motion)
     model = TorqueModel.standard(robot)
     first = len(model.parameters)
-    parameters = _fit(model, torque, motion)
-    # Its columns hold for the parameters known so far, which the tilt itself has spoilt.
-    for _ in range(8):
+
+    def refined(parameters: ndarray) -> tuple[TorqueModel, ndarray]:
         context = Context.of(model, parameters, [motion])
-        with_effect = model.with_effects(CATALOGUE["gravity_direction"].build(context, None, ()))
-        found = _fit(with_effect, torque, motion)
-        parameters = found[:first]
+        effect = CATALOGUE["gravity_direction"].build(context, None, ())
+        with_effect = model.with_effects(effect)
+        return with_effect, _fit(with_effect, torque, motion)
+
+    # Its columns hold for the parameters known so far, which the tilt itself has spoilt.
+    with_effect, found = refined(_fit(model, torque, motion))
+    for _ in range(7):
+        with_effect, found = refined(found[:first])
     # Linear in the sine of the tilt, so that nothing is left but rounding.
     assert with_effect.torque(found, motion) == pytest.approx(torque, abs=1e-9)
     assert found[first : first + 2] == pytest.approx([np.sin(angle), 0.0], abs=1e-6)

@@ -13,6 +13,7 @@ from oed.dynamics.effects.nonparametric import (
     Spline,
     SplineTorque,
 )
+from oed.dynamics.effects.spline import CoordinateKind
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.torque_model import TorqueModel
@@ -22,7 +23,7 @@ MOTION = smooth_motion(scara())
 STATE = State(MOTION.t, *joint_components(MOTION))
 
 
-def _spline(kind: str, joint: int, pieces: int = 6) -> Spline:
+def _spline(kind: CoordinateKind, joint: int, pieces: int = 6) -> Spline:
     coordinate = Coordinate(kind, joint)
     return Spline.covering(coordinate, np.asarray(coordinate.of(STATE)), pieces)
 

@@ -28,8 +28,8 @@ def test_joined_parts_are_the_whole():
 
     whole = factor(slice(None))
     joined = DataFactor.join([factor(slice(0, 20)), factor(slice(20, 60))])
-    products = [data.triangle.T @ data.triangle for data in (joined, whole)]
-    assert np.allclose(*products)
+    of_parts, of_all = (data.triangle.T @ data.triangle for data in (joined, whole))
+    assert np.allclose(of_parts, of_all)
     assert joined.rows == whole.rows
 
 

@@ -17,7 +17,7 @@ def drake_mass_matrix(plant: MultibodyPlant, robot, q):
     order = coordinate_order(plant, robot)
     positions = np.zeros(robot.n)
     positions[order] = q
-    plant.SetPositions(context, positions)
+    plant.SetPositions(context, positions)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
     return plant.CalcMassMatrix(context)[np.ix_(order, order)]
 
 

@@ -21,14 +21,14 @@ from oed.estimation.feasible.reference import (
     neutral_bodies,
     scaled_neutral_bodies,
 )
-from oed.estimation.feasible.regularisation import Regularisation
+from oed.estimation.feasible.regularisation import Regularisation, RegularisationKind
 from oed.estimation.feasible.solve import ContradictoryDemands, solve_problem
 from oed.robot import load_robot
 from tests.estimation.feasible.cases import data_of, random_tree, small_model, true_parameters
 from tests.paths import example_robot
 
 
-def arm_problem(weight=1e-4, kind="entropic", noise=2.0, **demands):
+def arm_problem(weight=1e-4, kind: RegularisationKind = "entropic", noise=2.0, **demands):
     rng = np.random.default_rng(7)
     model = small_model()
     data = data_of(model, true_parameters(model, rng), rng, noise=noise, samples=40)

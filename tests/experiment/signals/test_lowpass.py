@@ -14,7 +14,7 @@ def gain_and_phase(frequency: float, cutoff: float, order: int) -> tuple[float, 
     filtered = lowpass(np.sin(2 * np.pi * frequency * T), RATE, cutoff, order)[MIDDLE]
     wave = np.exp(-2j * np.pi * frequency * T[MIDDLE])
     response = 2j * np.mean(filtered * wave)
-    return abs(response), float(np.angle(response))
+    return float(abs(response)), float(np.angle(response))
 
 
 @pytest.mark.parametrize("order", [2, 4])
