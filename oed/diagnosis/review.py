@@ -5,6 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from oed.diagnosis.judgement import Accepted, Refused, share_needed
+from oed.diagnosis.ranking import ranked
+from oed.diagnosis.scan import inflation_of, score
+from oed.diagnosis.trials import Trial
+from oed.diagnosis.workbench import moved
 from oed.diagnosis.workshop import Workshop
 
 
@@ -45,20 +49,57 @@ def review_names(
 def drop_superfluous(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused]
 ) -> list[Accepted]:
-    """Drop names that gain nothing beside the others."""
+    """Drop names that gain nothing beside the others, or nothing that was not fitted to."""
     kept = list(accepted)
     for item in accepted:
         if item.trial.is_free_form:
             continue
         layout = shop.layout_for([a.trial for a in kept])
+        standing = [a for a in kept if a.stands_in]
         whole, without = (
-            shop.fit([a.trial for a in kept if a.stands_in and a is not left_out], layout).fit
+            shop.fit([a.trial for a in standing if a is not left_out], layout)
             for left_out in (None, item)
         )
-        needed = without.squares - whole.squares
+        # What the whole model still lacks is chance to this addition.
+        chance = float(inflation_of(whole.fit)[list(item.trial.group)].mean())
+        needed = (without.fit.squares - whole.fit.squares) / chance
         columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
+        reason = None
         if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
-            kept = [a for a in kept if a is not item]
             reason = f"gains {needed:.3g} beside the other additions"
+        elif not _predicts(shop, standing, item):
+            reason = "beside the other additions it does not lower the validation error"
+        elif any(a.trial.is_free_form and a.trial.joint in item.trial.group for a in kept):
+            reason = _outdone(shop, [a.trial for a in kept if a is not item], item)
+        if reason is not None:
+            kept = [a for a in kept if a is not item]
             refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
     return kept
+
+
+def _predicts(shop: Workshop, standing: list[Accepted], item: Accepted) -> bool:
+    """Whether the joints on which an addition acts are predicted better with it."""
+    layout = shop.layout_for([a.trial for a in standing])
+    new, old = (
+        shop.validation_rms(
+            shop.fit([a.trial for a in standing if a is not left_out], layout, bend=False)
+        )
+        for left_out in (None, item)
+    )
+    if new is None or old is None:
+        return True
+    joints = list(item.trial.group)
+    return bool(np.mean((new[joints] / old[joints]) ** 2) < 1)
+
+
+def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
+    """Whether another name would now explain more: then none of them is what is there."""
+    rows, layout = shop.full.rows.count, shop.layout(item.trial)
+    fit = shop.fit(others, layout).fit
+    own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
+    here = score(own, fit.projection, fit.residual).evidence(rows)
+    for rival in ranked(shop, shop.physical, others, 1):
+        same = rival.trial.key == item.trial.key
+        if not same and rival.evidence(rows) > here + shop.settings.decisive:
+            return f"{rival.trial.name} would explain more beside what has no name"
+    return None

@@ -232,7 +232,7 @@ def _validation_gain(
     whole = shop.validation_rms(shop.fit(selection.trials, layout, bend=False))
     if without is None or whole is None:
         return None
-    joints = list(trial.group) if trial.joint is None else [trial.joint]
+    joints = list(trial.group)
     return float(1 - np.sqrt(np.sum(whole[joints] ** 2) / np.sum(without[joints] ** 2)))
 
 
