@@ -17,16 +17,17 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.diagnosis.common_noise import noise_bias
 from oed.diagnosis.linear_fit import Projection, project
 from oed.diagnosis.scan import block_numbers
 from oed.diagnosis.shape_axes import from_axis, to_axis
 from oed.diagnosis.trials import Trial, catalogue_trial
-from oed.diagnosis.workbench import SHAPE_STEP, Augmented, Layout, dense
+from oed.diagnosis.workbench import SHAPE_STEP, Augmented, Layout, dense, moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
-LEAST_STEP, LARGEST_STEP = 1e-5, 0.25
+STEPS = (1e-5, 0.25)
 ALIKE = 1.2  # ratio of two steps up to which a secant is taken for settled
 MOST_ROUNDS = 8
 
@@ -41,47 +42,56 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
     layout = shop.layout_for(found.chosen)
     steps = [np.full(len(t.values), SHAPE_STEP) for t in found.chosen]
     for _ in range(MOST_ROUNDS):
-        covariances = _covariances(shop, found, layout, steps)
+        columns, target = _columns(shop, found, layout, steps)
+        projection = project(columns)
+        covariance = robust_covariance(
+            projection, projection.residual(target), layout.rows.weights, block_numbers(layout.rows)
+        )
+        places = _places(found, layout)
         wanted = [
-            np.clip(np.sqrt(np.diag(c)[len(c) - len(s) :]), LEAST_STEP, LARGEST_STEP)
-            for c, s in zip(covariances, steps, strict=True)
+            np.clip(np.sqrt(np.diag(covariance)[p][len(covariance[p]) - len(s) :]), *STEPS)
+            for p, s in zip(places, steps, strict=True)
         ]
-        if all(
-            np.all(np.abs(np.log(w / s)) < np.log(ALIKE))
-            for w, s in zip(wanted, steps, strict=True)
-        ):
+        pairs = zip(wanted, steps, strict=True)
+        if all(np.all(np.abs(np.log(w / s)) < np.log(ALIKE)) for w, s in pairs):
             break
         steps = wanted
-    return dataclasses.replace(found, covariances=tuple(covariances))
+    if layout is shop.mean:
+        bias = noise_bias(
+            shop,
+            lambda own: _columns(shop, found, own, steps),
+            projection.inverse @ projection.coordinates(target),
+            projection,
+        )
+        covariance += np.outer(bias, bias)
+    return dataclasses.replace(found, covariances=tuple(covariance[p, p] for p in places))
 
 
-def _covariances(
-    shop: Workshop,
-    found: Augmented,
-    layout: Layout,
-    steps: Sequence[Float[ndarray, " shapes"]],
-) -> list[Float[ndarray, "_ _"]]:
-    """Of each addition's coefficients and shapes, beside all that is fitted."""
-    joints, count, start = layout.regressor.shape
-    blocks, places, target = [layout.regressor], [], layout.torque.copy()
+def _columns(
+    shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " shapes"]]
+) -> tuple[Float[ndarray, "joints rows columns"], Float[ndarray, "joints rows"]]:
+    """White columns of base model, additions and nuisances on a layout, and their target."""
+    joints, count, _ = layout.regressor.shape
+    blocks, target = [layout.regressor], layout.torque.copy()
     for trial, coefficients, step in zip(found.chosen, found.coefficients, steps, strict=True):
-        columns = dense(trial, joints, count)
-        bends = secants(shop, trial, coefficients, layout, step)
+        own = moved(trial, layout.rows, shop.context)
+        columns = dense(own, joints, count)
         if trial.fixed:
             target -= columns.sum(axis=2)
-            columns = columns[:, :, :0]
-        blocks += [columns, bends]
-        size = columns.shape[2] + bends.shape[2]
+        else:
+            blocks.append(columns)
+        blocks.append(secants(shop, trial, coefficients, layout, step))
+    return np.concatenate([*blocks, layout.nuisances], axis=2), target
+
+
+def _places(found: Augmented, layout: Layout) -> list[slice]:
+    """Where the parameters of each addition stand: coefficients unless fixed, then shapes."""
+    start, places = layout.regressor.shape[2], []
+    for trial in found.chosen:
+        size = len(trial.values) + (0 if trial.fixed else len(trial.effect.parameters))
         places.append(slice(start, start + size))
         start += size
-    whole = project(np.concatenate([*blocks, layout.nuisances], axis=2))
-    covariance = robust_covariance(
-        Projection(whole.basis, whole.inverse[:start]),
-        whole.residual(target),
-        layout.rows.weights,
-        block_numbers(layout.rows),
-    )
-    return [covariance[place, place] for place in places]
+    return places
 
 
 def robust_covariance(
