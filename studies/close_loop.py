@@ -1,7 +1,7 @@
 """What does the torque model lack, what is it, and what does adding it gain?
 
     python -m studies.close_loop --data DIR --out DIR [--model NAME] [--max-effects K]
-                                 [--smoke] [--seed N]
+                                 [--candidates NAME …] [--smoke] [--seed N]
 
 Reads a data set and a base model, traces the residual to missing effects or says honestly that
 it cannot, and leaves diagnosis.json, report.html, figures and, if rivals remain, next_experiment/.
@@ -21,6 +21,7 @@ import numpy as np
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
 from oed.diagnosis.discrimination import NextExperiment, design_discriminating
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.models import MODELS, build_model
 from oed.errors import OedError
 from oed.experiment.dataset import DataSet
@@ -44,6 +45,7 @@ class Config:
         out: Folder to leave results in.
         model: Name of the base model.
         max_effects: Most effects that may be added.
+        candidates: Names of the catalogue that may be given.
         smoke: Whether to use few surrogates and motions.
         seed: Of surrogates, bootstrap and motions.
     """
@@ -52,13 +54,16 @@ class Config:
     out: Path
     model: str = "standard"
     max_effects: int = 4
+    candidates: tuple[str, ...] = tuple(CATALOGUE)
     smoke: bool = False
     seed: int = 0
 
     @property
     def settings(self) -> DiagnosisSettings:
         """The diagnosis's settings."""
-        settings = DiagnosisSettings(max_effects=self.max_effects, seed=self.seed)
+        settings = DiagnosisSettings(
+            max_effects=self.max_effects, seed=self.seed, candidates=self.candidates
+        )
         if not self.smoke:
             return settings
         return dataclasses.replace(settings, surrogates=SMOKE_SURROGATES, bootstrap=SMOKE_BOOTSTRAP)
@@ -81,11 +86,11 @@ class Outcome:
 
 def run(config: Config) -> Outcome:
     """Read, diagnose, and design the next experiment where rivals remain."""
+    settings = config.settings
     dataset = read_dataset(config.data)
     for file, column in dataset.unused:
         _say(f"note: {file}: column {column!r} is not used")
     model = build_model(config.model, dataset.robot)
-    settings = config.settings
     found = diagnose(dataset, model, settings, _say)
     pairs = found.rival_pairs()
     following = None
@@ -154,6 +159,13 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--model", default="standard", choices=sorted(MODELS), help="base model")
     parser.add_argument("--max-effects", type=int, default=4, help="most effects to add")
+    parser.add_argument(
+        "--candidates",
+        nargs="+",
+        metavar="NAME",
+        default=list(CATALOGUE),
+        help="effects that may be named, all of the catalogue by default",
+    )
     parser.add_argument("--smoke", action="store_true", help="few surrogates and motions")
     parser.add_argument("--seed", type=int, default=0, help="of surrogates and bootstrap")
     given = parser.parse_args(arguments)
@@ -162,6 +174,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
         out=given.out,
         model=given.model,
         max_effects=given.max_effects,
+        candidates=tuple(given.candidates),
         smoke=given.smoke,
         seed=given.seed,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,7 +23,7 @@ from oed.diagnosis.noise_floor import (
 from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.rich_fit import rich_fit
 from oed.diagnosis.rows import Rows, weigh
-from oed.diagnosis.sign_width import with_fitted_sign
+from oed.diagnosis.sign_width import widths_of, with_fitted_sign
 from oed.diagnosis.whitening import Autoregression
 from oed.dynamics.effects import Coulomb
 from oed.dynamics.identifiability import base_parameters
@@ -40,12 +41,14 @@ class Baseline:
         columns: Base columns of the model.
         floor: Noise of each joint.
         coulomb: (n,) height of the friction steps [N m].
+        least_widths: Of each Coulomb term's sign, as encoder noise alone has it [rad/s].
     """
 
     model: TorqueModel
     columns: Int[ndarray, " base"]
     floor: NoiseFloor
     coulomb: Float[ndarray, " joints"]
+    least_widths: tuple[float, ...]
 
     def with_model(
         self,
@@ -61,7 +64,8 @@ class Baseline:
             known: Torque of additions to the model, one array a recording [N m].
         """
         fit = fit_model(model, self.columns, self.rows(prepared))
-        return Baseline(model, self.columns, _read_floor(fit, prepared, known), coulomb_of(fit))
+        floor = _read_floor(fit, prepared, known)
+        return dataclasses.replace(self, model=model, floor=floor, coulomb=coulomb_of(fit))
 
     def certainty(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
         """Weights of the errors of recordings: below one where the direction is uncertain."""
@@ -85,7 +89,9 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
     flat = _scaled(prepared, rough)
     rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
-    found = Baseline(sharp, columns, _read_floor(rough, prepared), coulomb_of(rough))
+    found = Baseline(
+        sharp, columns, _read_floor(rough, prepared), coulomb_of(rough), tuple(widths_of(sharp))
+    )
     # What encoder noise does to the torque depends on the inertias, and a fit that does not yet
     # know the noise's colour takes them for too small.
     for _ in range(REFITS):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.prepare import Prepared
@@ -24,25 +24,45 @@ def mean_of_repetitions(prepared: Prepared) -> tuple[Prepared, int]:
     The samples between the cut edges that all repetitions share are averaged. A recording
     without repetitions, or whose repetitions disagree, is returned as it is, with 1.
     """
-    if prepared.period is None:
+    index = _common_samples(prepared)
+    if index is None:
         return prepared, 1
+    return _averaged(prepared, index), len(index)
+
+
+def single_repetitions(prepared: Prepared) -> list[Prepared]:
+    """The repetitions that `mean_of_repetitions` averages, over the same phases; none if it cannot."""
+    index = _common_samples(prepared)
+    return [] if index is None else [_averaged(prepared, index[[k]]) for k in range(len(index))]
+
+
+def _common_samples(prepared: Prepared) -> Int[ndarray, "repetitions samples"] | None:
+    """Fine samples of each repetition at phases that all share; None where they disagree."""
+    if prepared.period is None:
+        return None
     motion, rate = prepared.motion, prepared.band.rate
     step = prepared.period * rate
     count = len(np.unique(prepared.repetition))
     length = int(min(step, len(motion) - (count - 1) * step))
     if count < 2 or length < LEAST_SHARE_OF_PERIOD * step:
-        return prepared, 1
+        return None
     starts = np.round(np.arange(count) * step).astype(int)
     index = np.minimum(starts[:, None] + np.arange(length), len(motion) - 1)
     spread = np.std(motion.q[index], axis=0).max(axis=0)
     if np.any(spread > LARGEST_SPREAD * np.ptp(motion.q, axis=0)):
-        return prepared, 1
+        return None
+    return index
+
+
+def _averaged(prepared: Prepared, index: Int[ndarray, "repetitions samples"]) -> Prepared:
+    """One repetition that is the mean of those given."""
+    motion, count = prepared.motion, len(index)
     q, dq, ddq, torque = (
         _mean(x, index) for x in (motion.q, motion.dq, motion.ddq, prepared.fine_torque)
     )
-    mean = Motion(motion.t[:length], q, dq, ddq)
+    mean = Motion(motion.t[: index.shape[1]], q, dq, ddq)
     t = prepared.band.instants(mean.t)
-    averaged = dataclasses.replace(
+    return dataclasses.replace(
         prepared,
         motion=mean,
         fine_torque=torque,
@@ -53,7 +73,6 @@ def mean_of_repetitions(prepared: Prepared) -> tuple[Prepared, int]:
         sign_noise=prepared.sign_noise / np.sqrt(count),
         recorded=prepared.recorded[index].all(axis=0),
     )
-    return averaged, count
 
 
 def mean_noise(noise: tuple[Autoregression, ...], count: int) -> tuple[Autoregression, ...]:

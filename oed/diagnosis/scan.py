@@ -6,18 +6,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.optimize import minimize
 from scipy.special import gammaln
 from scipy.stats import chi2, gumbel_r
 
 from oed.diagnosis.linear_fit import LinearFit, Projection, gram_and_moment, solve_addition
+from oed.diagnosis.rows import Rows
 from oed.diagnosis.shape_axes import from_axis, to_axis
 from oed.diagnosis.trials import Trial, catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 FREE_FORM_RIDGE = 1e-3  # of a unit column's square
+# Fall of -2 log likelihood, in noise that is as stated, by which a shape may miss its best value:
+# a tenth of a standard deviation.
+AT_REST = 0.01
+MOST_ROUNDS = 12
 BLOCK = 0.5  # [s] of the residual whose sign is flipped together
 
 
@@ -129,6 +134,22 @@ def refine(found: Score, fit: LinearFit, context: Context) -> Score:
     return best
 
 
+def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
+    """The shape of a candidate refined until another round of it gains nothing that matters.
+
+    Where shapes trade places, a simplex shrinks in the valley before it has followed it, or at
+    the bound where it began; started anew it goes on.
+    """
+    best = found
+    for _ in range(MOST_ROUNDS):
+        again = refine(best, fit, context)
+        settled = again.gain < best.gain + AT_REST
+        best = max(best, again, key=lambda s: s.gain)
+        if settled:
+            break
+    return best
+
+
 def surrogate_surprise(
     trials: Sequence[Trial], fit: LinearFit, count: int, rng: np.random.Generator
 ) -> Float[ndarray, " count"]:
@@ -157,14 +178,7 @@ def flip_signs(
     fit: LinearFit, count: int, rng: np.random.Generator
 ) -> Float[ndarray, "joints rows count"]:
     """Residuals with random signs, one a block and surrogate, common to all joints."""
-    rate = fit.rows.prepared[0].band.analysis_rate
-    length = max(4, round(BLOCK * rate))
-    blocks = np.concatenate(
-        [
-            start + np.arange(p.rows) // length
-            for start, p in zip(_block_starts(fit, length), fit.rows.prepared, strict=True)
-        ]
-    )
+    blocks = block_numbers(fit.rows)
     signs = rng.choice([-1.0, 1.0], size=(int(blocks.max()) + 1, count))
     return fit.residual[:, :, None] * signs[blocks][None]
 
@@ -176,9 +190,14 @@ def family_p_value(surprise: float, surrogates: Float[ndarray, " count"]) -> flo
     return float(np.clip(gumbel_r.sf(surprise, location, scale), 1e-300, 1.0))
 
 
-def _block_starts(fit: LinearFit, length: int) -> list[int]:
-    counts = [-(-p.rows // length) for p in fit.rows.prepared]
-    return [int(sum(counts[:k])) for k in range(len(counts))]
+def block_numbers(rows: Rows) -> Int[ndarray, " rows"]:
+    """Number of the block of `BLOCK` seconds that each row belongs to."""
+    length = max(4, round(BLOCK * rows.prepared[0].band.analysis_rate))
+    counts = [-(-p.rows // length) for p in rows.prepared]
+    starts = np.cumsum([0, *counts[:-1]])
+    return np.concatenate(
+        [s + np.arange(p.rows) // length for s, p in zip(starts, rows.prepared, strict=True)]
+    )
 
 
 def _surprises(

@@ -22,8 +22,10 @@ from oed.diagnosis.judgement import (
 from oed.diagnosis.ranking import ranked, simplest_first
 from oed.diagnosis.review import drop_superfluous, review_names
 from oed.diagnosis.scan import (
+    AT_REST,
+    MOST_ROUNDS,
     Score,
-    refine,
+    at_rest,
     score,
 )
 from oed.diagnosis.standing_in import next_free_form
@@ -89,7 +91,7 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
         shop = turned(shop, [a.trial for a in accepted if a.stands_in])
         accepted = [_at_home(shop, a) for a in accepted]
         tilt = [accepted_tilt(shop, declared, tilt_p_value)]
-    accepted = [*tilt, *drop_superfluous(shop, accepted, refused)]
+    accepted = _rested(shop, [*tilt, *drop_superfluous(shop, accepted, refused)])
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))
@@ -150,6 +152,28 @@ def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Tr
     return score(candidate.trial, fit.projection, fit.residual).gain < COVERED * candidate.gain
 
 
+def _rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
+    """Shapes and reference torque brought to where neither moves the other: what is reported."""
+    kept = list(accepted)
+    before = np.inf
+    for _ in range(MOST_ROUNDS):
+        trials = [a.trial for a in kept if a.stands_in]
+        found = shop.fit(trials, shop.layout_for(trials), bend=False)
+        if found.fit.squares > before - AT_REST:
+            break
+        before = found.fit.squares
+        shop.update_context(found)
+        for k, item in enumerate(kept):
+            if not item.stands_in or item.trial.is_free_form:
+                continue
+            layout = shop.layout(item.trial)
+            fit = shop.fit([a.trial for a in kept if a.stands_in and a is not item], layout).fit
+            own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
+            best = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
+            kept[k] = dataclasses.replace(item, trial=best.trial)
+    return kept
+
+
 def _settle(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
     """Refit, re-examine each addition beside the others, exchange or drop it."""
     for _ in range(MOST_EXCHANGES):
@@ -188,7 +212,7 @@ def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> A
     layout = shop.layout(current.trial)
     fit = shop.fit(others, layout).fit
     own = moved(current.trial, layout.rows, shop.context, contrast=current.trial.contrast)
-    here = refine(score(own, fit.projection, fit.residual), fit, shop.context)
+    here = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)
     for rival in ranked(shop, shop.physical, others, 2):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from oed.dynamics.effects.catalogue import CATALOGUE
+
 
 @dataclass(frozen=True)
 class DiagnosisSettings:
@@ -34,6 +36,8 @@ class DiagnosisSettings:
         refined: Candidates whose shape is refined after each scan.
         bootstrap: Replicates behind each interval of the proof.
         seed: Of surrogates and bootstrap.
+        candidates: Names of the catalogue that may be given; fewer where it is known what
+            cannot be there.
     """
 
     max_effects: int = 4
@@ -55,3 +59,9 @@ class DiagnosisSettings:
     refined: int = 6
     bootstrap: int = 200
     seed: int = 0
+    candidates: tuple[str, ...] = tuple(CATALOGUE)
+
+    def __post_init__(self) -> None:
+        unknown = [name for name in self.candidates if name not in CATALOGUE]
+        if unknown:
+            raise ValueError(f"no effects {unknown} in the catalogue; there are {list(CATALOGUE)}")

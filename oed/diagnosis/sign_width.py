@@ -8,6 +8,7 @@ size of the friction wherever a joint creeps, and any effect of low speed will o
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -68,6 +69,16 @@ def with_fitted_sign(
 def widths_of(model: TorqueModel) -> list[float]:
     """Width of each Coulomb term [rad/s]."""
     return [effect.width for effect in model.effects if isinstance(effect, Coulomb)]
+
+
+def with_widths(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:
+    """The model whose Coulomb terms turn over these velocities [rad/s], in their order."""
+    left = iter(widths)
+    effects = tuple(
+        dataclasses.replace(effect, width=next(left)) if isinstance(effect, Coulomb) else effect
+        for effect in model.effects
+    )
+    return dataclasses.replace(model, effects=effects)
 
 
 def _best_width(

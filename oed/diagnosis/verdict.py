@@ -20,7 +20,8 @@ from oed.diagnosis.shape_axes import axis_slope
 from oed.diagnosis.trials import Trial
 from oed.diagnosis.turning import NAME as GRAVITY
 from oed.diagnosis.turning import total_tilt
-from oed.diagnosis.workbench import Augmented, moved
+from oed.diagnosis.uncertainty import with_uncertainty
+from oed.diagnosis.workbench import moved
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.gravity import tilt_directions
@@ -115,12 +116,9 @@ class Unexplained:
 def describe_effects(shop: Workshop, selection: Selection) -> tuple[FoundEffect, ...]:
     """Every named effect with parameters, evidence and rivals."""
     found = []
-    inflation = _inflation(selection.found)
+    whole = with_uncertainty(shop, selection.found)
     for trial, coefficients, covariance in zip(
-        selection.found.chosen,
-        selection.found.coefficients,
-        selection.found.covariances,
-        strict=True,
+        whole.chosen, whole.coefficients, whole.covariances, strict=True
     ):
         if trial.is_free_form:
             continue
@@ -131,7 +129,7 @@ def describe_effects(shop: Workshop, selection: Selection) -> tuple[FoundEffect,
                 name=trial.name,
                 joint=trial.joint,
                 parameters=_estimates(
-                    shop, trial, _from_declared(shop, trial, coefficients), covariance * inflation
+                    shop, trial, _from_declared(shop, trial, coefficients), covariance
                 ),
                 p_value=own.p_value,
                 validation_gain=_validation_gain(shop, selection, others, trial),
@@ -187,12 +185,6 @@ def _mends(term: Unexplained, effect: FoundEffect) -> bool:
     if term.trial is None:
         return False
     return term.joint == effect.joint and is_own(term.trial, effect.trial)
-
-
-def _inflation(found: Augmented) -> float:
-    fit = found.fit
-    freedom = float(np.sum(fit.rows.weights**2)) - fit.projection.rank
-    return max(1.0, fit.squares / max(freedom, 1.0))
 
 
 def _from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np.ndarray:

@@ -101,14 +101,14 @@ def fit_with(
     blocks, places = [layout.regressor], []
     start = base
     for trial in chosen:
-        dense = _dense(trial, joints, count)
+        columns = dense(trial, joints, count)
         if trial.fixed:
-            target -= dense.sum(axis=2)
+            target -= columns.sum(axis=2)
             places.append(slice(start, start))
             continue
-        blocks.append(dense)
-        places.append(slice(start, start + dense.shape[2]))
-        start += dense.shape[2]
+        blocks.append(columns)
+        places.append(slice(start, start + columns.shape[2]))
+        start += columns.shape[2]
     linear = _solve(baseline, layout, blocks, target)
     coefficients = tuple(
         np.ones(len(t.effect.parameters)) if t.fixed else linear.parameters[p]
@@ -133,7 +133,7 @@ def added_columns(
     joints, rows, _ = layout.regressor.shape
     blocks = [np.zeros((joints, rows, 0))]
     for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
-        blocks.append(_dense(trial, joints, rows))
+        blocks.append(dense(trial, joints, rows))
         blocks.append(shape_derivatives(trial, coefficients, layout.rows, context))
     return np.concatenate(blocks, axis=2)
 
@@ -147,7 +147,7 @@ def shape_derivatives(
         return np.zeros((joints, rows.count, 0))
     entry = CATALOGUE[trial.name]
     shapes = entry.shapes_for(context, trial.target)
-    here = _dense(trial, joints, rows.count) @ coefficients
+    here = dense(trial, joints, rows.count) @ coefficients
     columns = []
     for k, shape in enumerate(shapes):
         axis = to_axis(trial.values[k], shape)
@@ -155,7 +155,7 @@ def shape_derivatives(
         values = list(trial.values)
         values[k] = from_axis(axis + step, shape)
         there = catalogue_trial(entry, context, trial.target, tuple(values), rows)
-        columns.append((_dense(there, joints, rows.count) @ coefficients - here) / step)
+        columns.append((dense(there, joints, rows.count) @ coefficients - here) / step)
     return np.stack(columns, axis=2)
 
 
@@ -197,9 +197,10 @@ def _solve(
     )
 
 
-def _dense(trial: Trial, joints: int, rows: int) -> Float[ndarray, "joints rows columns"]:
+def dense(trial: Trial, joints: int, rows: int) -> Float[ndarray, "joints rows columns"]:
+    """White columns of an addition on all joints, zero where it does not act."""
     columns = next(iter(trial.group.values())).shape[1]
-    dense = np.zeros((joints, rows, columns))
+    whole = np.zeros((joints, rows, columns))
     for joint, block in trial.group.items():
-        dense[joint] = block
-    return dense
+        whole[joint] = block
+    return whole

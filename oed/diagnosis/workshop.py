@@ -16,7 +16,7 @@ from oed.diagnosis.predict import addition_torque, base_columns, prediction_erro
 from oed.diagnosis.prepare import Prepared
 from oed.diagnosis.repeat_mean import mean_of_repetitions
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.sign_width import widths_of, with_fitted_sign
+from oed.diagnosis.sign_width import widths_of, with_fitted_sign, with_widths
 from oed.diagnosis.trials import Trial, catalogue_trial, context_of, free_form_trials, grid_of
 from oed.diagnosis.workbench import Augmented, Layout, added_columns, fit_with, lay_out, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -62,8 +62,9 @@ class Workshop:
         """
         layout = self.mean
         found = self.fit(chosen, layout)
+        # From the sharpest on: a width that stood in for what is now added must come back.
         model = with_fitted_sign(
-            self.baseline.model,
+            with_widths(self.baseline.model, self.baseline.least_widths),
             self.baseline.columns,
             layout.rows,
             added_columns(found, layout, self.context),
@@ -146,9 +147,11 @@ class Workshop:
 
     @cached_property
     def physical(self) -> tuple[Trial, ...]:
-        """Every entry of the catalogue, everywhere, over the grid of its shapes."""
+        """Every candidate of the catalogue, everywhere, over the grid of its shapes."""
         trials: list[Trial] = []
         for entry in CATALOGUE.values():
+            if entry.name not in self.settings.candidates:
+                continue
             contrast = entry.between_repetitions and self.full is not self.mean
             layout = self.full if entry.between_repetitions else self.mean
             for target in entry.targets(self.context):

@@ -24,6 +24,7 @@ def rotor(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Inject
     return Injected(
         arm.add(lambda state, _rigid: {joint: inertia * state.ddq[joint]}),
         {"inertia": (inertia, "kg m^2")},
+        {"Ia_*": inertia},
     )
 
 
@@ -41,7 +42,9 @@ def neighbour_motor(arm: Arm, joint: int, size: float, rng: np.random.Generator)
             other: inertia * state.ddq[joint],
         }
 
-    return Injected(arm.add(torque))
+    pair = f"x{joint + 1}{other + 1}"
+    values = {f"Ia_{pair}": inertia, f"Fv_{pair}": viscous, f"Fc_{pair}": dry}
+    return Injected(arm.add(torque), in_catalogue=values)
 
 
 def gain(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -54,7 +57,7 @@ def gain(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injecte
         changed[:, joint] *= 1 + error
         return changed
 
-    return Injected(arm.change_torque(change), {"error": (error, "1")})
+    return Injected(arm.change_torque(change), {"error": (error, "1")}, {"gain*": error})
 
 
 def rising_current(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -96,7 +99,7 @@ def late_torque(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> 
         end = len(torque)
         return (1 - part) * padded[1 : end + 1] + part * padded[:end]
 
-    return Injected(arm.change_torque(change), {"delay": (delay, "s")})
+    return Injected(arm.change_torque(change), {"delay": (delay, "s")}, {"delay": delay})
 
 
 def lagging_torque(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -106,6 +109,7 @@ def lagging_torque(arm: Arm, joint: int, size: float, rng: np.random.Generator) 
     return Injected(
         arm.change_torque(lambda torque, period: _low_pass(torque, time, period)),
         {"time": (time, "s")},
+        {"time_constant": time},
     )
 
 
@@ -128,7 +132,10 @@ def elastic(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Inje
     def law(bend: Scalar, speed: Scalar) -> Scalar:
         return stiffness * bend + damping * speed
 
-    return _behind(arm, Transmission(joint, ROTOR_SHARE * inertia, law, 0.0))
+    found = _behind(arm, Transmission(joint, ROTOR_SHARE * inertia, law, 0.0))
+    if joint + 1 < arm.robot.n:  # its inertia hangs on the posture, and the frequency with it
+        return found
+    return dataclasses.replace(found, in_catalogue={"frequency": rate / (2 * np.pi)})
 
 
 def hardening_elastic(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -155,7 +162,7 @@ def loose_gear(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> I
         return stiffness * beyond + (grease + damping * touching) * speed
 
     found = _behind(arm, Transmission(joint, 0.5 * inertia, law, BEARING))
-    return dataclasses.replace(found, parameters={"gap": (gap, "rad")})
+    return dataclasses.replace(found, parameters={"gap": (gap, "rad")}, in_catalogue={"gap": gap})
 
 
 def eccentric_encoder(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -176,8 +183,14 @@ def _misread(arm: Arm, joint: int, error: float, phase: float, periods: float) -
         changed[:, joint] -= error * np.sin(periods * position[:, joint] + phase)
         return changed
 
-    parameters = {"error": (error, "rad")} if periods == 1 else {}
-    return Injected(arm.change_position(change), parameters)
+    if periods != 1:
+        return Injected(arm.change_position(change))
+    sine, cosine = float(error * np.cos(phase)), float(error * np.sin(phase))
+    return Injected(
+        arm.change_position(change),
+        {"error": (error, "rad")},
+        {"encoder_sin_*": sine, "encoder_cos_*": cosine},
+    )
 
 
 def _behind(arm: Arm, transmission: Transmission) -> Injected:
@@ -196,9 +209,11 @@ def _spring(
 
 
 def _low_pass(torque: Series, time: float, period: float) -> Series:
-    memory = float(np.exp(-period / time))
-    start = memory * torque[:1]
-    return lfilter([1 - memory], [1, -memory], torque, axis=0, zi=start)[0]
+    """1 / (1 + T s) by the bilinear rule: a ramp comes late by T, as from the filter itself."""
+    memory = (2 * time - period) / (2 * time + period)
+    gain = period / (2 * time + period)
+    start = (gain + memory) * torque[:1]
+    return lfilter([gain, gain], [1, -memory], torque, axis=0, zi=start)[0]
 
 
 def _inertia(arm: Arm, joint: int) -> float:

@@ -13,7 +13,7 @@ from oed.dynamics.effects import State
 from oed.dynamics.scalars import Scalar, cos, exp, magnitude, power, tanh
 from oed.experiment.friction_memory import BristleFriction, MemoryTorque
 from studies.bench.arm import Arm, direction
-from studies.bench.injection import Injected, either_sign
+from studies.bench.injection import FIRST_SAMPLE, Injected, either_sign, wave_in_catalogue
 
 ROUNDING = 0.01  # [rad/s] over which a power of speed below 1 leaves the origin
 TYPICAL_SPEED = 1.5  # [rad/s] at which another speed law meets the straight line it replaces
@@ -31,7 +31,8 @@ def stribeck(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Inj
         fall = exp(-power(ratio + 1e-9, exponent))
         return {joint: rise * fall * direction(arm, state, joint)}
 
-    return Injected(arm.add(torque))
+    values = {"Fs_*": rise, "speed": speed, "exponent": exponent}
+    return Injected(arm.add(torque), in_catalogue=values)
 
 
 def stribeck_lorentz(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -57,7 +58,8 @@ def power_of_speed(arm: Arm, joint: int, size: float, rng: np.random.Generator) 
         bend = power((v * v + ROUNDING**2) / TYPICAL_SPEED**2, (exponent - 1) / 2)
         return {joint: share * v * (bend - 1.0)}
 
-    return Injected(arm.add(torque))
+    values = {"Fn_*": share * TYPICAL_SPEED ** (1 - exponent), "exponent": exponent}
+    return Injected(arm.add(torque), in_catalogue=values)
 
 
 def eyring(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -81,7 +83,7 @@ def one_sided_viscous(arm: Arm, joint: int, size: float, rng: np.random.Generato
         del rigid
         return {joint: slope * magnitude(state.dq[joint])}
 
-    return Injected(arm.add(torque), {"slope": (slope, "N m s/rad")})
+    return Injected(arm.add(torque), {"slope": (slope, "N m s/rad")}, {"Fa_*": slope})
 
 
 def rounded_one_sided_viscous(
@@ -105,7 +107,7 @@ def load_friction(arm: Arm, joint: int, size: float, rng: np.random.Generator) -
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
         return {joint: share * magnitude(rigid[joint]) * direction(arm, state, joint)}
 
-    return Injected(arm.add(torque), {"share": (share, "1")})
+    return Injected(arm.add(torque), {"share": (share, "1")}, {"mu_*": share})
 
 
 def total_load_friction(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -130,7 +132,7 @@ def position_friction(arm: Arm, joint: int, size: float, rng: np.random.Generato
         along = cos(periods * state.q[joint] + phase)
         return {joint: wave * along * direction(arm, state, joint)}
 
-    return Injected(arm.add(torque))
+    return Injected(arm.add(torque), in_catalogue=wave_in_catalogue("Fq", wave, periods, phase))
 
 
 def tight_spot(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -156,7 +158,14 @@ def cooling_start(arm: Arm, joint: int, size: float, rng: np.random.Generator) -
         friction += arm.viscous[joint] * state.dq[joint]
         return {joint: share * exp(-state.t / time) * friction}
 
-    return Injected(arm.add(torque))
+    # The catalogue counts from the first sample that is logged.
+    first = share * np.exp(-FIRST_SAMPLE / time)
+    values = {
+        "cold_Fv_*": first * arm.viscous[joint],
+        "cold_Fc_*": first * arm.coulomb[joint],
+        "time_constant": time,
+    }
+    return Injected(arm.add(torque), in_catalogue=values)
 
 
 def slow_warming(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:

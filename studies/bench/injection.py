@@ -9,6 +9,8 @@ import numpy as np
 
 from studies.bench.arm import Arm
 
+FIRST_SAMPLE = 1.5  # [s] on the arm's clock: the first recording's lead-in is not logged
+
 
 @dataclass(frozen=True)
 class Injected:
@@ -18,12 +20,15 @@ class Injected:
         arm: The changed arm.
         parameters: Injected values whose meaning does not hang on the formula, as
             (value, SI unit).
+        in_catalogue: Injected values in the catalogue's own terms and SI units, by a pattern of
+            the name that it gives the parameter, such as "Fs_*".
         coordinates: Where nothing in the catalogue fits: the coordinates that the torque depends
             on, such as ("q_1", "dq_2"); several if either set says the same.
     """
 
     arm: Arm
     parameters: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    in_catalogue: Mapping[str, float] = field(default_factory=dict)
     coordinates: tuple[tuple[str, ...], ...] = ()
 
 
@@ -50,3 +55,14 @@ def named(*coordinates: str) -> tuple[str, ...]:
 def _counted_from_one(coordinate: str) -> str:
     symbol, _, joint = coordinate.partition("_")
     return f"{symbol}_{int(joint) + 1}" if joint else symbol
+
+
+def wave_in_catalogue(
+    symbol: str, amplitude: float, periods: float, phase: float
+) -> dict[str, float]:
+    """A cosine of the angle as the catalogue's two columns and their harmonic."""
+    return {
+        f"{symbol}*_cos_*": float(amplitude * np.cos(phase)),
+        f"{symbol}*_sin_*": float(-amplitude * np.sin(phase)),
+        "harmonic": periods,
+    }

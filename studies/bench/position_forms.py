@@ -8,11 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.dynamics.effects import State
+from oed.dynamics.effects.gravity import tilt_directions
 from oed.dynamics.newton_euler import inverse_dynamics
 from oed.dynamics.scalars import Scalar, cos, power
 from oed.robot.inertia import parameters_from_pseudo_inertia
 from studies.bench.arm import Arm
-from studies.bench.injection import Injected, either_sign
+from studies.bench.injection import Injected, either_sign, wave_in_catalogue
 
 # With or without repetitions, the first recording has ended or is about half over by then.
 PAYLOAD_MOMENT = 42.0  # [s]
@@ -21,7 +22,11 @@ PAYLOAD_MOMENT = 42.0  # [s]
 def constant(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
     """A constant torque."""
     value = 0.35 * size * arm.coulomb[joint] * either_sign(rng)
-    return Injected(arm.add(lambda _state, _rigid: {joint: value}), {"offset": (value, "N m")})
+    return Injected(
+        arm.add(lambda _state, _rigid: {joint: value}),
+        {"offset": (value, "N m")},
+        {"offset_*": value},
+    )
 
 
 def ripple(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -33,7 +38,8 @@ def ripple(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injec
         del rigid
         return {joint: wave * cos(periods * state.q[joint] + phase)}
 
-    return Injected(arm.add(torque), {"wave": (wave, "N m")})
+    values = wave_in_catalogue("ripple", wave, periods, phase)
+    return Injected(arm.add(torque), {"wave": (wave, "N m")}, values)
 
 
 def ripple_with_overtone(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -58,7 +64,8 @@ def spring(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injec
         del rigid
         return {joint: stiffness * (state.q[joint] - rest)}
 
-    return Injected(arm.add(torque), {"stiffness": (stiffness, "N m/rad")})
+    values = {f"spring_{joint + 1}": stiffness}
+    return Injected(arm.add(torque), {"stiffness": (stiffness, "N m/rad")}, values)
 
 
 def tightening_cable(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
@@ -80,11 +87,13 @@ def tilted_base(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> 
     angle = np.deg2rad(2.5) * size
     heading = rng.uniform(0, 2 * np.pi)
     g = arm.robot.gravity
-    level = np.array([np.cos(heading), np.sin(heading), 0.0]) * np.linalg.norm(g)
+    axes, size_of_g = tilt_directions(g)
+    level = np.array([np.cos(heading), np.sin(heading), 0.0]) * size_of_g
     tilted = np.cos(angle) * g + np.sin(angle) * level
     return Injected(
         dataclasses.replace(arm, robot=arm.robot.with_gravity(tilted)),
         {"angle": (float(angle), "rad")},
+        {f"tilt_{k + 1}": float(angle * (axis @ level) / size_of_g) for k, axis in enumerate(axes)},
     )
 
 
@@ -108,7 +117,11 @@ def payload_from_then_on(arm: Arm, joint: int, size: float, rng: np.random.Gener
         needed = inverse_dynamics(carried, state.q, state.dq, state.ddq)
         return {j: (state.t > moment) * needed[j] for j in range(n)}
 
-    return Injected(dataclasses.replace(arm.add(torque), session=True), {"mass": (mass, "kg")})
+    names = arm.robot.parameter_names
+    values = {f"load_{name}": float(x) for name, x in zip(names, alone, strict=True) if x != 0}
+    return Injected(
+        dataclasses.replace(arm.add(torque), session=True), {"mass": (mass, "kg")}, values
+    )
 
 
 def _middle(arm: Arm, joint: int) -> float:

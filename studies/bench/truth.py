@@ -33,6 +33,7 @@ class HiddenTruth:
         kind: "plain", "other_formula" or "outside".
         joint: From 0; None for the whole arm.
         parameters: Injected values as (value, unit).
+        in_catalogue: Injected values by a pattern of the catalogue's name of the parameter.
         coordinates: Acceptable sets, for what is outside the catalogue.
     """
 
@@ -41,6 +42,7 @@ class HiddenTruth:
     kind: str
     joint: int | None
     parameters: dict[str, tuple[float, str]]
+    in_catalogue: dict[str, float]
     coordinates: tuple[tuple[str, ...], ...]
 
 
@@ -80,6 +82,8 @@ class Truth:
                 kind=h["kind"],
                 joint=h["joint"],
                 parameters={k: (v[0], v[1]) for k, v in h["parameters"].items()},
+                # Truths written before there were such values are still good for the bench.
+                in_catalogue=dict(h.get("in_catalogue", {})),
                 coordinates=tuple(tuple(c) for c in h["coordinates"]),
             )
             for h in raw["hidden"]

@@ -44,3 +44,19 @@ def test_says_what_is_wrong_with_a_missing_data_set(tmp_path, capsys):
     assert status == 2
     assert "no such folder" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_names_only_candidates(tmp_path):
+    write_dataset(data_set(0, extra=stribeck(1.0)), tmp_path / "data")
+    given = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
+    assert close_loop.main([*given, "--candidates", "torque_offset", "joint_spring"]) == 0
+    record = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert not [e for e in record["effects"] if e["name"] == "stribeck"]
+
+
+def test_refuses_a_candidate_that_the_catalogue_lacks(tmp_path, capsys):
+    write_dataset(data_set(0), tmp_path / "data")
+    given = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
+    assert close_loop.main([*given, "--candidates", "gremlin"]) == 2
+    assert "no effects ['gremlin']" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

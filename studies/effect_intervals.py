@@ -1,0 +1,190 @@
+"""Do the 95 % intervals of the effects that a diagnosis names hold what was injected?
+
+    python -m studies.effect_intervals --out results/effect_intervals
+                                       [--forms FORM …] [--seeds N] [--workers N] [--smoke]
+
+Arms of the bench, each with one hidden effect whose parameters mean the same to the bench and to
+the catalogue. The diagnosis runs with that one name as its only candidate and with one addition at
+most; all else is as ever: search, refinement, tables made anew, standard deviations. A run that
+was interrupted goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from oed.diagnosis.baseline import find_baseline
+from oed.diagnosis.prepare import Prepared, prepare
+from oed.diagnosis.selection import search
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.verdict import FoundEffect, describe_effects
+from oed.diagnosis.workshop import Workshop
+from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.read_dataset import read_dataset
+from oed.report.json_file import write_atomically
+from oed.report.provenance import Provenance
+from studies.bench.case import KEY_COLUMNS, Case, NoiseKind
+from studies.bench.forms import forms_of
+from studies.bench.make_dataset import make_dataset
+from studies.bench.plan import TWO_JOINTS
+from studies.bench.truth import HiddenTruth
+from studies.case_runner import CaseRunner, RowFile
+from studies.interval_summary import Interval, packed, page
+
+RUNS = "runs.csv"
+VALUE_COLUMNS = ("status", "effect", "intervals", "seconds")
+# Forms with a single meaning of their parameters here and in the catalogue.
+COMPARED = (
+    "stribeck",
+    "power_of_speed",
+    "one_sided_viscous",
+    "constant",
+    "loose_gear",
+    "load_friction",
+    "position_friction",
+    "ripple",
+    "spring",
+    "tilted_base",
+    "rotor",
+    "neighbour_motor",
+    "gain",
+    "late_torque",
+    "lagging_torque",
+    "elastic",
+    "cooling_start",
+    "payload",
+    "eccentric_encoder",
+)
+# Noise, and whether every motion is repeated: three quarters are, as in the bench.
+SETTINGS: tuple[tuple[NoiseKind, bool], ...] = (
+    ("white", True),
+    ("coloured", True),
+    ("felt", True),
+    ("white", False),
+    ("felt", True),
+    ("white", True),
+    ("coloured", True),
+    ("coloured", False),
+)
+
+
+@dataclass(frozen=True)
+class Config:
+    """What is simulated.
+
+    Attributes:
+        forms: Keys of the bench's forms.
+        seeds: Data sets of each form; settings and arms take turns.
+        first_seed: Seed of the first.
+    """
+
+    forms: tuple[str, ...] = COMPARED
+    seeds: int = 8
+    first_seed: int = 0
+
+
+SMOKE = Config(forms=("constant",), seeds=1)
+
+
+def cases_of(config: Config) -> list[Case]:
+    """Data sets, seed by seed: a run that ends early has seen all forms."""
+    return list(_cases(config))
+
+
+def _cases(config: Config) -> Iterator[Case]:
+    for seed in range(config.first_seed, config.first_seed + config.seeds):
+        for index, form in enumerate(config.forms):
+            arms = [r for r in TWO_JOINTS if form in {f.key for f in forms_of("plain", r)}]
+            # Every arm meets every setting, before a setting comes back.
+            noise, repeated = SETTINGS[(seed + index) % len(SETTINGS)]
+            arm = arms[(seed + seed // len(SETTINGS)) % len(arms)]
+            yield Case("intervals", arm, (form,), 1.0, noise, repeated, seed)
+
+
+def work(case: Case) -> dict[str, str | int | float]:
+    """A line of the table: the intervals of the effect, or why there are none."""
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        data = Path(folder) / case.label
+        (hidden,) = make_dataset(case, data).hidden
+        dataset = read_dataset(data)
+    settings = DiagnosisSettings(max_effects=1, candidates=(hidden.name,))
+    prepared = prepare(dataset.recordings, settings)
+    estimation, validation = (_with_role(prepared, r) for r in ("estimation", "validation"))
+    baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
+    shop = Workshop(baseline, estimation, validation, settings, gear_ratio=None)
+    shop, selection = search(shop)
+    effects = describe_effects(shop, selection)
+    intervals = compare(hidden, effects[0], dataset.robot.n) if effects else []
+    if effects:
+        status = "done" if intervals else f"named at joint {effects[0].joint}"
+    else:
+        reasons = [r.reason for r in selection.refused if r.name == hidden.name]
+        status = f"not named: {reasons[-1]}" if reasons else "not named"
+    return {
+        "status": status,
+        "effect": hidden.name,
+        "intervals": packed(intervals),
+        "seconds": round(time.perf_counter() - start, 1),
+    }
+
+
+def compare(hidden: HiddenTruth, found: FoundEffect, joints: int) -> list[Interval]:
+    """Estimates of a found effect beside what was injected; none if it sits elsewhere."""
+    truths = hidden.in_catalogue
+    if hidden.name == "torque_gain" and joints == 2 and found.joint != hidden.joint:
+        # No motion tells gain 1 + e of one joint from gain 1 / (1 + e) of the other.
+        truths = {key: 1 / (1 + value) - 1 for key, value in truths.items()}
+    elif hidden.joint not in (None, found.joint):
+        return []
+    return [
+        Interval(pattern.rstrip("_*"), truth, p.value, p.std)
+        for pattern, truth in truths.items()
+        for p in found.parameters
+        if fnmatchcase(p.name, pattern)
+    ]
+
+
+def _with_role(prepared: Sequence[Prepared], role: str) -> tuple[Prepared, ...]:
+    return tuple(p for p in prepared if p.role == role)
+
+
+def run(config: Config, out: Path, workers: int) -> list[dict[str, str]]:
+    """Do the cases that have no line yet, and return all lines."""
+    rows = RowFile(out / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
+    CaseRunner(work, rows, "effect intervals").run(cases_of(config), workers=workers)
+    return rows.rows()
+
+
+def write(rows: Sequence[dict[str, str]], config: Config, out: Path) -> None:
+    """Save the summary and where it comes from; the lines are there already."""
+    out.mkdir(parents=True, exist_ok=True)
+    write_atomically(out / "summary.md", page(rows))
+    Provenance.collect(config, seed=config.first_seed).write(out / "provenance.json")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run from the command line."""
+    parser = argparse.ArgumentParser(description="Coverage of the intervals of named effects.")
+    parser.add_argument("--out", type=Path, default=Path("results/effect_intervals"))
+    parser.add_argument("--forms", nargs="+", choices=COMPARED, default=list(COMPARED))
+    parser.add_argument("--seeds", type=int, default=Config.seeds, help="data sets of each form")
+    parser.add_argument("--first-seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--smoke", action="store_true", help="one case, to see that it works")
+    options = parser.parse_args(arguments)
+    config = Config(tuple(options.forms), options.seeds, options.first_seed)
+    config = SMOKE if options.smoke else config
+    rows = run(config, options.out, options.workers)
+    write(rows, config, options.out)
+    print(page(rows))
+
+
+if __name__ == "__main__":
+    main()
