@@ -85,7 +85,7 @@ class Config:
     """
 
     forms: tuple[str, ...] = COMPARED
-    seeds: int = 8
+    seeds: int = 4
     first_seed: int = 0
 
 
