@@ -97,8 +97,8 @@ def hide(case: Case, arm: Arm, rng: np.random.Generator) -> Hidden:
                 form.kind,
                 None if form.whole_arm else joint,
                 dict(injected.parameters),
-                dict(injected.in_catalogue),
                 injected.coordinates,
+                dict(injected.in_catalogue),
             )
         )
     return Hidden(arm, tuple(truths))

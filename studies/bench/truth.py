@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -33,8 +33,8 @@ class HiddenTruth:
         kind: "plain", "other_formula" or "outside".
         joint: From 0; None for the whole arm.
         parameters: Injected values as (value, unit).
-        in_catalogue: Injected values by a pattern of the catalogue's name of the parameter.
         coordinates: Acceptable sets, for what is outside the catalogue.
+        in_catalogue: Injected values by a pattern of the catalogue's name of the parameter.
     """
 
     name: str
@@ -42,8 +42,8 @@ class HiddenTruth:
     kind: str
     joint: int | None
     parameters: dict[str, tuple[float, str]]
-    in_catalogue: dict[str, float]
     coordinates: tuple[tuple[str, ...], ...]
+    in_catalogue: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
