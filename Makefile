@@ -45,8 +45,9 @@ $(STAMP): environment.txt
 	$(PYTHON) -m pip install --quiet --disable-pip-version-check --require-hashes -r environment.txt; \
 	sha256sum environment.txt > $@
 
+# A file stays on one worker: its tests share what is costly to make.
 test: setup
-	$(PYTHON) -m pytest -n $(WORKERS) --dist loadgroup
+	$(PYTHON) -m pytest -n $(WORKERS) --dist loadfile
 
 paper: setup
 	$(PYTHON) -m studies.paper $(if $(DATA),--data "$(DATA)")

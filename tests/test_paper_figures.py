@@ -10,9 +10,6 @@ from studies.paper_experiment import values as paper
 from studies.paper_experiment.experiment import main
 from studies.paper_experiment.monte_carlo import infeasible
 
-# One worker runs the study once for all of these.
-pytestmark = pytest.mark.xdist_group("paper_experiment")
-
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):

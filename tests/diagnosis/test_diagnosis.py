@@ -11,9 +11,6 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set, stribeck
 
-# One worker runs each diagnosis once, and every test reads it.
-pytestmark = pytest.mark.xdist_group("diagnosis")
-
 HUM = 2.347  # [Hz], no multiple of the motion's own frequency
 SEALED = ("validation", "test")
 FAST = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
