@@ -148,7 +148,9 @@ def _read_floor(
 def _repetition_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:
     repeated = [p for p in prepared if p.period is not None]
     series = [repetition_series(p, fine_residual(rough, p)) for p in repeated]
-    deviation = np.std(np.concatenate([np.diff(s, axis=0) for s in series]), axis=(0, 1)) / 2**0.5
+    # Periods may differ from recording to recording.
+    steps = [np.diff(s, axis=0).reshape(-1, s.shape[2]) for s in series]
+    deviation = np.std(np.concatenate(steps), axis=0) / 2**0.5
     coulomb = coulomb_of(rough)
     trusted = []
     for p in repeated:

@@ -14,6 +14,7 @@ from oed.diagnosis.sign_width import widths_of
 from oed.diagnosis.workshop import Workshop
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis import arm
 from tests.diagnosis.arm import COULOMB, data_set
 
 SETTINGS = DiagnosisSettings()
@@ -38,6 +39,19 @@ def test_reads_off_how_sharply_friction_turns():
 def test_a_sharp_sign_stays_sharp():
     baseline, prepared = _baseline(data_set(1))
     assert max(widths_of(baseline.model)) < 3 * prepared[0].sign_noise.max()
+
+
+def test_recordings_may_have_periods_of_their_own(monkeypatch):
+    long = data_set(5, roles=("estimation",))
+    monkeypatch.setattr(arm, "PERIOD", 8.0)
+    short = data_set(6, roles=("estimation",))
+    second = dataclasses.replace(short.recordings[0], name="short")
+    both = dataclasses.replace(long, recordings=(*long.recordings, second))
+    baseline, prepared = _baseline(both)
+    assert [p.period for p in prepared] == [10.0, 8.0]
+    share = prepared[0].band.cutoff / (0.5 * arm.RATE)
+    # Each joint's noise is white up to half the sampling rate; the band keeps its share.
+    assert baseline.floor.deviation == pytest.approx(arm.NOISE * np.sqrt(share), rel=0.15)
 
 
 def test_a_gap_in_the_log_is_no_fast_motion():
