@@ -78,8 +78,8 @@ def repetition_samples(recording: Prepared) -> Int[ndarray, "repetitions rows"]:
 
 
 def floor_from_repetitions(
-    series: Sequence[Float[ndarray, "repetitions rows joints"]],
-    trusted: Sequence[Bool[ndarray, "repetitions rows joints"]],
+    series: Sequence[Float[ndarray, "_ _ joints"]],
+    trusted: Sequence[Bool[ndarray, "_ _ joints"]],
 ) -> NoiseFloor:
     """Noise floor from the differences between successive repetitions.
 
