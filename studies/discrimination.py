@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import norm
 
-from oed.diagnosis.confusion import confusion
-from oed.diagnosis.discrimination import error_rate, separation
-from oed.diagnosis.scan import Score
+from oed.diagnosis.rivals.confusion import confusion
+from oed.diagnosis.rivals.discrimination import error_rate, separation
+from oed.diagnosis.search.scan import Score
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.report.provenance import Provenance
 from studies.case_runner import CaseRunner, Outcome, RowFile

@@ -19,12 +19,12 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from oed.diagnosis.baseline import find_baseline
-from oed.diagnosis.prepare import Prepared, prepare
-from oed.diagnosis.selection import search
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.prepare import Prepared, prepare
+from oed.diagnosis.evidence.verdict import FoundEffect, describe_effects
+from oed.diagnosis.search.selection import search
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.verdict import FoundEffect, describe_effects
-from oed.diagnosis.workshop import Workshop
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.read_dataset import read_dataset
 from oed.report.json_file import write_atomically

@@ -22,7 +22,7 @@ from oed.design.limits import fill
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
-from oed.diagnosis.discrimination import design_discriminating
+from oed.diagnosis.rivals.discrimination import design_discriminating
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.position import JointSpring, PositionFriction

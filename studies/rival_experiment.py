@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from oed.diagnosis.baseline import find_baseline
-from oed.diagnosis.discrimination import NextExperiment, design_discriminating, separation
-from oed.diagnosis.prepare import Prepared, prepare
-from oed.diagnosis.ranking import ranked
-from oed.diagnosis.scan import Score, refine, scan
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.prepare import Prepared, prepare
+from oed.diagnosis.rivals.discrimination import NextExperiment, design_discriminating, separation
+from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.scan import Score, refine, scan
+from oed.diagnosis.search.workbench import lay_out
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.trials import Trial, catalogue_trial, grid_of
-from oed.diagnosis.workbench import lay_out
-from oed.diagnosis.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel

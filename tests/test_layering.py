@@ -18,6 +18,8 @@ ORDER = (
     "export",
 )
 SHARED_BY_ALL = ("errors",)
+# Within the diagnosis the same holds; its settings serve all, and diagnosis.py stands above.
+DIAGNOSIS_ORDER = ("data", "fit", "terms", "baseline", "search", "evidence", "rivals")
 OUTSIDE = ("studies", "tests", "paper_figures")
 # A figure reads results/: what it shows was computed, and recorded, by a study.
 NOT_IN_FIGURES = ("oed.design", "scipy.optimize", "cma", "casadi", "cvxpy", "clarabel", "scs")
@@ -60,6 +62,18 @@ def faults_of_library_file(file: Path, root: Path) -> list[str]:
     return faults
 
 
+def faults_within_diagnosis(file: Path, root: Path) -> list[str]:
+    part = file.relative_to(root).parts[2]
+    if part not in DIAGNOSIS_ORDER:
+        return []
+    later = (*DIAGNOSIS_ORDER[DIAGNOSIS_ORDER.index(part) + 1 :], "diagnosis")
+    return [
+        f"{file.relative_to(root)}:{line} imports {module}"
+        for line, module in imported_modules(file, root)
+        if any(is_within(module, f"oed.diagnosis.{name}") for name in later)
+    ]
+
+
 def faults_of_figure(file: Path, root: Path) -> list[str]:
     return [
         f"{file.relative_to(root)}:{line} imports {module}"
@@ -72,6 +86,8 @@ def layering_faults(root: Path) -> list[str]:
     faults = []
     for file in sorted((root / "oed").rglob("*.py")):
         faults += faults_of_library_file(file, root)
+    for file in sorted((root / "oed" / "diagnosis").rglob("*.py")):
+        faults += faults_within_diagnosis(file, root)
     for file in sorted((root / "paper_figures").rglob("*.py")):
         faults += faults_of_figure(file, root)
     return faults
@@ -88,6 +104,8 @@ def test_imports_run_downstream_only() -> None:
         ("oed/robot/x.py", "from oed import report"),
         ("oed/dynamics/effects/x.py", "from ...design.criteria import log_det"),
         ("oed/estimation/x.py", "import oed.diagnosis.residual as residual"),
+        ("oed/diagnosis/fit/x.py", "from oed.diagnosis.search.scan import scan"),
+        ("oed/diagnosis/rivals/x.py", "from oed.diagnosis.diagnosis import diagnose"),
         ("oed/report/x.py", "def f():\n    from studies.identify import run"),
         ("oed/errors.py", "from oed.robot import Robot"),
         ("oed/helpers/x.py", "import numpy"),
@@ -108,6 +126,8 @@ def test_a_planted_fault_is_caught(tmp_path: Path, path: str, line: str) -> None
         ("oed/dynamics/x.py", "from oed.robot import Robot"),
         ("oed/dynamics/effects/x.py", "from ..motion import Motion"),
         ("oed/robot/x.py", "from oed.errors import RobotError"),
+        ("oed/diagnosis/search/x.py", "from oed.diagnosis.settings import DiagnosisSettings"),
+        ("oed/diagnosis/search/x.py", "from oed.diagnosis.fit.rows import Rows"),
         ("oed/report/x.py", "from oed.estimation import Estimate"),
         ("paper_figures/x.py", "from oed.report.style import save_figure"),
     ],

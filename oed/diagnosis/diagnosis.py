@@ -9,20 +9,15 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline import Baseline, find_baseline
-from oed.diagnosis.dependence import Dependence, Spectrum, dependences, spectrum
-from oed.diagnosis.encoder_steps import encoder_steps, rounding_squares
-from oed.diagnosis.final_model import FinalModel, errors_of, fit_final, install
-from oed.diagnosis.free_running import find_lines
-from oed.diagnosis.judgement import Refused, costs
-from oed.diagnosis.lack_of_fit import LackOfFit, lack_of_fit
-from oed.diagnosis.predict import rms
-from oed.diagnosis.prepare import Prepared, prepare
-from oed.diagnosis.proof import RoleProof, prove
-from oed.diagnosis.selection import Selection, search
-from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.trials import Trial
-from oed.diagnosis.verdict import (
+from oed.diagnosis.baseline.baseline import Baseline, find_baseline
+from oed.diagnosis.data.prepare import Prepared, prepare
+from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
+from oed.diagnosis.evidence.encoder_steps import encoder_steps, rounding_squares
+from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final, install
+from oed.diagnosis.evidence.free_running import find_lines
+from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
+from oed.diagnosis.evidence.proof import RoleProof, prove
+from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     Outcome,
     Unexplained,
@@ -30,7 +25,12 @@ from oed.diagnosis.verdict import (
     describe_effects,
     describe_unexplained,
 )
-from oed.diagnosis.workshop import Workshop
+from oed.diagnosis.search.judgement import Refused, costs
+from oed.diagnosis.search.predict import rms
+from oed.diagnosis.search.selection import Selection, search
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
 

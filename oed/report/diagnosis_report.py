@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 
 from oed.design.export import SetPoints, write_csv
 from oed.diagnosis.diagnosis import Diagnosis
-from oed.diagnosis.discrimination import NextExperiment
-from oed.diagnosis.proof import RoleProof
+from oed.diagnosis.evidence.proof import RoleProof
+from oed.diagnosis.evidence.verdict import FoundEffect
+from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.verdict import FoundEffect
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.report.diagnosis_plots import MOST_PANELS, plot_dependences, plot_proof, plot_spectra
 from oed.report.json_file import write_json

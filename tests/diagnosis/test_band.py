@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.band import Band, position_noise
+from oed.diagnosis.data.band import Band, position_noise
 
 
 def test_decimating_filter_is_the_plain_convolution():

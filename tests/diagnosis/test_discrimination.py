@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from oed.diagnosis.baseline import find_baseline
-from oed.diagnosis.confusion import confusion, dense_columns
-from oed.diagnosis.discrimination import (
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.rivals.confusion import confusion, dense_columns
+from oed.diagnosis.rivals.discrimination import (
     as_prepared,
     design_discriminating,
     error_rate,
     separation,
 )
-from oed.diagnosis.prepare import prepare
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.trials import catalogue_trial
-from oed.diagnosis.workshop import Workshop
+from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.free_form import Coordinate, Factor, FreeForm, Loop
-from oed.diagnosis.model_columns import effect_columns
+from oed.diagnosis.fit.model_columns import effect_columns
+from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop
 from oed.dynamics.motion import Motion
 
 RATE = 500.0

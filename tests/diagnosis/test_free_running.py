@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from oed.diagnosis.free_running import LEVEL, find_lines
+from oed.diagnosis.evidence.free_running import LEVEL, find_lines
 
 RATE = 40.0  # [Hz]
 SAMPLES = 1200

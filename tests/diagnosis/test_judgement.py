@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.judgement import PRICE, WORSE, costs
+from oed.diagnosis.search.judgement import PRICE, WORSE, costs
 
 FLOOR = np.array([0.5, 0.1])
 OLD = np.array([1.0, 0.2])

@@ -5,13 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline import find_baseline
-from oed.diagnosis.free_form import Coordinate, FreeForm
-from oed.diagnosis.prepare import prepare
-from oed.diagnosis.restraint import expectation, restrained
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.baseline.sign_width import widths_of
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.sign_width import widths_of
-from oed.diagnosis.workshop import Workshop
+from oed.diagnosis.terms.free_form import Coordinate, FreeForm
+from oed.diagnosis.terms.restraint import expectation, restrained
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis import arm

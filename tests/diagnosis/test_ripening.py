@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline import find_baseline
-from oed.diagnosis.prepare import prepare
-from oed.diagnosis.ripening import ripened
-from oed.diagnosis.scan import refine, scan
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.search.ripening import ripened
+from oed.diagnosis.search.scan import refine, scan
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.workshop import Workshop
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording

@@ -6,15 +6,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline import find_baseline
-from oed.diagnosis.linear_fit import project
-from oed.diagnosis.prepare import prepare
-from oed.diagnosis.scan import at_rest, score
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.baseline.sign_width import widths_of, with_widths
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.evidence.uncertainty import robust_covariance, secants, with_uncertainty
+from oed.diagnosis.fit.linear_fit import project
+from oed.diagnosis.search.scan import at_rest, score
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.sign_width import widths_of, with_widths
-from oed.diagnosis.trials import catalogue_trial
-from oed.diagnosis.uncertainty import robust_covariance, secants, with_uncertainty
-from oed.diagnosis.workshop import Workshop
+from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set, stribeck

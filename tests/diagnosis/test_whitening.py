@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from oed.diagnosis.whitening import fit_autoregression
+from oed.diagnosis.fit.whitening import fit_autoregression
 
 
 def coloured(rng, count):

@@ -1,0 +1,1 @@
+"""The model before any addition, and the noise that it leaves."""

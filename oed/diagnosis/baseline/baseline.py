@@ -1,0 +1,193 @@
+"""The base model's fit with its own noise: where every diagnosis starts."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from numpy import ndarray
+
+from oed.diagnosis.baseline.noise_floor import (
+    NoiseFloor,
+    floor_from_free_form,
+    floor_from_repetitions,
+    repetition_samples,
+    repetition_series,
+)
+from oed.diagnosis.baseline.rich_fit import rich_fit
+from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign
+from oed.diagnosis.data.direction import certainty, trusted_samples
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.linear_fit import LinearFit, fit_model, fit_regressor, whitened_regressor
+from oed.diagnosis.fit.model_columns import with_uncertain_sign
+from oed.diagnosis.fit.rows import Rows, weigh
+from oed.diagnosis.fit.whitening import Autoregression
+from oed.dynamics.effects import Coulomb
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.torque_model import TorqueModel
+
+REFITS = 2  # of the base model with the noise that it left
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """The model before any addition.
+
+    Attributes:
+        model: Its Coulomb friction knows how uncertain the velocity's sign is.
+        columns: Base columns of the model.
+        floor: Noise of each joint.
+        coulomb: (n,) height of the friction steps [N m].
+        least_widths: Of each Coulomb term's sign, as encoder noise alone has it [rad/s].
+    """
+
+    model: TorqueModel
+    columns: Int[ndarray, " base"]
+    floor: NoiseFloor
+    coulomb: Float[ndarray, " joints"]
+    least_widths: tuple[float, ...]
+
+    def with_model(
+        self,
+        model: TorqueModel,
+        prepared: tuple[Prepared, ...],
+        known: Sequence[Float[ndarray, "_ joints"]] | None = None,
+    ) -> Baseline:
+        """The same columns with other shapes, and the noise that these leave.
+
+        Args:
+            model: With the other shapes.
+            prepared: The estimation recordings.
+            known: Torque of additions to the model, one array a recording [N m].
+        """
+        fit = fit_model(model, self.columns, self.rows(prepared))
+        floor = _read_floor(fit, prepared, known)
+        return dataclasses.replace(self, model=model, floor=floor, coulomb=coulomb_of(fit))
+
+    def certainty(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
+        """Weights of the errors of recordings: below one where the direction is uncertain."""
+        return [certainty(p, self.coulomb, self.floor.deviation) for p in prepared]
+
+    def rows(self, prepared: tuple[Prepared, ...], scales: tuple[float, ...] | None = None) -> Rows:
+        """White rows of any recordings of the same robot."""
+        return weigh(prepared, self.floor.noise, self.coulomb, scales, self.floor.dilution)
+
+
+def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baseline:
+    """Fit the base model roughly, and read the noise off what it leaves.
+
+    Args:
+        model: Rigid body and friction.
+        prepared: The estimation recordings.
+    """
+    sharp = with_uncertain_sign(model, prepared[0].sign_noise)
+    columns = np.sort(base_parameters(model).columns)
+    flat = _white(prepared)
+    rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
+    flat = _scaled(prepared, rough)
+    rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
+    found = Baseline(
+        sharp, columns, _read_floor(rough, prepared), coulomb_of(rough), tuple(widths_of(sharp))
+    )
+    # What encoder noise does to the torque depends on the inertias, and a fit that does not yet
+    # know the noise's colour takes them for too small.
+    for _ in range(REFITS):
+        found = found.with_model(with_fitted_sign(sharp, columns, found.rows(prepared)), prepared)
+    return found
+
+
+def coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
+    """Height of each joint's friction step as the fit has it [N m]."""
+    heights = np.zeros(fit.model.robot.n)
+    full = fit.full_parameters()
+    column = 0
+    for effect in fit.model.effects:
+        if isinstance(effect, Coulomb):
+            heights[effect.joint] = abs(full[column])
+        column += len(effect.parameters)
+    return heights
+
+
+def fine_residual(fit: LinearFit, recording: Prepared) -> Float[ndarray, "samples joints"]:
+    """Unfiltered residual of a fit on a recording's fine grid [N m]."""
+    return recording.fine_torque - fit.model.torque(fit.full_parameters(), recording.motion)
+
+
+def _white(prepared: tuple[Prepared, ...]) -> Rows:
+    joints = prepared[0].torque.shape[1]
+    scales = np.sqrt(np.mean(np.concatenate([p.torque for p in prepared]) ** 2, axis=0))
+    noise = tuple(Autoregression(np.ones(1), max(float(s), 1e-9)) for s in scales)
+    ones = np.ones((sum(p.rows for p in prepared), joints))
+    return Rows(prepared, noise, (1.0,) * len(prepared), ones)
+
+
+def _scaled(prepared: tuple[Prepared, ...], rough: LinearFit) -> Rows:
+    scales = [noise.scale for noise in rough.rows.noise]
+    left = np.sqrt(np.mean(rough.residual**2, axis=1))
+    noise = tuple(
+        Autoregression(np.ones(1), max(float(s * r), 1e-9))
+        for s, r in zip(scales, left, strict=True)
+    )
+    return Rows(prepared, noise, rough.rows.scales, rough.rows.weights)
+
+
+def _read_floor(
+    fit: LinearFit,
+    prepared: tuple[Prepared, ...],
+    known: Sequence[Float[ndarray, "_ joints"]] | None = None,
+) -> NoiseFloor:
+    if any(p.period is not None for p in prepared):
+        return _repetition_floor(fit, prepared)
+    silent = [np.zeros_like(p.torque) for p in prepared]
+    return _free_form_floor(fit, prepared, silent if known is None else known)
+
+
+def _repetition_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:
+    repeated = [p for p in prepared if p.period is not None]
+    series = [repetition_series(p, fine_residual(rough, p)) for p in repeated]
+    # Periods may differ from recording to recording.
+    steps = [np.diff(s, axis=0).reshape(-1, s.shape[2]) for s in series]
+    deviation = np.std(np.concatenate(steps), axis=0) / 2**0.5
+    coulomb = coulomb_of(rough)
+    trusted = []
+    for p in repeated:
+        fine = np.stack(
+            [trusted_samples(p, j, coulomb[j], deviation[j]) for j in range(len(coulomb))], axis=1
+        )
+        trusted.append(fine[repetition_samples(p)])
+    return floor_from_repetitions(series, trusted)
+
+
+def _free_form_floor(
+    fit: LinearFit, prepared: tuple[Prepared, ...], known: Sequence[Float[ndarray, "_ joints"]]
+) -> NoiseFloor:
+    """What a rich fit of each joint leaves of the torque less `known`."""
+    joints = fit.model.robot.n
+    coulomb = coulomb_of(fit)
+    torque = np.concatenate([p.torque - k for p, k in zip(prepared, known, strict=True)])
+    own = [p.band.apply(fit.model.columns(p.motion)[:, :, fit.columns]) for p in prepared]
+    rough = torque - np.concatenate(own) @ fit.parameters[: len(fit.columns)]
+    deviation = np.std(rough, axis=0)
+    # A badly timed reversal stands out ever more clearly as the fit improves.
+    for enriched in (False, True):
+        trusted = np.concatenate([_trusted_rows(p, coulomb, deviation) for p in prepared])
+        found = [
+            rich_fit(fit, prepared, j, torque[:, j], trusted[:, j], enriched=enriched)
+            for j in range(joints)
+        ]
+        residual = np.stack([f.residual for f in found], axis=1)
+        deviation = np.array([np.std(residual[trusted[:, j], j]) for j in range(joints)])
+    freedom = np.array([max(0.2, 1 - f.rank / len(torque)) for f in found])
+    ends = np.cumsum([p.rows for p in prepared])[:-1]
+    return floor_from_free_form(np.split(residual, ends), np.split(trusted, ends), freedom)
+
+
+def _trusted_rows(
+    recording: Prepared, coulomb: Float[ndarray, " joints"], deviation: Float[ndarray, " joints"]
+) -> Bool[ndarray, "rows joints"]:
+    pairs = zip(coulomb, deviation, strict=True)
+    fine = [trusted_samples(recording, j, c, d) for j, (c, d) in enumerate(pairs)]
+    return np.stack(fine, axis=1)[:: recording.band.factor]

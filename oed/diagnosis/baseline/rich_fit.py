@@ -1,0 +1,191 @@
+"""What noise there is without repetitions: what even a rich free-form fit of a joint leaves.
+
+Splines in every coordinate by itself come first. Products of two coordinates and fine splines
+along a turn join only where they explain far more than correlated noise would give them: every
+further function also follows some noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline.noise_floor import correlated_rows
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
+from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.free_terms import PIECES_FINE, coordinate, loop, terms_together
+
+ROWS_PER_FREE_COLUMN = 8  # least rows for each column of the first fit
+LEAST_ROWS_PER_COLUMN = 4  # and after the enrichment
+# Least ratio of what a column of a further term explains to what one of correlated noise would.
+CONVINCING = 3.0
+MOST_FURTHER = 4
+
+
+@dataclass(frozen=True)
+class RichFit:
+    """A rich fit of one joint.
+
+    Attributes:
+        residual: (R,) what it leaves, one recording after another; zero in rows that were
+            not fitted [N m].
+        rank: Columns that the data determine.
+    """
+
+    residual: Float[ndarray, " rows"]
+    rank: int
+
+
+def rich_fit(
+    fit: LinearFit,
+    prepared: Sequence[Prepared],
+    joint: int,
+    torque: Float[ndarray, " rows"],
+    trusted: Bool[ndarray, " rows"],
+    *,
+    enriched: bool = True,
+) -> RichFit:
+    """Fit base columns and free-form terms to one joint's torque.
+
+    Args:
+        fit: Of the base model.
+        prepared: The recordings.
+        joint: Index.
+        torque: Of the rows, less what is known to come from elsewhere [N m].
+        trusted: Rows where the direction of motion is certain; the others are not fitted.
+        enriched: Whether products and fine splines may join.
+    """
+    rows = int(trusted.sum())
+    most = max(10, rows // ROWS_PER_FREE_COLUMN - len(fit.columns) // fit.model.robot.n)
+    first = [
+        np.concatenate([_own(fit, p, joint) for p in prepared]),
+        _filtered(_first_terms(fit, prepared, joint, most), prepared, joint),
+        _rates(fit, prepared, joint),
+    ]
+    span = _basis(np.concatenate(first, axis=1)[trusted], np.zeros((rows, 0)))
+    left = torque[trusted] - span @ (span.T @ torque[trusted])
+    blocks = [
+        _filtered([t], prepared, joint)[trusted] for t in _further_terms(fit, prepared, joint)
+    ]
+    for _ in range(MOST_FURTHER if enriched else 0):
+        tried = [_basis(block, span) for block in blocks]
+        ratios = [_convincing(left, basis, trusted, rows - span.shape[1]) for basis in tried]
+        best = int(np.argmax(ratios))
+        if (
+            ratios[best] < CONVINCING
+            or span.shape[1] + tried[best].shape[1] > rows // LEAST_ROWS_PER_COLUMN
+        ):
+            break
+        left = left - tried[best] @ (tried[best].T @ left)
+        span = np.concatenate([span, tried[best]], axis=1)
+        del blocks[best]
+    return RichFit(_spread(left, trusted), span.shape[1])
+
+
+def _basis(
+    columns: Float[ndarray, "rows columns"], span: Float[ndarray, "rows rank"]
+) -> Float[ndarray, "rows new"]:
+    """Orthonormal basis of what columns add to a span."""
+    norms = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(norms > 0, norms, 1.0)
+    for _ in range(2):  # once more for the rounding of the first
+        scaled = scaled - span @ (span.T @ scaled)
+    values, vectors = np.linalg.eigh(scaled.T @ scaled)
+    kept = values > 1e-9
+    return scaled @ (vectors[:, kept] / np.sqrt(values[kept]))
+
+
+def _spread(
+    values: Float[ndarray, " trusted_rows"], trusted: Bool[ndarray, " rows"]
+) -> Float[ndarray, " rows"]:
+    """Values at the trusted rows, zero at the others."""
+    result = np.zeros(len(trusted))
+    result[trusted] = values
+    return result
+
+
+def _convincing(
+    before: Float[ndarray, " trusted_rows"],
+    basis: Float[ndarray, "trusted_rows new"],
+    trusted: Bool[ndarray, " rows"],
+    freedom: int,
+) -> float:
+    """F ratio of new columns, what they leave counted by its correlated rows."""
+    added = basis.shape[1]
+    if added < 1 or freedom <= added:
+        return 0.0
+    moments = basis.T @ before
+    after = before - basis @ moments
+    noise = float(after @ after) / (freedom - added)
+    noise *= correlated_rows([_spread(after, trusted)])
+    return float(moments @ moments) / added / max(noise, 1e-300)
+
+
+def _own(fit: LinearFit, p: Prepared, joint: int) -> Float[ndarray, "rows base"]:
+    return p.band.apply(fit.model.columns(p.motion)[:, joint][:, fit.columns])
+
+
+def _filtered(
+    terms: Sequence[FreeForm], prepared: Sequence[Prepared], joint: int
+) -> Float[ndarray, "rows columns"]:
+    width = max(WIDTH_PER_SIGMA * float(prepared[0].sign_noise[joint]), 1e-9)
+    return np.concatenate(
+        [
+            p.band.apply(
+                np.concatenate([effect_columns(t, p.motion, width)[joint] for t in terms], axis=1)
+            )
+            for p in prepared
+        ]
+    )
+
+
+def _first_terms(
+    fit: LinearFit, prepared: Sequence[Prepared], joint: int, most: int
+) -> list[FreeForm]:
+    """Splines in the joint's own coordinates and in the others' positions and velocities."""
+    terms = [
+        FreeForm(joint, (coordinate(prepared, "dq", joint, 10),)),
+        FreeForm(joint, (coordinate(prepared, "q", joint, 10),)),
+        FreeForm(joint, (coordinate(prepared, "q", joint, 6),), direction=joint),
+        FreeForm(joint, (coordinate(prepared, "ddq", joint, 6),)),
+    ]
+    for other in range(fit.model.robot.n):
+        if other != joint:
+            terms.append(FreeForm(joint, (coordinate(prepared, "dq", other, 5),)))
+            terms.append(FreeForm(joint, (coordinate(prepared, "q", other, 5),)))
+    while len(terms) > 1 and sum(len(t.parameters) for t in terms) > most:
+        terms.pop()
+    return terms
+
+
+def _further_terms(fit: LinearFit, prepared: Sequence[Prepared], joint: int) -> list[FreeForm]:
+    fine = coordinate(prepared, "q", joint, PIECES_FINE)
+    together = terms_together(prepared, fit.model.robot.n, [joint])
+    steady = [t for t in together if "time" not in t.depends_on]
+    others = [i for i in range(fit.model.robot.n) if i != joint]
+    turned = [FreeForm(joint, (coordinate(prepared, "q", i),), direction=i) for i in others]
+    return [
+        FreeForm(joint, (fine,)),
+        FreeForm(joint, (fine,), direction=joint),
+        *(FreeForm(joint, (loop(prepared, i),)) for i in range(fit.model.robot.n)),
+        *turned,
+        *steady,
+    ]
+
+
+def _rates(fit: LinearFit, prepared: Sequence[Prepared], joint: int) -> Float[ndarray, "rows 2"]:
+    """The rate of the model torque, which a delay would leave, and its size with the direction."""
+    width = max(WIDTH_PER_SIGMA * float(prepared[0].sign_noise[joint]), 1e-9)
+    blocks = []
+    for p in prepared:
+        torque = fit.model.torque(fit.full_parameters(), p.motion)[:, joint]
+        rate = np.gradient(torque, 1 / p.band.rate)
+        loaded = np.abs(torque) * np.tanh(p.motion.dq[:, joint] / width)
+        blocks.append(p.band.apply(np.stack([rate, loaded], axis=1)))
+    return np.concatenate(blocks)

@@ -1,0 +1,112 @@
+"""How sharply friction turns where a joint reverses, read off the data.
+
+Below some creeping speed dry friction does not switch but rises with the velocity: grease, and
+every simulator's stand-in for the sign, do that. A sign that is too sharp leaves errors of the
+size of the friction wherever a joint creeps, and any effect of low speed will offer to take them.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+from scipy.optimize import minimize_scalar
+
+from oed.diagnosis.fit.linear_fit import (
+    Projection,
+    addition,
+    project,
+    reversal_nuisances,
+    whitened_regressor,
+)
+from oed.diagnosis.fit.model_columns import effect_columns
+from oed.diagnosis.fit.rows import Rows
+from oed.dynamics.effects import Coulomb
+from oed.dynamics.torque_model import TorqueModel
+
+LARGEST_WIDTH = 0.05  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
+SMALLEST_WIDTH = 1e-4
+POINTS = 14
+# Fall of -2 log likelihood that a wider sign must bring, besides Schwarz's log of the rows.
+DECISIVE = 10.0
+
+
+def with_fitted_sign(
+    model: TorqueModel,
+    columns: Int[ndarray, " parameters"],
+    rows: Rows,
+    beside: Float[ndarray, "joints rows additions"] | None = None,
+) -> TorqueModel:
+    """The model whose Coulomb terms turn over the velocities that fit best, joint by joint.
+
+    Widths stay as they are where the data show no better one.
+
+    Args:
+        model: With a Coulomb term for each joint, or for some.
+        columns: Of its columns that are estimated.
+        rows: White rows.
+        beside: White columns of what else is fitted.
+    """
+    fixed = [whitened_regressor(model, columns, rows), reversal_nuisances(rows)]
+    regressor = np.concatenate([*fixed, *([] if beside is None else [beside])], axis=2)
+    torque = rows.torque()
+    effects = list(model.effects)
+    column = 0
+    for place, effect in enumerate(model.effects):
+        own = np.flatnonzero(columns == column)
+        column += len(effect.parameters)
+        if not isinstance(effect, Coulomb) or not own.size:
+            continue
+        projection = project(np.delete(regressor, own[0], axis=2))
+        width = _best_width(effect, rows, projection, projection.residual(torque))
+        effects[place] = dataclasses.replace(effect, width=width)
+    return dataclasses.replace(model, effects=tuple(effects))
+
+
+def widths_of(model: TorqueModel) -> list[float]:
+    """Width of each Coulomb term [rad/s]."""
+    return [effect.width for effect in model.effects if isinstance(effect, Coulomb)]
+
+
+def with_widths(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:
+    """The model whose Coulomb terms turn over these velocities [rad/s], in their order."""
+    left = iter(widths)
+    effects = tuple(
+        dataclasses.replace(effect, width=next(left)) if isinstance(effect, Coulomb) else effect
+        for effect in model.effects
+    )
+    return dataclasses.replace(model, effects=effects)
+
+
+def _best_width(
+    effect: Coulomb, rows: Rows, projection: Projection, residual: Float[ndarray, "joints rows"]
+) -> float:
+    """The width with the largest gain, or the effect's own."""
+    joint = effect.joint
+
+    def gain(width: float) -> float:
+        tried = dataclasses.replace(effect, width=width)
+        fine = [effect_columns(tried, p.motion, 0.0)[joint] for p in rows.prepared]
+        return addition(projection, residual, {joint: rows.whiten_fine(fine, joint)}).gain
+
+    velocity = np.concatenate([p.motion.dq[:, joint] for p in rows.prepared])
+    scale = float(np.sqrt(np.mean(velocity**2)))
+    lowest = max(effect.width, SMALLEST_WIDTH * scale)
+    highest = LARGEST_WIDTH * scale
+    if lowest >= highest:
+        return effect.width
+    grid = np.geomspace(lowest, highest, POINTS)
+    gains = [gain(float(w)) for w in grid]
+    best = int(np.argmax(gains))
+    bounds = np.log(grid[max(best - 1, 0)]), np.log(grid[min(best + 1, POINTS - 1)])
+    found = minimize_scalar(
+        lambda x: -gain(float(np.exp(x))), bounds=bounds, method="bounded", options={"xatol": 0.02}
+    )
+    # What the model lacks is noise to this question.
+    weight = max(float(np.sum(rows.weights[:, joint] ** 2)), 1.0)
+    noise = max(1.0, (float(np.sum(residual[joint] ** 2)) + found.fun) / weight)
+    margin = noise * (DECISIVE + np.log(rows.count))
+    return float(np.exp(found.x)) if -found.fun > gain(effect.width) + margin else effect.width

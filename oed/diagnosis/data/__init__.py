@@ -1,0 +1,1 @@
+"""Recordings in the analysis band, and where they cannot be trusted."""

@@ -1,0 +1,287 @@
+"""A recording as diagnosis sees it: motion on a fine grid, torque in the analysis band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from numpy import ndarray
+from scipy.interpolate import BPoly
+
+from oed.diagnosis.data.band import Band, choose_band, position_noise
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.motion import Motion
+from oed.experiment.choose_settings import search_cutoff
+from oed.experiment.processing import fresh_samples
+from oed.experiment.recording import Recording, Role
+from oed.experiment.signals.differentiation import central_difference
+from oed.experiment.signals.lowpass import lowpass
+from oed.experiment.signals.resampling import resample, uniform_grid
+
+FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
+LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
+GAP = 10.0  # sampling steps without a row that make a gap
+LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
+EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """One recording, ready to be compared with a model.
+
+    Attributes:
+        name: Of the recording.
+        role: Of the recording.
+        motion: N fine samples.
+        fine_torque: (N, n) torque on the fine grid, unfiltered [N m].
+        torque: (R, n) filtered rows [N m].
+        t: (R,) time of the rows [s].
+        band: Filter and decimation from fine samples to rows.
+        repetition: (R,) repetition of each row, -1 where there is none.
+        period: Of the motion, None without repetitions [s].
+        sign_noise: (n,) standard deviation of the velocity on the fine grid [rad/s].
+        recorded: (N,) whether a fine sample lies between logged ones, not in a gap of the log.
+    """
+
+    name: str
+    role: Role
+    motion: Motion
+    fine_torque: Float[ndarray, "samples joints"]
+    torque: Float[ndarray, "rows joints"]
+    t: Float[ndarray, " rows"]
+    band: Band
+    repetition: Int[ndarray, " rows"]
+    period: float | None
+    sign_noise: Float[ndarray, " joints"]
+    recorded: Bool[ndarray, " samples"]
+
+    @property
+    def valid(self) -> Bool[ndarray, " rows"]:
+        """Rows whose whole filter window was recorded."""
+        missing = np.concatenate([[0], np.cumsum(~self.recorded)])
+        window = len(self.band.taps)
+        start = np.arange(self.rows) * self.band.factor
+        return missing[start + window] == missing[start]
+
+    @cached_property
+    def place_in_period(self) -> Int[ndarray, " samples"]:
+        """Index of each fine sample's phase; of the sample itself without repetitions."""
+        index = np.arange(len(self.motion))
+        if self.period is None:
+            return index
+        return np.floor(np.mod(index + 0.5, self.period * self.band.rate)).astype(int)
+
+    @cached_property
+    def mean_motion(self) -> Motion:
+        """The motion with every state replaced by its mean over the repetitions."""
+        motion = self.motion
+        if self.period is None:
+            return motion
+        return Motion(motion.t, *(self.phase_mean(x) for x in (motion.q, motion.dq, motion.ddq)))
+
+    def phase_mean(
+        self, fine: Float[ndarray, "samples columns"]
+    ) -> Float[ndarray, "samples columns"]:
+        """Mean over the repetitions at the phase of each fine sample."""
+        place = self.place_in_period
+        counts = np.maximum(np.bincount(place), 1)
+        means = np.stack([np.bincount(place, weights=column) for column in fine.T], axis=1)
+        return (means / counts[:, None])[place]
+
+    @property
+    def rows(self) -> int:
+        """Number of rows R."""
+        return len(self.t)
+
+    @property
+    def phase(self) -> Float[ndarray, " rows"]:
+        """Time within the period, or the time itself without repetitions [s]."""
+        return self.t if self.period is None else np.mod(self.t, self.period)
+
+
+def fine_rate(recordings: tuple[Recording, ...]) -> float:
+    """Common rate of the fine grid [Hz]: the slowest recording's, rounded, at most 1 kHz."""
+    slowest = min(1 / float(np.median(np.diff(r.t))) for r in recordings)
+    return min(FINEST_RATE, float(f"{slowest:.3g}"))
+
+
+def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> tuple[Prepared, ...]:
+    """Bring all recordings to one fine grid and one band, chosen from their positions.
+
+    Raises:
+        ValueError: If a recording is too short for its band.
+    """
+    rate = fine_rate(recordings)
+    raw = [_uniform(recording, rate) for recording in recordings]
+    positions = [
+        stretch
+        for recording, (t, q, _) in zip(recordings, raw, strict=True)
+        for stretch in _stretches(q, _recorded(recording, t, rate), rate)
+    ]
+    highest = settings.highest_cutoff
+    if all(recording.repetitions < 2 for recording in recordings):
+        highest = min(highest, _motion_band(recordings, rate))
+    band = choose_band(positions, rate, settings.lowest_cutoff, highest)
+    noise = velocity_noise(position_noise(positions, rate)[0], band)
+    return tuple(
+        _prepare_one(recording, *signals, band=band, noise=noise)
+        for recording, signals in zip(recordings, raw, strict=True)
+    )
+
+
+def _motion_band(recordings: tuple[Recording, ...], rate: float) -> float:
+    """Twice the frequency below which motion lies [Hz], at least `LEAST_BAND`.
+
+    Without repetitions nothing tells noise from what drives and loops add above the motion.
+    """
+    estimation = tuple(r for r in recordings if r.role == "estimation")
+    shortest = min(recording.duration for recording in recordings)
+    return max(LEAST_BAND, 2 * search_cutoff(estimation, rate, shortest).band_edge)
+
+
+def velocity_noise(density: Float[ndarray, " joints"], band: Band) -> Float[ndarray, " joints"]:
+    """Standard deviation of the smoothed, differentiated encoder noise [rad/s]."""
+    frequency = np.linspace(0, band.rate / 2, 2000)
+    gain = 1 / (1 + (frequency / band.smoothing) ** 8)
+    power = np.trapezoid((2 * np.pi * frequency * gain) ** 2, frequency)
+    return np.sqrt(density * power)
+
+
+def _uniform(
+    recording: Recording, rate: float
+) -> tuple[
+    Float[ndarray, " samples"], Float[ndarray, "samples joints"], Float[ndarray, "samples joints"]
+]:
+    fresh = fresh_samples(recording)
+    logged = 1 / float(np.median(np.diff(recording.t)))
+    t, q, tau = recording.t[fresh], recording.q[fresh], recording.tau[fresh]
+    # Whole steps by averaging first: interpolation alone would fold high noise into the band.
+    step = round(logged / rate)
+    if step > 1:
+        dense = uniform_grid(t, rate * step)
+        q, tau = (
+            lowpass(x, rate * step, 0.4 * rate)
+            for x in (
+                _bridged(t, q, dense, rate),
+                resample(t, tau, dense, "linear"),
+            )
+        )
+        return dense[::step], q[::step], tau[::step]
+    grid = uniform_grid(t, rate)
+    return grid, _bridged(t, q, grid, rate), resample(t, tau, grid, "linear")
+
+
+def _bridged(
+    t: Float[ndarray, " logged"],
+    q: Float[ndarray, "logged joints"],
+    grid: Float[ndarray, " samples"],
+    rate: float,
+) -> Float[ndarray, "samples joints"]:
+    """Positions on a grid, across gaps as smoothly as an arm that goes on would move.
+
+    Nothing is compared within a gap, but what remembers, such as a spring, would ring for long
+    from any jump of the acceleration.
+    """
+    result = resample(t, q, grid, "linear")
+    for k in _gaps(t, rate):
+        before, after = (t > t[k] - EDGE) & (t <= t[k]), (t >= t[k + 1]) & (t < t[k + 1] + EDGE)
+        states = [
+            _state(t[near] - t[edge], q[near]) for near, edge in ((before, k), (after, k + 1))
+        ]
+        bridge = BPoly.from_derivatives(t[[k, k + 1]], states)
+        inside = (grid > t[k]) & (grid < t[k + 1])
+        result[inside] = bridge(grid[inside])
+    return result
+
+
+def _state(
+    t: Float[ndarray, " logged"], q: Float[ndarray, "logged joints"]
+) -> Float[ndarray, "3 joints"]:
+    """Position, velocity and acceleration at t = 0 of a parabola through the samples."""
+    state = np.zeros((3, q.shape[1]))
+    powers = np.vander(t, min(3, len(t)), increasing=True)
+    fitted = np.linalg.lstsq(powers, q, rcond=None)[0]
+    state[: len(fitted)] = fitted
+    state[2] *= 2
+    return state
+
+
+def _gaps(t: Float[ndarray, " logged"], rate: float) -> Int[ndarray, " gaps"]:
+    """Indices of the logged samples before each gap, such as between runs."""
+    steps = np.diff(t)
+    return np.flatnonzero(steps > GAP * max(float(np.median(steps)), 1 / rate))
+
+
+def _prepare_one(
+    recording: Recording,
+    t: Float[ndarray, " samples"],
+    q: Float[ndarray, "samples joints"],
+    tau: Float[ndarray, "samples joints"],
+    *,
+    band: Band,
+    noise: Float[ndarray, " joints"],
+) -> Prepared:
+    smooth = lowpass(q, band.rate, band.smoothing)
+    dq = central_difference(smooth, band.rate)
+    ddq = central_difference(dq, band.rate)
+    cut = int(np.ceil(EDGE * band.rate))
+    if band.rows(len(t) - 2 * cut) < 20:
+        raise ValueError(
+            f"{recording.name}: {recording.duration:g} s are too short for a band of "
+            f"{band.cutoff:.3g} Hz"
+        )
+    inner = slice(cut, len(t) - cut)
+    rows_t = band.instants(t[inner])
+    return Prepared(
+        name=recording.name,
+        role=recording.role,
+        motion=Motion(t, smooth, dq, ddq)[inner],
+        fine_torque=tau[inner],
+        torque=band.apply(tau[inner]),
+        t=rows_t,
+        band=band,
+        repetition=_repetition(recording, rows_t),
+        period=_period(recording),
+        sign_noise=noise,
+        recorded=_recorded(recording, t[inner], band.rate),
+    )
+
+
+def _recorded(
+    recording: Recording, t: Float[ndarray, " samples"], rate: float
+) -> Bool[ndarray, " samples"]:
+    """False in gaps of the log, such as between runs, and where smoothing feels them."""
+    recorded = np.ones(len(t), dtype=bool)
+    for k in _gaps(recording.t, rate):
+        before, after = recording.t[k], recording.t[k + 1]
+        recorded &= (t < before - EDGE) | (t > after + EDGE)
+    return recorded
+
+
+def _repetition(recording: Recording, instants: Float[ndarray, " rows"]) -> Int[ndarray, " rows"]:
+    if recording.repetition is None or recording.repetitions < 2:
+        return np.full(len(instants), -1)
+    before = np.searchsorted(recording.t, instants + 1e-9, side="right") - 1
+    return recording.repetition[before]
+
+
+def _stretches(
+    q: Float[ndarray, "samples joints"], recorded: Bool[ndarray, " samples"], rate: float
+) -> list[Float[ndarray, "_ joints"]]:
+    """Positions between gaps of the log: the leap across a gap would pass for fast motion."""
+    edges = np.flatnonzero(np.diff(recorded, prepend=False, append=False))
+    stretches = [q[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    longest = max((len(s) for s in stretches), default=0)
+    # Short stretches tell little of slow motion, and would shorten the spectra of all.
+    return [s for s in stretches if len(s) >= max(longest / 2, LEAST_STRETCH * rate)] or [q]
+
+
+def _period(recording: Recording) -> float | None:
+    if recording.repetition is None or recording.repetitions < 2:
+        return None
+    if recording.period is not None:
+        return recording.period
+    _, first = np.unique(recording.repetition, return_index=True)
+    return float(np.median(np.diff(recording.t[np.sort(first)])))

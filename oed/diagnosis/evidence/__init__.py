@@ -1,0 +1,1 @@
+"""What may be said of them: uncertainty, verdict, proof."""

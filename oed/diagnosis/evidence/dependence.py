@@ -1,0 +1,135 @@
+"""Where a residual lives: partial dependence on each coordinate, colour, and reversals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.signal import welch
+
+from oed.diagnosis.data.prepare import Prepared
+
+BINS = 24
+BLOCK = 0.5  # [s] over which residuals count as one observation
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """Mean residual of one joint over one coordinate.
+
+    Attributes:
+        joint: Whose residual.
+        coordinate: Such as "dq_1" or "time".
+        centre: (B,) middle of each bin.
+        mean: (B,) mean residual there [N m].
+        deviation: (B,) standard error of the mean, from the scatter between blocks [N m].
+        share: Of the residual's variance that the means carry.
+    """
+
+    joint: int
+    coordinate: str
+    centre: Float[ndarray, " bins"]
+    mean: Float[ndarray, " bins"]
+    deviation: Float[ndarray, " bins"]
+    share: float
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Power density of the residuals before and after, and of the noise [N^2 m^2/Hz].
+
+    Attributes:
+        frequency: (F,) [Hz].
+        before: (F, n).
+        after: (F, n).
+    """
+
+    frequency: Float[ndarray, " frequencies"]
+    before: Float[ndarray, "frequencies joints"]
+    after: Float[ndarray, "frequencies joints"]
+
+
+def settled(prepared: Prepared, fine: Float[ndarray, "samples joints"]) -> Float[ndarray, "_ n"]:
+    """Fine values at the instants of the valid rows."""
+    band = prepared.band
+    return fine[band.reach : len(fine) - band.reach : band.factor][prepared.valid]
+
+
+def dependences(
+    prepared: Sequence[Prepared], errors: Sequence[Float[ndarray, "_ joints"]]
+) -> tuple[Dependence, ...]:
+    """Every joint's residual over every joint's position and velocity, its acceleration, time."""
+    joints = errors[0].shape[1]
+    coordinates: dict[str, Float[ndarray, " rows"]] = {}
+    for kind in ("q", "dq", "ddq"):
+        values = np.concatenate([settled(p, getattr(p.motion, kind)) for p in prepared])
+        for i in range(joints):
+            coordinates[f"{kind}_{i + 1}"] = values[:, i]
+    coordinates["time"] = np.concatenate([p.t[p.valid] for p in prepared])
+    stacked = np.concatenate(list(errors))
+    blocks = _blocks(prepared)
+    return tuple(
+        _binned(j, name, x, stacked[:, j], blocks)
+        for j in range(joints)
+        for name, x in coordinates.items()
+        if not name.startswith("ddq") or name == f"ddq_{j + 1}"
+    )
+
+
+def _blocks(prepared: Sequence[Prepared]) -> ndarray:
+    parts, offset = [], 0
+    for p in prepared:
+        length = max(1, round(BLOCK * p.band.analysis_rate))
+        own = np.arange(int(p.valid.sum())) // length
+        parts.append(own + offset)
+        offset += int(own[-1]) + 1
+    return np.concatenate(parts)
+
+
+def _binned(
+    joint: int,
+    name: str,
+    x: Float[ndarray, " rows"],
+    y: Float[ndarray, " rows"],
+    blocks: ndarray,
+) -> Dependence:
+    edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
+    place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
+    centre, mean, deviation = [], [], []
+    for k in range(max(len(edges) - 1, 1)):
+        inside = place == k
+        if inside.sum() < 3:
+            continue
+        own = blocks[inside]
+        sums = np.bincount(own, weights=y[inside])
+        counts = np.bincount(own)
+        centre.append(float(x[inside].mean()))
+        average = float(y[inside].mean())
+        mean.append(average)
+        # Rows of one block are one observation: the scatter of block sums is the honest one.
+        seen = counts > 0
+        scatter = float(np.sum((sums[seen] - counts[seen] * average) ** 2))
+        deviation.append(np.sqrt(scatter) / counts.sum())
+    average = np.array(mean)
+    weights = np.full(len(average), 1 / max(len(average), 1))
+    total = float(np.var(y))
+    share = float(np.sum(weights * (average - average.mean()) ** 2) / total) if total > 0 else 0.0
+    return Dependence(joint, name, np.array(centre), average, np.array(deviation), min(share, 1.0))
+
+
+def spectrum(
+    before: Sequence[Float[ndarray, "_ joints"]],
+    after: Sequence[Float[ndarray, "_ joints"]],
+    rate: float,
+) -> Spectrum:
+    """Power density of residuals, averaged over recordings (Welch)."""
+    length = int(min(256, *(len(e) for e in before)))
+    frequency, _ = welch(before[0][:, 0], fs=rate, nperseg=length)
+    old, new = (
+        np.mean([welch(e, fs=rate, nperseg=length, axis=0)[1] for e in errors], axis=0)
+        for errors in (before, after)
+    )
+    return Spectrum(frequency, old, new)

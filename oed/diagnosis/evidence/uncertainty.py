@@ -1,0 +1,160 @@
+"""How uncertain the parameters of the additions are: noise, shapes and lack of fit together.
+
+Two things are asked of a standard deviation beyond the linear theory. A shape moves its columns
+along a curve, with corners where a gear lands or a load is taken up: the slope that counts is the
+secant over the shape's own standard deviation. And what the model leaves beyond noise comes again
+in the same motion: it is not white, and neighbouring rows err together. The covariance that lets
+each block of rows err as it does (Liang and Zeger 1986, Biometrika 73(1), 13-22) is taken where
+it is larger than that of the noise.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from oed.diagnosis.evidence.common_noise import noise_bias
+from oed.diagnosis.fit.linear_fit import Projection, project
+from oed.diagnosis.search.scan import block_numbers
+from oed.diagnosis.search.workbench import SHAPE_STEP, Augmented, Layout, dense, moved
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.shape_axes import from_axis, to_axis
+from oed.diagnosis.terms.trials import Trial, catalogue_trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+# Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
+STEPS = (1e-5, 0.25)
+ALIKE = 1.2  # ratio of two steps up to which a secant is taken for settled
+MOST_ROUNDS = 8
+
+
+def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
+    """The fit with covariances of (coefficients, shapes on their axes) that hold all of this.
+
+    Args:
+        shop: The laid-out data.
+        found: A fit on the rows of `shop.layout_for` of its additions.
+    """
+    layout = shop.layout_for(found.chosen)
+    steps = [np.full(len(t.values), SHAPE_STEP) for t in found.chosen]
+    for _ in range(MOST_ROUNDS):
+        columns, target = _columns(shop, found, layout, steps)
+        projection = project(columns)
+        covariance = robust_covariance(
+            projection, projection.residual(target), layout.rows.weights, block_numbers(layout.rows)
+        )
+        places = _places(found, layout)
+        wanted = [
+            np.clip(np.sqrt(np.diag(covariance)[p][len(covariance[p]) - len(s) :]), *STEPS)
+            for p, s in zip(places, steps, strict=True)
+        ]
+        pairs = zip(wanted, steps, strict=True)
+        if all(np.all(np.abs(np.log(w / s)) < np.log(ALIKE)) for w, s in pairs):
+            break
+        steps = wanted
+    if layout is shop.mean:
+        bias = noise_bias(
+            shop,
+            lambda own: _columns(shop, found, own, steps),
+            projection.inverse @ projection.coordinates(target),
+            projection,
+        )
+        covariance += np.outer(bias, bias)
+    return dataclasses.replace(found, covariances=tuple(covariance[p, p] for p in places))
+
+
+def _columns(
+    shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " shapes"]]
+) -> tuple[Float[ndarray, "joints rows columns"], Float[ndarray, "joints rows"]]:
+    """White columns of base model, additions and nuisances on a layout, and their target."""
+    joints, count, _ = layout.regressor.shape
+    blocks, target = [layout.regressor], layout.torque.copy()
+    for trial, coefficients, step in zip(found.chosen, found.coefficients, steps, strict=True):
+        own = moved(trial, layout.rows, shop.context)
+        columns = dense(own, joints, count)
+        if trial.fixed:
+            target -= columns.sum(axis=2)
+        else:
+            blocks.append(columns)
+        blocks.append(secants(shop, trial, coefficients, layout, step))
+    return np.concatenate([*blocks, layout.nuisances], axis=2), target
+
+
+def _places(found: Augmented, layout: Layout) -> list[slice]:
+    """Where the parameters of each addition stand: coefficients unless fixed, then shapes."""
+    start, places = layout.regressor.shape[2], []
+    for trial in found.chosen:
+        size = len(trial.values) + (0 if trial.fixed else len(trial.effect.parameters))
+        places.append(slice(start, start + size))
+        start += size
+    return places
+
+
+def robust_covariance(
+    projection: Projection,
+    residual: Float[ndarray, "joints rows"],
+    weights: Float[ndarray, "rows joints"],
+    blocks: Int[ndarray, " rows"],
+) -> Float[ndarray, "parameters parameters"]:
+    """Covariance of a fit to white rows, each variance the larger of the noise's and the blocks'.
+
+    Args:
+        projection: Of the regressor; its inverse gives the parameters of interest.
+        residual: White residual, of unit variance if nothing but noise is left.
+        weights: Of the rows, whose squares add up to the rows that count.
+        blocks: Number of the block of each row; blocks err independently.
+    """
+    freedom = max(float(np.sum(weights**2)) - projection.rank, 1.0)
+    inflation = max(1.0, float(np.sum(residual**2)) / freedom)
+    noise = inflation * projection.inverse @ projection.inverse.T
+    scores = np.zeros((int(blocks.max()) + 1, projection.rank))
+    np.add.at(scores, blocks, np.einsum("jrb,jr->rb", projection.basis, residual, optimize=True))
+    # A fit takes its share of what the rows err: as for the mean square.
+    share = len(scores) / max(len(scores) - 1, 1) * (1 + projection.rank / freedom)
+    by_block = share * np.sum((scores @ projection.inverse.T) ** 2, axis=0)
+    own = np.diag(noise)
+    scale = np.sqrt(np.maximum(by_block / np.where(own > 0, own, np.inf), 1.0))
+    return noise * np.outer(scale, scale)
+
+
+def secants(
+    shop: Workshop,
+    trial: Trial,
+    coefficients: Float[ndarray, " columns"],
+    layout: Layout,
+    steps: Float[ndarray, " shapes"],
+) -> Float[ndarray, "joints rows shapes"]:
+    """Change of an addition's white torque along each shape's axis, over a step both ways.
+
+    Args:
+        shop: Its context rebuilds the addition.
+        trial: The addition.
+        coefficients: Of its columns.
+        layout: Rows.
+        steps: On each axis; cut at its ends.
+    """
+    joints, count, _ = layout.regressor.shape
+    if not trial.values:
+        return np.zeros((joints, count, 0))
+    entry = CATALOGUE[trial.name]
+    shapes = entry.shapes_for(shop.context, trial.target)
+    axes = np.array([to_axis(v, s) for v, s in zip(trial.values, shapes, strict=True)])
+
+    def torque(place: int, axis: float) -> Float[ndarray, "joints rows"]:
+        values = list(trial.values)
+        values[place] = from_axis(axis, shapes[place])
+        moved = catalogue_trial(entry, shop.context, trial.target, tuple(values), layout.rows)
+        return dense(moved, joints, count) @ coefficients
+
+    columns = []
+    for k, (axis, step) in enumerate(zip(axes, steps, strict=True)):
+        lower, upper = max(axis - step, 0.0), min(axis + step, 1.0)
+        if upper <= lower:
+            columns.append(np.zeros((joints, count)))
+            continue
+        columns.append((torque(k, upper) - torque(k, lower)) / (upper - lower))
+    return np.stack(columns, axis=2)

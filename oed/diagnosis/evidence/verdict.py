@@ -1,0 +1,287 @@
+"""What may honestly be said: found effects with their evidence, rivals, and what has no name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from oed.diagnosis.baseline.noise_floor import NoiseSource
+from oed.diagnosis.evidence.lack_of_fit import LackOfFit
+from oed.diagnosis.evidence.uncertainty import with_uncertainty
+from oed.diagnosis.search.judgement import Accepted, held_out_fault, is_own
+from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.scan import Score, score
+from oed.diagnosis.search.selection import Selection
+from oed.diagnosis.search.turning import NAME as GRAVITY
+from oed.diagnosis.search.turning import total_tilt
+from oed.diagnosis.search.workbench import moved
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.shape_axes import axis_slope
+from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.gravity import tilt_directions
+
+Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
+RIVALS = 5
+# Ratio of residual to floor above which a lack of fit without a located cause is stated.
+CLEAR_LACK = {"repetitions": 1.4, "free-form fit": 1.4}
+# Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
+# err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
+SYSTEMATIC = 0.005
+SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
+
+
+@dataclass(frozen=True)
+class Estimated:
+    """A parameter of an effect."""
+
+    name: str
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another effect in the place of one that was found.
+
+    Attributes:
+        name: Of the catalogue.
+        joint: Index, None for the whole arm.
+        evidence: By how much the found one is better, in -2 log likelihood less Schwarz's
+            penalty.
+        trial: Its columns, for the design that will tell.
+        contender: Whether that difference is too small to tell, and it passes all tests that
+            the found one passed.
+    """
+
+    name: str
+    joint: int | None
+    evidence: float
+    trial: Trial
+    contender: bool
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """An effect that the data carry.
+
+    Attributes:
+        name: Of the catalogue.
+        joint: Index, None for the whole arm.
+        parameters: Coefficients and shapes.
+        p_value: Family-wise, over the whole search.
+        validation_gain: Share by which it lowers the validation rms of its joints; None
+            without validation recordings.
+        rivals: What else could have been named.
+        trial: Its columns.
+    """
+
+    name: str
+    joint: int | None
+    parameters: tuple[Estimated, ...]
+    p_value: float
+    validation_gain: float | None
+    rivals: tuple[Rival, ...]
+    trial: Trial
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """Something that is there and has no name.
+
+    Attributes:
+        joint: Index.
+        depends_on: Coordinates that it depends on.
+        share: Of the joint's residual variance (before any addition) that it carries; of what
+            repetitions differ by where it keeps its own time.
+        label: What it is, in words.
+        stands_in: Whether the free-form term is part of the augmented model.
+        trial: Its columns; None where it is no function of the state.
+    """
+
+    joint: int
+    depends_on: tuple[str, ...]
+    share: float
+    label: str
+    stands_in: bool
+    trial: Trial | None = None
+
+
+def describe_effects(shop: Workshop, selection: Selection) -> tuple[FoundEffect, ...]:
+    """Every named effect with parameters, evidence and rivals."""
+    found = []
+    whole = with_uncertainty(shop, selection.found)
+    for trial, coefficients, covariance in zip(
+        whole.chosen, whole.coefficients, whole.covariances, strict=True
+    ):
+        if trial.is_free_form:
+            continue
+        own = next(a for a in selection.accepted if a.trial.key == trial.key)
+        others = [t for t in selection.trials if t.key != trial.key]
+        found.append(
+            FoundEffect(
+                name=trial.name,
+                joint=trial.joint,
+                parameters=_estimates(
+                    shop, trial, _from_declared(shop, trial, coefficients), covariance
+                ),
+                p_value=own.p_value,
+                validation_gain=_validation_gain(shop, selection, others, trial),
+                rivals=_rivals(shop, own, others),
+                trial=trial,
+            )
+        )
+    return tuple(found)
+
+
+def describe_unexplained(shop: Workshop, selection: Selection) -> tuple[Unexplained, ...]:
+    """Free-form terms that the data demand, with the share of the residual that they carry."""
+    result = []
+    for item in selection.accepted:
+        effect = item.trial.effect
+        if not isinstance(effect, FreeForm):
+            continue
+        residual = shop.fit((), shop.layout(item.trial)).fit.residual[effect.joint]
+        share = min(1.0, item.gain / float(np.sum(residual**2)))
+        result.append(
+            Unexplained(
+                effect.joint, effect.depends_on, share, effect.label, item.stands_in, item.trial
+            )
+        )
+    return tuple(result)
+
+
+def decide(
+    effects: Sequence[FoundEffect],
+    unexplained: Sequence[Unexplained],
+    left: LackOfFit,
+    source: NoiseSource,
+    settings: DiagnosisSettings,
+) -> Outcome:
+    """The verdict in the interface's words.
+
+    A free-form term that mends the formula of a named effect is no riddle. A lack of fit that no term locates counts only where it is clear: a floor that was not
+    read off repetitions is itself uncertain by some tenths.
+    """
+    if any(r.contender for e in effects for r in e.rivals):
+        return "ambiguous"
+    limit = settings.floor_ratio if effects else CLEAR_LACK[source]
+    limit = max(limit, CLEAR_LACK[source]) if source != "repetitions" else limit
+    significant = (left.p_value < settings.level) & (left.ratio > limit)
+    strange = [u for u in unexplained if not any(_mends(u, e) for e in effects)]
+    if strange or np.any(significant):
+        return "unexplained"
+    return "explained" if effects else "nothing found"
+
+
+def _mends(term: Unexplained, effect: FoundEffect) -> bool:
+    """Whether a free-form term is but a freer form of the effect."""
+    if term.trial is None:
+        return False
+    return term.joint == effect.joint and is_own(term.trial, effect.trial)
+
+
+def _from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np.ndarray:
+    """Coefficients, a tilt's counted from the declared gravity."""
+    if trial.name != GRAVITY or not shop.is_turned:
+        return coefficients
+    count = len(tilt_directions(shop.baseline.model.robot.gravity)[0])
+    return np.concatenate([total_tilt(shop, coefficients[:count]), coefficients[count:]])
+
+
+def _estimates(
+    shop: Workshop, trial: Trial, coefficients: np.ndarray, covariance: np.ndarray
+) -> tuple[Estimated, ...]:
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    parameters = trial.effect.parameters
+    estimates = []
+    if not trial.fixed:
+        estimates = [
+            Estimated(p.name, float(v), float(s), p.unit)
+            for p, v, s in zip(parameters, coefficients, deviations[: len(parameters)], strict=True)
+        ]
+        deviations = deviations[len(parameters) :]
+    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
+    for shape, value, on_axis in zip(shapes, trial.values, deviations, strict=False):
+        std = float(on_axis) * axis_slope(value, shape)
+        # A shape can be no less certain than anywhere in its range.
+        spread = (shape.upper - shape.lower) / np.sqrt(12)
+        estimates.append(Estimated(shape.name, value, min(std, float(spread)), shape.unit))
+    return tuple(estimates)
+
+
+def _validation_gain(
+    shop: Workshop, selection: Selection, others: list[Trial], trial: Trial
+) -> float | None:
+    layout = shop.layout_for(selection.trials)
+    without = shop.validation_rms(shop.fit(others, layout, bend=False))
+    whole = shop.validation_rms(shop.fit(selection.trials, layout, bend=False))
+    if without is None or whole is None:
+        return None
+    joints = list(trial.group)
+    return float(1 - np.sqrt(np.sum(whole[joints] ** 2) / np.sum(without[joints] ** 2)))
+
+
+def _rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, ...]:
+    rows = shop.full.rows.count
+    layout = shop.layout(own.trial)
+    fit = shop.fit(others, layout).fit
+    contrast = own.trial.between_repetitions and shop.full is not shop.mean
+    here = score(
+        moved(own.trial, layout.rows, shop.context, contrast=contrast),
+        fit.projection,
+        fit.residual,
+    )
+    rivals = []
+    for found in ranked(shop, shop.physical, others, RIVALS):
+        if found.trial.key == own.trial.key or len(rivals) == RIVALS:
+            continue
+        behind = here.evidence(rows) - found.evidence(rows)
+        decisive = shop.settings.decisive
+        if _is_of_kind(found.trial, own.trial):
+            decisive = max(decisive, SYSTEMATIC * here.gain)
+        contender = bool(behind < decisive) and _contends(shop, found, here, others, fit)
+        rivals.append(
+            Rival(found.trial.name, found.trial.joint, float(behind), found.trial, contender)
+        )
+    return tuple(rivals)
+
+
+def _is_of_kind(one: Trial, other: Trial) -> bool:
+    """Whether two effects of one family are attached to the same joint, or to the arm."""
+    families = (set(CATALOGUE[t.name].families) for t in (one, other))
+    return one.joint == other.joint and bool(set.intersection(*families))
+
+
+def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial], fit) -> bool:
+    """Whether a rival passes the tests, and is not the same effect under another name."""
+    entry = CATALOGUE[rival.trial.name]
+    reason = entry.plausible(
+        shop.context, rival.trial.target, rival.trial.values, rival.coefficients
+    )
+    if reason is not None or held_out_fault(shop, others, rival.trial) is not None:
+        return False
+    if rival.trial.name != own.trial.name:
+        return True
+    return _likeness(rival, own, fit) < SAME_COLUMNS
+
+
+def _likeness(a: Score, b: Score, fit) -> float:
+    """Cosine between two fitted additions outside the model's span."""
+    joints, rows = fit.residual.shape
+    vectors = []
+    for item in (a, b):
+        torque = np.zeros((joints, rows))
+        if any(block.shape[0] != rows for block in item.trial.group.values()):
+            return 0.0
+        for joint, block in item.trial.group.items():
+            torque[joint] = block @ item.coefficients
+        vectors.append(fit.projection.residual(torque).ravel())
+    lengths = [float(np.linalg.norm(v)) for v in vectors]
+    return abs(float(vectors[0] @ vectors[1])) / max(lengths[0] * lengths[1], 1e-300)

@@ -1,0 +1,1 @@
+"""White rows and linear fits to them."""

@@ -1,0 +1,114 @@
+"""Whitened, weighted rows of several recordings: what every statistic here is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+from scipy.ndimage import maximum_filter1d
+
+from oed.diagnosis.data.direction import direction_error
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.whitening import Autoregression
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Recordings with the noise that whitens them.
+
+    Attributes:
+        prepared: The recordings, one after another.
+        noise: Autoregression of each joint.
+        scales: Standard deviation of each recording's noise, in units of the autoregression's.
+        weights: (R, n) by which whitened rows are multiplied: below one where the
+            direction is uncertain, zero where a row has no past.
+    """
+
+    prepared: tuple[Prepared, ...]
+    noise: tuple[Autoregression, ...]
+    scales: tuple[float, ...]
+    weights: Float[ndarray, "rows joints"]
+
+    @property
+    def count(self) -> int:
+        """Rows R of one joint."""
+        return len(self.weights)
+
+    @property
+    def starts(self) -> Int[ndarray, " recordings_and_end"]:
+        """First row of each recording, and the end."""
+        return np.concatenate([[0], np.cumsum([p.rows for p in self.prepared])])
+
+    def whiten(
+        self, blocks: Sequence[Float[ndarray, "_ columns"]], joint: int
+    ) -> Float[ndarray, "rows columns"]:
+        """White rows of one joint from filtered blocks, one a recording."""
+        noise = self.noise[joint]
+        white = np.concatenate(
+            [noise.whiten(block) / scale for block, scale in zip(blocks, self.scales, strict=True)]
+        )
+        return white * self.weights[:, joint, None]
+
+    def whiten_fine(
+        self, blocks: Sequence[Float[ndarray, "_ columns"]], joint: int
+    ) -> Float[ndarray, "rows columns"]:
+        """White rows of one joint from columns on the fine grids."""
+        filtered = [p.band.apply(b) for p, b in zip(self.prepared, blocks, strict=True)]
+        return self.whiten(filtered, joint)
+
+    def torque(self) -> Float[ndarray, "joints rows"]:
+        """White torque of every joint."""
+        joints = self.weights.shape[1]
+        return np.stack(
+            [self.whiten([p.torque[:, [j]] for p in self.prepared], j)[:, 0] for j in range(joints)]
+        )
+
+
+def weigh(
+    prepared: tuple[Prepared, ...],
+    noise: tuple[Autoregression, ...],
+    coulomb: Float[ndarray, " joints"],
+    scales: tuple[float, ...] | None = None,
+    dilution: Float[ndarray, " joints"] | None = None,
+) -> Rows:
+    """Rows whose weights know where the direction of motion is uncertain.
+
+    Friction of unknown sign, passed through the band and the whitening filter, gives each row
+    near a reversal an extra variance.
+
+    Args:
+        prepared: The recordings.
+        noise: Autoregression of each joint.
+        coulomb: (n,) height of the torque step at a reversal, one side [N m].
+        scales: As in `Rows`; all 1 if None.
+        dilution: (n,) correlated rows that count as one, where noise is not whitened.
+    """
+    scales = (1.0,) * len(prepared) if scales is None else scales
+    weights = []
+    for recording, scale in zip(prepared, scales, strict=True):
+        column = [
+            _weights_of(recording, joint, noise[joint].with_scale(scale), float(coulomb[joint]))
+            for joint in range(len(noise))
+        ]
+        weights.append(np.stack(column, axis=1))
+    stacked = np.concatenate(weights)
+    if dilution is not None:
+        stacked = stacked / np.sqrt(dilution)
+    return Rows(prepared, noise, scales, stacked)
+
+
+def _weights_of(
+    recording: Prepared, joint: int, noise: Autoregression, coulomb: float
+) -> Float[ndarray, " rows"]:
+    spread = direction_error(recording, joint, coulomb)[:: recording.band.factor]
+    error = np.abs(noise.whiten(spread[:, None])[:, 0])
+    error = maximum_filter1d(np.maximum(error, spread / noise.deviation), 3)
+    weights = 1 / np.sqrt(1 + error**2)
+    # A row is as good as the past that whitening reads.
+    lacking = np.convolve(~recording.valid, np.ones(noise.order + 1))[: len(weights)]
+    weights[lacking > 0.5] = 0.0
+    weights[: noise.order] = 0.0
+    return weights

@@ -1,0 +1,1 @@
+"""Effects that the data cannot tell apart, and the motion that will."""

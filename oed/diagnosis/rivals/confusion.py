@@ -1,0 +1,190 @@
+"""How often noise makes the wrong one of two rivals win, refitted with all their shapes.
+
+Phi(-sqrt(lambda) / 2) (Atkinson and Fedorov 1975) is the chance of a wrong choice between two
+models that have nothing to fit. A rival whose shapes are searched over a wide range fits noise
+besides, and the diagnosis names by evidence, which charges for every parameter. So the
+favourite's torque is drawn with noise many times, both are fitted, and the wrong ones counted
+(a parametric bootstrap; Efron and Tibshirani 1993, section 6.5).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.linear_fit import (
+    ABSORBED,
+    LinearFit,
+    gram_and_moment,
+    project,
+    reversal_nuisances,
+    whitened_regressor,
+)
+from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.search.workbench import Layout
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.shape_axes import from_axis, to_axis
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of, white_group
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+DRAWS = 400  # of the noise: a rate of 10 % is known within 1.5 points
+NEARBY = np.array([-1.0, -0.5, -0.25, 0.25, 0.5, 1.0])  # of a grid's step, around a fitted shape
+
+# Favourite, its coefficients, and rival.
+Pair = tuple[Trial, Float[ndarray, " columns"], Trial]
+
+
+@dataclass(frozen=True)
+class Confusion:
+    """Predicted chances that noise makes the rival win where the favourite is true.
+
+    Attributes:
+        by_fit: Of a better fit, whatever it cost.
+        by_name: Of more evidence, as the diagnosis names.
+    """
+
+    by_fit: float
+    by_name: float
+
+
+def confusion(
+    shop: Workshop,
+    pair: Pair,
+    rng: np.random.Generator,
+    further: Prepared | None = None,
+    *,
+    draws: int = DRAWS,
+) -> Confusion:
+    """Draw the favourite's torque with noise, fit both rivals, and count.
+
+    Args:
+        shop: The data at hand, and their noise.
+        pair: Favourite, its coefficients, and rival.
+        rng: Of the noise.
+        further: A recording besides those at hand, run as often as the first of these.
+        draws: Of the noise.
+    """
+    fit = torque_beside(shop, pair, further)
+    noise = rng.standard_normal((*fit.residual.shape, draws)) * fit.rows.weights.T[:, :, None]
+    # The part of the noise within the model is lost to both.
+    inside = np.einsum("jrb,jrd->bd", fit.projection.basis, noise, optimize=True)
+    noise -= np.einsum("jrb,bd->jrd", fit.projection.basis, inside, optimize=True)
+    drawn = fit.residual[:, :, None] + noise
+    count = shop.full.rows.count * fit.rows.count / shop.layout_for([pair[0], pair[2]]).rows.count
+    own, other = (_best(_around(shop, t, fit), fit, drawn, count) for t in (pair[0], pair[2]))
+    return Confusion(float(np.mean(other[0] > own[0])), float(np.mean(other[1] > own[1])))
+
+
+def _best(
+    trials: Sequence[Trial],
+    fit: LinearFit,
+    drawn: Float[ndarray, "joints rows draws"],
+    count: float,
+) -> tuple[Float[ndarray, " draws"], Float[ndarray, " draws"]]:
+    """Largest gain of a candidate over its shapes, and the evidence of that shape."""
+    gain = np.full(drawn.shape[2], -np.inf)
+    evidence = gain.copy()
+    for trial in trials:
+        new, charged = _gains(trial, fit, drawn, count)
+        evidence = np.where(new > gain, charged, evidence)
+        gain = np.maximum(new, gain)
+    return gain, evidence
+
+
+def _gains(
+    trial: Trial, fit: LinearFit, drawn: Float[ndarray, "joints rows draws"], count: float
+) -> tuple[Float[ndarray, " draws"], Float[ndarray, " draws"]]:
+    """Gain and evidence as `oed.diagnosis.search.scan.score` has them, of many torques at once."""
+    (gram, lengths), _ = gram_and_moment(fit.projection, fit.residual, trial.group)
+    # The drawn torque has no part within the model, so that the columns need no projection.
+    moments = sum(block.T @ drawn[joint] for joint, block in trial.group.items())
+    if trial.fixed:
+        gains = 2 * moments.sum(axis=0) - gram.sum()
+        return gains, gains - trial.shapes * np.log(count)
+    scale = np.sqrt(np.where(lengths > 0, lengths, 1.0))
+    values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
+    kept = values > ABSORBED**2 * len(values)
+    projected = vectors[:, kept].T @ (moments / scale[:, None])
+    gains = np.sum(projected**2 / values[kept, None], axis=0)
+    coefficients = vectors[:, kept] @ (projected / values[kept, None]) / scale[:, None]
+    own = sum(np.sum((b @ coefficients) ** 2, axis=0) for b in trial.group.values())
+    cancelled = np.maximum(own / np.maximum(gains, 1e-300), 1.0)
+    freedom = int(kept.sum()) + trial.shapes
+    return gains, gains - freedom * np.log(count) - len(scale) * np.log(cancelled)
+
+
+def _around(shop: Workshop, trial: Trial, fit: LinearFit) -> list[Trial]:
+    """A candidate over the grid of its shapes, and more finely around its own."""
+    entry, context = CATALOGUE[trial.name], shop.context
+    shapes = entry.shapes_for(context, trial.target)
+    values = {trial.values, *grid_of(shapes)} if shapes else {trial.values}
+    axes = []
+    for value, shape in zip(trial.values, shapes, strict=True):
+        here = to_axis(value, shape)
+        near = here + NEARBY / max(shape.points - 1, 1)
+        axes.append([value, *(from_axis(float(x), shape) for x in near if 0 <= x <= 1)])
+    values |= set(product(*axes))
+    return [catalogue_trial(entry, context, trial.target, v, fit.rows) for v in sorted(values)]
+
+
+def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> LinearFit:
+    """The favourite's white torque, fitted with base model and nuisances alone.
+
+    Args:
+        shop: The data at hand, and their noise.
+        pair: Favourite, its coefficients, and rival.
+        further: A recording besides those at hand, run as often as the first of these.
+    """
+    favourite, coefficients, rival = pair
+    layout = _with_further(shop, shop.layout_for([favourite, rival]), further)
+    regressor = np.concatenate([layout.regressor, layout.nuisances], axis=2)
+    projection = project(regressor)
+    # The effect as it was fitted: one that acts on the model's torque brings its own.
+    mine = dataclasses.replace(favourite, group=white_group(favourite.effect, layout.rows))
+    torque = dense_columns(mine, shop.context.n, layout.rows.count) @ coefficients
+    coordinates = projection.coordinates(torque)
+    return LinearFit(
+        model=shop.baseline.model,
+        columns=shop.baseline.columns,
+        rows=layout.rows,
+        projection=projection,
+        parameters=projection.inverse @ coordinates,
+        residual=torque - projection.basis @ coordinates,
+    )
+
+
+def _with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> Layout:
+    """A layout and one more recording."""
+    if further is None:
+        return layout
+    base = shop.baseline
+    scale = layout.rows.scales[0]
+    new = base.rows((further,), (scale,))
+    old = layout.rows
+    rows = Rows(
+        (*old.prepared, further),
+        old.noise,
+        (*old.scales, scale),
+        np.concatenate([old.weights, new.weights]),
+    )
+    blocks = (
+        (layout.regressor, whitened_regressor(base.model, base.columns, new)),
+        (layout.nuisances, reversal_nuisances(new)),
+        (layout.torque, new.torque()),
+    )
+    return Layout(rows, *(np.concatenate(pair, axis=1) for pair in blocks))
+
+
+def dense_columns(trial: Trial, joints: int, rows: int) -> Float[ndarray, "joints rows columns"]:
+    """White columns of a trial, zero at joints where it does not act."""
+    dense = np.zeros((joints, rows, next(iter(trial.group.values())).shape[1]))
+    for joint, block in trial.group.items():
+        dense[joint] = block
+    return dense

@@ -1,0 +1,202 @@
+"""The motion on which two rival explanations differ most (T-optimality).
+
+Atkinson and Fedorov 1975, "The design of experiments for discriminating between two rival
+models", Biometrika 62(1): maximise lambda = min over the rival's parameters of the squared white
+distance between its prediction and the favourite's. Two rivals of equal freedom are then confused
+with the probability Phi(-sqrt(lambda) / 2); what their shapes and the price of their parameters
+change in that is drawn (`oed.diagnosis.rivals.confusion`).
+
+What decides between rivals is the new motion and the recordings at hand together, fitted with
+one set of parameters: lambda is that of both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.stats import norm
+
+from oed.design.default_limits import with_default_limits
+from oed.design.limits import fill
+from oed.design.trajectories import FourierClass
+from oed.diagnosis.data.prepare import EDGE, Prepared
+from oed.diagnosis.fit.linear_fit import addition
+from oed.diagnosis.rivals.confusion import Pair, confusion, dense_columns, torque_beside
+from oed.diagnosis.search.scan import refine, score
+from oed.diagnosis.search.workbench import moved, shape_derivatives
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.motion import Motion
+
+HARMONICS = (5, 10, 15)  # more harmonics separate delays and lags, few separate slow effects
+AMPLITUDES = (1.0, 0.3, 0.1)  # of what the limits allow: small ones tell Dahl from Stribeck
+# Motions of which the rival is refitted in full: the slope of its shape alone may promise a
+# separation that another shape takes back.
+REFITTED = 4
+
+
+@dataclass(frozen=True)
+class NextExperiment:
+    """A motion that tells rivals apart.
+
+    Attributes:
+        motion: One period on the fine grid.
+        separation: lambda of the recordings at hand and the new motion, the least over the pairs.
+        separation_now: lambda of the recordings at hand.
+        error_rate: Predicted chance that the rival is named where the favourite is true, on all
+            of these, the largest over the pairs.
+        error_rate_now: The same on the recordings at hand.
+        pairs: Names of the rivals, in words.
+        tried: Number of motions that were compared.
+        notes: Limits that had to be assumed.
+    """
+
+    motion: Motion
+    separation: float
+    separation_now: float
+    error_rate: float
+    error_rate_now: float
+    pairs: tuple[str, ...]
+    tried: int
+    notes: tuple[str, ...]
+
+
+def design_discriminating(
+    shop: Workshop,
+    pairs: Sequence[Pair],
+    rng: np.random.Generator,
+    *,
+    candidates: int = 48,
+) -> NextExperiment:
+    """The best of a number of random motions within the limits.
+
+    The new motion is taken to be run as many times as the first recording's.
+
+    Args:
+        shop: The data at hand: model, noise, limits.
+        pairs: Favourite, its coefficients, and rival.
+        rng: Draws motions.
+        candidates: Motions to compare.
+    """
+    if candidates < 1:
+        raise ValueError(f"{candidates=} motions leave nothing to choose from")
+    robot, notes = with_default_limits(shop.baseline.model.robot)
+    pattern = shop.mean.rows.prepared[0]
+    horizon = _one_run(pattern)
+    tried: list[tuple[float, Motion]] = []
+    for k in range(candidates):
+        cycle = FourierClass(horizon, robot.limits, harmonics=HARMONICS[k % len(HARMONICS)])
+        z = fill(cycle, cycle.draw(rng), robot.limits)
+        amplitude = AMPLITUDES[(k // len(HARMONICS)) % len(AMPLITUDES)]
+        z = cycle.shrink(z, np.full(robot.n, amplitude))
+        motion = cycle.motion(z, np.arange(0.0, horizon, 1 / pattern.band.rate))
+        further = as_prepared(pattern, motion)
+        tried.append((min(_slope_separation(shop, pair, further) for pair in pairs), motion))
+    leading = sorted(tried, key=lambda item: -item[0])[:REFITTED]
+    best, motion = max(
+        (
+            (min(separation(shop, *p, as_prepared(pattern, m)) for p in pairs), m)
+            for _, m in leading
+        ),
+        key=lambda item: item[0],
+    )
+    now = min(separation(shop, *pair) for pair in pairs)
+    further = as_prepared(pattern, motion)
+    return NextExperiment(
+        motion=motion,
+        separation=best,
+        separation_now=now,
+        error_rate=max(confusion(shop, p, rng, further).by_name for p in pairs),
+        error_rate_now=max(confusion(shop, p, rng).by_name for p in pairs),
+        pairs=tuple(f"{a.name} or {b.name}" for a, _, b in pairs),
+        tried=candidates,
+        notes=notes,
+    )
+
+
+def error_rate(separation: float) -> float:
+    """Chance that noise makes the wrong one of two models without free shapes fit better."""
+    return float(norm.cdf(-np.sqrt(max(separation, 0.0)) / 2))
+
+
+def separation(
+    shop: Workshop,
+    favourite: Trial,
+    coefficients: Float[ndarray, " columns"],
+    rival: Trial,
+    further: Prepared | None = None,
+) -> float:
+    """lambda: what of the favourite's torque no parameters of base model and rival reproduce.
+
+    The rival's shapes are searched over their whole range.
+
+    Args:
+        shop: The data at hand, and their noise.
+        favourite: The explanation that is taken for true.
+        coefficients: Of its columns.
+        rival: The other one.
+        further: A recording besides those at hand, run as often as the first of these.
+    """
+    fit = torque_beside(shop, (favourite, coefficients, rival), further)
+    entry, context = CATALOGUE[rival.name], shop.context
+    shapes = entry.shapes_for(context, rival.target)
+    values = [rival.values, *grid_of(shapes)] if shapes else [rival.values]
+    tried = (catalogue_trial(entry, context, rival.target, v, fit.rows) for v in values)
+    scores = [score(trial, fit.projection, fit.residual) for trial in tried]
+    # From where the rival stands, and from the best of the grid: there is more than one valley.
+    starts = {s.trial.values: s for s in (scores[0], max(scores, key=lambda s: s.gain))}
+    gain = max(refine(s, fit, context).gain for s in starts.values())
+    return max(0.0, fit.squares - gain)
+
+
+def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:
+    """A motion that nobody has run yet, in the clothes of a recording."""
+    silent = np.zeros_like(motion.q)
+    torque = pattern.band.apply(silent)
+    t = pattern.band.instants(motion.t)
+    return Prepared(
+        name="next",
+        role="estimation",
+        motion=motion,
+        fine_torque=silent,
+        torque=torque,
+        t=t,
+        band=pattern.band,
+        repetition=np.full(len(t), -1),
+        period=None,
+        sign_noise=pattern.sign_noise,
+        recorded=np.ones(len(motion), dtype=bool),
+    )
+
+
+def _one_run(pattern: Prepared) -> float:
+    """Length of one repetition as it was recorded [s], the edges that preparing cuts included.
+
+    Noise is read off repetitions of several recordings only if their periods are equal.
+    """
+    cut = int(np.ceil(EDGE * pattern.band.rate))
+    return (len(pattern.motion) + 2 * cut) / pattern.band.rate
+
+
+def _slope_separation(shop: Workshop, pair: Pair, further: Prepared) -> float:
+    """As `separation`, the rival's shapes to first order about where they are: quick."""
+    rival = pair[2]
+    fit = torque_beside(shop, pair, further)
+    context, joints = shop.context, range(shop.context.n)
+    own = moved(rival, fit.rows, context)
+    dense = dense_columns(own, len(joints), fit.rows.count)
+    found = score(own, fit.projection, fit.residual)
+    bends = shape_derivatives(own, found.coefficients, fit.rows, context)
+    residual = fit.residual
+    columns = np.concatenate([dense, bends], axis=2)
+    if own.fixed:
+        residual, columns = residual - fit.projection.residual(dense.sum(axis=2)), bends
+    squares = float(np.sum(residual**2))
+    if not columns.shape[2]:
+        return squares
+    return squares - addition(fit.projection, residual, {j: columns[j] for j in joints}).gain

@@ -1,0 +1,1 @@
+"""Which additions the data demand."""

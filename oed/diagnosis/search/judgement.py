@@ -1,0 +1,214 @@
+"""Whether one candidate may be added: plausible, significant, and paying on what it has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.search.held_out import cross_validate
+from oed.diagnosis.search.scan import Score, family_p_value, inflation_of, score, surrogate_surprise
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+COVERED = 0.3  # share of a gain that is left where another term explains the rest
+WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls
+# Share of what joints win, in squares of the floor, that others may lose to a named effect: it
+# moves parameters that all rows share. To what claims no physics nobody has to lose.
+PRICE = 1 / 3
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """An addition with the evidence at the time it was accepted.
+
+    Attributes:
+        trial: The addition.
+        gain: Fall of the white sum of squares.
+        p_value: Family-wise, over the whole search.
+        stands_in: Whether it is part of the model. A free-form term that does not predict
+            what it was not fitted to only says where something is missing.
+    """
+
+    trial: Trial
+    gain: float
+    p_value: float
+    stands_in: bool = True
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A candidate that looked good and was turned down.
+
+    Attributes:
+        name: Of the catalogue, or the free-form term's label.
+        joint: Index, None for the whole arm.
+        gain: Fall of the white sum of squares that it promised.
+        reason: Why it was turned down.
+    """
+
+    name: str
+    joint: int | None
+    gain: float
+    reason: str
+
+
+def judge(
+    shop: Workshop,
+    candidate: Score,
+    accepted: list[Accepted],
+    pool: Sequence[Trial],
+    refused: list[Refused],
+) -> Accepted | None:
+    """All tests in the order of their cost; the first that fails is the reason given."""
+    others = [a.trial for a in accepted]
+    reason = too_little(shop, candidate, accepted) or _implausible(shop, candidate)
+    p_value = 1.0
+    if reason is None:
+        p_value = _p_value(shop, candidate, others, pool)
+        if p_value > shop.settings.level:
+            reason = f"p = {p_value:.2g} after the multiplicity of the search"
+    fault = held_out_fault(shop, others, candidate.trial) if reason is None else None
+    if reason is not None or (fault is not None and not candidate.trial.is_free_form):
+        refused.append(refusal(candidate, reason or str(fault)))
+        return None
+    return Accepted(candidate.trial, candidate.gain, p_value, stands_in=fault is None)
+
+
+def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> str | None:
+    """Why a candidate only wipes up what an earlier addition left; None if it does more."""
+    for earlier in accepted:
+        if not set(earlier.trial.group) & set(candidate.trial.group):
+            continue
+        share = candidate.gain / max(earlier.gain, 1e-300)
+        if share < shop.settings.mop_up_floor:
+            return f"gains {share:.1%} of what {earlier.trial.name} gained"
+        if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
+            return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
+        if share < shop.settings.mending_share:
+            mend = _mended_by(shop, candidate, earlier, [a.trial for a in accepted])
+            if mend is not None:
+                return f"{mend} would mend the formula of {earlier.trial.name} as well"
+    others = [a.trial for a in accepted]
+    residual = shop.fit(others, shop.layout(candidate.trial)).fit.residual
+    share = candidate.gain / float(np.sum(residual[list(candidate.trial.group)] ** 2))
+    if share < shop.settings.least_share:
+        return f"removes {share:.2%} of the residual's variance"
+    return None
+
+
+def _mended_by(
+    shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
+) -> str | None:
+    """A free-form term of an earlier effect's own coordinates that covers a candidate."""
+    if earlier.trial.is_free_form or candidate.trial.is_free_form:
+        return None
+    layout = shop.layout(candidate.trial)
+    for mend in shop.smooth:
+        if (
+            mend.joint == earlier.trial.joint
+            and not mend.between_repetitions
+            and is_own(mend, earlier.trial)
+        ):
+            fit = shop.fit([*others, mend], layout).fit
+            left = score(candidate.trial, fit.projection, fit.residual).gain
+            if left < COVERED * candidate.gain:
+                return str(mend.key[0])
+    return None
+
+
+def within(coordinates: Sequence[str], trial: Trial) -> bool:
+    """Whether an effect depends on all of these coordinates."""
+    return not trial.is_free_form and set(coordinates) <= set(trial.effect.depends_on)
+
+
+def is_own(free: Trial, named: Trial) -> bool:
+    """Whether a free-form term is but a freer form of a named effect.
+
+    None of the catalogue's effects is a signal whose coefficient varies with position.
+    """
+    effect = free.effect
+    return isinstance(effect, FreeForm) and not effect.varies and within(effect.depends_on, named)
+
+
+def share_needed(free: Sequence[Trial], named: Trial, settings: DiagnosisSettings) -> float:
+    """Share of what free-form terms explain that a named effect must reach to keep its name."""
+    if any(is_own(t, named) for t in free):
+        return settings.own_family_share
+    effects = [t.effect for t in free]
+    if any(isinstance(effect, FreeForm) and effect.varies for effect in effects):
+        return settings.foreign_share
+    return settings.family_share
+
+
+def _implausible(shop: Workshop, candidate: Score) -> str | None:
+    trial = candidate.trial
+    if trial.is_free_form:
+        return None
+    entry = CATALOGUE[trial.name]
+    return entry.plausible(shop.context, trial.target, trial.values, candidate.coefficients)
+
+
+def _families(item: Accepted | Score) -> set[str]:
+    return set() if item.trial.is_free_form else set(CATALOGUE[item.trial.name].families)
+
+
+def _p_value(
+    shop: Workshop, candidate: Score, others: Sequence[Trial], pool: Sequence[Trial]
+) -> float:
+    """Family-wise p-value; chance is what the model with the candidate leaves."""
+    between = candidate.trial.between_repetitions
+    layout = shop.layout(candidate.trial)
+    after = shop.fit([*others, candidate.trial], layout).fit
+    kin = [t for t in pool if t.between_repetitions == between]
+    null = surrogate_surprise(kin, after, shop.settings.surrogates, shop.rng)
+    return family_p_value(candidate.surprise(inflation_of(after)), null)
+
+
+def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
+    """Why an addition does not pay on rows that it was not fitted to; None if it does."""
+    layout = shop.layout_for([*others, trial])
+    before, after = shop.fit(others, layout), shop.fit([*others, trial], layout, bend=False)
+    plain = shop.fit(others, layout, bend=False)
+    folds = shop.settings.folds
+    gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(plain, folds))
+    if others_gain <= 0:
+        return f"left-out segments: gain {gain:.3g}, {others_gain:.3g} without the best of them"
+    old, new = shop.validation_rms(plain), shop.validation_rms(after)
+    if old is None or new is None:
+        return None
+    if costs(old, new, shop.baseline.floor.deviation, 0.0 if trial.is_free_form else PRICE):
+        return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
+    return None if before.fit.squares > 0 else "nothing is left to explain"
+
+
+def costs(
+    old: Float[ndarray, " joints"],
+    new: Float[ndarray, " joints"],
+    floor: Float[ndarray, " joints"],
+    price: float = PRICE,
+) -> bool:
+    """Whether held-out errors rise, or too much at one joint for what the others win.
+
+    Args:
+        old: (n,) root mean squares before [N m].
+        new: After.
+        floor: (n,) standard deviation of the noise [N m].
+        price: Share of what joints win that others may lose.
+    """
+    fall = (old**2 - new**2) / floor**2
+    dear = -fall[fall < 0].sum() > price * fall[fall > 0].sum()
+    ratio = new / old
+    return bool(np.mean(ratio**2) >= 1 or (ratio.max() > WORSE and dear))
+
+
+def refusal(candidate: Score, reason: str) -> Refused:
+    """A candidate turned down, in words."""
+    trial = candidate.trial
+    return Refused(str(trial.key[0]), trial.joint, candidate.gain, reason)

@@ -1,0 +1,62 @@
+"""Predictions of a fitted addition on recordings that it has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.fit.model_columns import effect_columns
+from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.terms.trials import Trial
+
+
+def prediction_errors(
+    found: Augmented,
+    prepared: Sequence[Prepared],
+    base_torque: Sequence[Float[ndarray, "_ n base"]],
+) -> list[Float[ndarray, "_ joints"]]:
+    """Torque less prediction in the analysis band [N m], one array a recording.
+
+    Args:
+        found: Fitted to other recordings.
+        prepared: The recordings.
+        base_torque: Their filtered base columns.
+    """
+    fit = found.fit
+    base = fit.parameters[: len(fit.columns)]
+    errors = []
+    for recording, columns in zip(prepared, base_torque, strict=True):
+        error = recording.torque - columns @ base
+        for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
+            error = error - addition_torque(trial, coefficients, recording)
+        errors.append(error[recording.valid])
+    return errors
+
+
+def base_columns(fit: LinearFit, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ n base"]]:
+    """Filtered base columns of recordings."""
+    return [p.band.apply(fit.model.columns(p.motion)[:, :, fit.columns]) for p in prepared]
+
+
+def addition_torque(
+    trial: Trial, coefficients: Float[ndarray, " columns"], recording: Prepared
+) -> Float[ndarray, "rows joints"]:
+    """Filtered torque of one addition along a recording [N m]."""
+    joints = recording.torque.shape[1]
+    fine = np.zeros((len(recording.motion), joints))
+    for joint, block in effect_columns(trial.effect, recording.motion, 0.0).items():
+        fine[:, joint] = block @ coefficients
+    return recording.band.apply(fine)
+
+
+def rms(
+    errors: Sequence[Float[ndarray, "_ joints"]], weights: Sequence[Float[ndarray, "_ joints"]]
+) -> Float[ndarray, " joints"]:
+    """Root weighted mean square of each joint over all recordings [N m]."""
+    squares = sum(np.sum((e * w) ** 2, axis=0) for e, w in zip(errors, weights, strict=True))
+    return np.sqrt(squares / sum(np.sum(w**2, axis=0) for w in weights))

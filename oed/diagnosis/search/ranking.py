@@ -1,0 +1,67 @@
+"""Candidates in the order of their evidence, their shapes refined."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from oed.diagnosis.search.ripening import is_unripe, ripened
+from oed.diagnosis.search.scan import Score, refine, scan
+from oed.diagnosis.search.turning import NAME as GRAVITY
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+
+UNRIPE_SHARE = 0.2  # of the best gain, from which on a candidate is worth evaluating anew
+
+
+def ranked(
+    shop: Workshop,
+    pool: Sequence[Trial],
+    others: Sequence[Trial],
+    most: int,
+    *,
+    ripe: bool = False,
+) -> list[Score]:
+    """Refined candidates beside some additions, best evidence first.
+
+    Args:
+        shop: The laid-out data.
+        pool: Candidates, over the grids of their shapes.
+        others: Additions.
+        most: Candidates that are refined.
+        ripe: Whether those that act on the torque itself are evaluated on what they leave.
+    """
+    keys = {t.key for t in others}
+    if shop.is_turned:
+        pool = [t for t in pool if t.name != GRAVITY]
+    found: list[Score] = []
+    rows = shop.full.rows.count
+    for between in (False, True):
+        layout = shop.full if between else shop.mean
+        part = [t for t in pool if t.between_repetitions == between and t.key not in keys]
+        if not part:
+            continue
+        fit = shop.fit(others, layout).fit
+        scores = scan(part, fit)
+        # By surprise for the small effect of a quiet joint, by gain for the large one that
+        # makes its joint's residual loud.
+        leading = {s.trial.key: s for s in scores[:most]}
+        leading |= {s.trial.key: s for s in sorted(scores, key=lambda s: -s.gain)[:most]}
+        refined = [refine(s, fit, shop.context) for s in leading.values()]
+        promising = UNRIPE_SHARE * max(s.gain for s in refined)
+        found += [
+            ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
+            if ripe and is_unripe(s.trial) and s.gain > promising and s.evidence(rows) > 0
+            else s
+            for s in refined
+        ]
+    return sorted(found, key=lambda s: -s.evidence(rows))
+
+
+def simplest_first(shop: Workshop, candidates: list[Score]) -> list[Score]:
+    """Where the evidence does not decide, the one that cancels least against the model first."""
+    if not candidates:
+        return []
+    rows = shop.full.rows.count
+    best = candidates[0].evidence(rows)
+    level = [c for c in candidates if c.evidence(rows) > best - shop.settings.decisive]
+    return [*sorted(level, key=lambda c: c.cancelled), *candidates[len(level) :]]

@@ -1,0 +1,105 @@
+"""Names looked at again when all is known that stands beside them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from oed.diagnosis.search.judgement import Accepted, Refused, share_needed
+from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.scan import inflation_of, score
+from oed.diagnosis.search.workbench import moved
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+
+
+def review_names(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+) -> list[Accepted]:
+    """Drop names that a free-form term of their joint makes superfluous.
+
+    A name stays where it explains nearly all that name and free form explain together (the
+    same physics in a slightly other formula), or where nothing else can do its part.
+    """
+    free = [a for a in accepted if a.trial.is_free_form]
+    kept = list(accepted)
+    for joint in {a.trial.joint for a in free}:
+        named = [a for a in kept if not a.trial.is_free_form and a.trial.joint in (joint, None)]
+        for item in named:
+            rest = [a.trial for a in kept if a is not item]
+            bare = [t for t in rest if not (t.is_free_form and t.joint == joint)]
+            layout = shop.layout_for([a.trial for a in kept])
+            whole = shop.fit([a.trial for a in kept], layout).fit.squares
+            without_free = shop.fit([*bare, item.trial], layout).fit.squares
+            without_both = shop.fit(bare, layout).fit.squares
+            without_name = shop.fit(rest, layout).fit.squares
+            terms = [a.trial for a in free if a.trial.joint == joint]
+            share = share_needed(terms, item.trial, shop.settings)
+            together = without_both - whole
+            alone = without_both - without_free
+            needed = without_name - whole
+            if alone < share * together and needed < (
+                0.1 * together + shop.settings.free_form_margin
+            ):
+                kept = [a for a in kept if a is not item]
+                reason = f"free form explains its part: {alone / together:.0%} of what both do"
+                refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
+    return kept
+
+
+def drop_superfluous(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+) -> list[Accepted]:
+    """Drop names that gain nothing beside the others, or nothing that was not fitted to."""
+    kept = list(accepted)
+    for item in accepted:
+        if item.trial.is_free_form:
+            continue
+        layout = shop.layout_for([a.trial for a in kept])
+        standing = [a for a in kept if a.stands_in]
+        whole, without = (
+            shop.fit([a.trial for a in standing if a is not left_out], layout)
+            for left_out in (None, item)
+        )
+        # What the whole model still lacks is chance to this addition.
+        chance = float(inflation_of(whole.fit)[list(item.trial.group)].mean())
+        needed = (without.fit.squares - whole.fit.squares) / chance
+        columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
+        reason = None
+        if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
+            reason = f"gains {needed:.3g} beside the other additions"
+        elif not _predicts(shop, standing, item):
+            reason = "beside the other additions it does not lower the validation error"
+        elif any(a.trial.is_free_form and a.trial.joint in item.trial.group for a in kept):
+            reason = _outdone(shop, [a.trial for a in kept if a is not item], item)
+        if reason is not None:
+            kept = [a for a in kept if a is not item]
+            refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
+    return kept
+
+
+def _predicts(shop: Workshop, standing: list[Accepted], item: Accepted) -> bool:
+    """Whether the joints on which an addition acts are predicted better with it."""
+    layout = shop.layout_for([a.trial for a in standing])
+    new, old = (
+        shop.validation_rms(
+            shop.fit([a.trial for a in standing if a is not left_out], layout, bend=False)
+        )
+        for left_out in (None, item)
+    )
+    if new is None or old is None:
+        return True
+    joints = list(item.trial.group)
+    return bool(np.mean((new[joints] / old[joints]) ** 2) < 1)
+
+
+def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
+    """Whether another name would now explain more: then none of them is what is there."""
+    rows, layout = shop.full.rows.count, shop.layout(item.trial)
+    fit = shop.fit(others, layout).fit
+    own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
+    here = score(own, fit.projection, fit.residual).evidence(rows)
+    for rival in ranked(shop, shop.physical, others, 1):
+        same = rival.trial.key == item.trial.key
+        if not same and rival.evidence(rows) > here + shop.settings.decisive:
+            return f"{rival.trial.name} would explain more beside what has no name"
+    return None

@@ -1,0 +1,76 @@
+"""Candidates that act on the model's own torque, judged on the torque that they leave.
+
+A spring or a gap is tried on the rigid torque of a fit that does not know it. Where the effect
+is large that fit is wrong, and so is what the spring would make of it. Fit, evaluate anew and
+refine in turn, and the candidate shows what it is worth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.scan import Score, refine, score
+from oed.diagnosis.search.workbench import moved
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial, context_of
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+STARTS = 3  # parts of the first shape's range that are each searched
+TRIES = 2  # rounds of every start, after which the best goes on alone
+ROUNDS = 4
+WORTH = 1.01  # ratio by which a round must raise the gain to be followed by another
+
+
+def is_unripe(trial: Trial) -> bool:
+    """Whether a trial's columns stand on the reference torque alone, and bend it much."""
+    return not trial.is_free_form and (
+        CATALOGUE[trial.name].unit_coefficient and trial.joint is not None
+    )
+
+
+def ripened(
+    shop: Workshop, trials: Sequence[Trial], others: Sequence[Trial], fit: LinearFit
+) -> Score:
+    """The best of one candidate, its reference torque taken from a fit with it.
+
+    Args:
+        shop: The laid-out data.
+        trials: All grid points of one candidate.
+        others: Additions that it stands beside.
+        fit: With these others, without it.
+    """
+    scores = [score(t, fit.projection, fit.residual) for t in trials]
+    tried = [
+        _round(shop, _round(shop, refine(s, fit, shop.context), others, fit), others, fit)
+        for s in starts(scores)
+    ]
+    best = max(tried, key=lambda s: s.gain)
+    for _ in range(ROUNDS - TRIES):
+        again = _round(shop, best, others, fit)
+        is_last = again.gain < WORTH * best.gain
+        best = max(best, again, key=lambda s: s.gain)
+        if is_last:
+            break
+    return best
+
+
+def _round(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
+    """The candidate on the reference torque of a fit with it."""
+    layout = shop.layout(found.trial)
+    whole = shop.fit([*others, found.trial], layout, bend=False)
+    context = context_of(whole.fit, shop.full.rows, shop.gear_ratio)
+    trial = moved(found.trial, layout.rows, context, contrast=found.trial.contrast)
+    return refine(score(trial, fit.projection, fit.residual), fit, context)
+
+
+def starts(scores: Sequence[Score]) -> list[Score]:
+    """The best grid point of each part of the first shape's range."""
+    values = np.unique([s.trial.values[0] for s in scores])
+    parts = np.array_split(values, min(STARTS, len(values)))
+    return [
+        max((s for s in scores if s.trial.values[0] in part), key=lambda s: s.gain)
+        for part in parts
+    ]

@@ -1,0 +1,221 @@
+"""Scores of all trials beside a model, and how large they are by chance alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+from scipy.optimize import minimize
+from scipy.special import gammaln
+from scipy.stats import chi2, gumbel_r
+
+from oed.diagnosis.fit.linear_fit import LinearFit, Projection, gram_and_moment, solve_addition
+from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.terms.shape_axes import from_axis, to_axis
+from oed.diagnosis.terms.trials import Trial, catalogue_trial
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
+
+FREE_FORM_RIDGE = 1e-3  # of a unit column's square
+# Fall of -2 log likelihood, in noise that is as stated, by which a shape may miss its best value:
+# a tenth of a standard deviation.
+AT_REST = 0.01
+MOST_ROUNDS = 12
+BLOCK = 0.5  # [s] of the residual whose sign is flipped together
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a trial would add to a model.
+
+    Attributes:
+        trial: The effect with its shape.
+        gain: Fall of the whitened sum of squares.
+        freedom: Parameters that it costs, shapes included.
+        coefficients: Of its columns.
+        cancelled: Its own squares over its gain: large where it trades places with the model,
+            and explains by the difference of two large torques.
+    """
+
+    trial: Trial
+    gain: float
+    freedom: int
+    coefficients: Float[ndarray, " columns"]
+    cancelled: float = 1.0
+
+    def evidence(self, rows: int) -> float:
+        """Gain less Schwarz's penalty and Occam's factor of a size far beyond what it explains.
+
+        Half of it is the change of log evidence, with a prior that expects an effect's torque
+        to be of the size of what it explains.
+        """
+        linear = 0 if self.trial.is_free_form else len(self.coefficients)
+        occam = linear * np.log(max(self.cancelled, 1.0))
+        return float(self.gain - self.freedom * np.log(rows) - occam)
+
+    def surprise(self, inflation: Float[ndarray, " joints"]) -> float:
+        """-log of the chance of this gain in noise that large, shapes counted as parameters."""
+        gains = np.array([max(self.gain, 0.0) / inflation[list(self.trial.group)].mean()])
+        return float(minus_log_chance(gains, max(self.freedom, 1))[0])
+
+
+def minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[ndarray, " count"]:
+    """-log of a chi-square's upper tail, by its leading terms where it underflows."""
+    exact = -chi2.logsf(np.minimum(gains, 400.0), freedom)
+    half = np.maximum(gains, 1.0) / 2
+    leading = half - (freedom / 2 - 1) * np.log(half) + gammaln(freedom / 2)
+    return np.where(gains > 400.0, leading, exact)
+
+
+def inflation_of(fit: LinearFit) -> Float[ndarray, " joints"]:
+    """(n,) mean squared white residual where it exceeds one: what the model lacks is noise too."""
+    weight = np.sum(fit.rows.weights**2, axis=0) - fit.projection.shares()
+    return np.maximum(1.0, np.sum(fit.residual**2, axis=1) / np.maximum(weight, 1.0))
+
+
+def score(trial: Trial, projection: Projection, residual: Float[ndarray, "joints rows"]) -> Score:
+    """Judge one trial beside a model."""
+    (gram, lengths), moment = gram_and_moment(projection, residual, trial.group)
+    if trial.fixed:
+        gain = float(2 * moment.sum() - gram.sum())
+        absorbed = np.trace(gram) < 1e-6 * lengths.sum()
+        ones = np.ones(len(lengths))
+        return Score(trial, 0.0 if absorbed else gain, trial.shapes, ones)
+    ridge = FREE_FORM_RIDGE if trial.is_free_form else 0.0
+    found = solve_addition(gram, lengths, moment, ridge)
+    freedom = found.rank + trial.shapes if found.rank else 0
+    own = sum(float(np.sum((b @ found.coefficients) ** 2)) for b in trial.group.values())
+    cancelled = own / found.gain if found.gain > 0 else 1.0
+    return Score(trial, found.gain, freedom, found.coefficients, cancelled)
+
+
+def scan(trials: Sequence[Trial], fit: LinearFit) -> list[Score]:
+    """The best shape of every candidate, largest surprise first."""
+    best: dict[tuple[str, object], Score] = {}
+    for trial in trials:
+        found = score(trial, fit.projection, fit.residual)
+        if trial.key not in best or found.gain > best[trial.key].gain:
+            best[trial.key] = found
+    inflation = inflation_of(fit)
+    return sorted(best.values(), key=lambda s: -s.surprise(inflation))
+
+
+def refine(found: Score, fit: LinearFit, context: Context) -> Score:
+    """Improve the shape of a candidate from the scan's best grid point (Nelder and Mead)."""
+    if found.trial.is_free_form or not found.trial.values:
+        return found
+    entry = CATALOGUE[found.trial.name]
+    shapes = entry.shapes_for(context, found.trial.target)
+    best = found
+
+    def loss(x: Float[ndarray, " shapes"]) -> float:
+        nonlocal best
+        values = tuple(from_axis(float(v), s) for v, s in zip(x, shapes, strict=True))
+        trial = catalogue_trial(
+            entry, context, found.trial.target, values, fit.rows, contrast=found.trial.contrast
+        )
+        tried = score(trial, fit.projection, fit.residual)
+        if tried.gain > best.gain:
+            best = tried
+        return -tried.gain
+
+    start = np.array([to_axis(v, s) for v, s in zip(found.trial.values, shapes, strict=True)])
+    steps = np.array([0.6 / max(s.points - 1, 1) for s in shapes])
+    inward = np.where(start + steps > 1, -steps, steps)
+    simplex = np.vstack([start, start + np.diag(inward)])
+    minimize(
+        loss,
+        start,
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "maxfev": 20 + 15 * len(shapes), "xatol": 1e-3},
+    )
+    return best
+
+
+def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
+    """The shape of a candidate refined until another round of it gains nothing that matters.
+
+    Where shapes trade places, a simplex shrinks in the valley before it has followed it, or at
+    the bound where it began; started anew it goes on.
+    """
+    best = found
+    for _ in range(MOST_ROUNDS):
+        again = refine(best, fit, context)
+        settled = again.gain < best.gain + AT_REST
+        best = max(best, again, key=lambda s: s.gain)
+        if settled:
+            break
+    return best
+
+
+def surrogate_surprise(
+    trials: Sequence[Trial], fit: LinearFit, count: int, rng: np.random.Generator
+) -> Float[ndarray, " count"]:
+    """Largest surprise of a whole search when the residual is nothing but chance.
+
+    The residual's sign is flipped block by block: whatever keeps step with a column is
+    destroyed, while size, bursts and colour stay. The maximum over all trials carries the
+    multiplicity of the search.
+    """
+    flipped = flip_signs(fit, count, rng)
+    inside = np.einsum("jrb,jrs->bs", fit.projection.basis, flipped, optimize=True)
+    largest = np.zeros(count)
+    inflation = inflation_of(fit)
+    for trial in trials:
+        (gram, lengths), _ = gram_and_moment(fit.projection, fit.residual, trial.group)
+        moments = np.zeros((len(lengths), count))
+        for joint, block in trial.group.items():
+            moments += block.T @ flipped[joint]
+            moments -= (fit.projection.basis[joint].T @ block).T @ inside
+        share = float(inflation[list(trial.group)].mean())
+        largest = np.maximum(largest, _surprises(trial, gram, lengths, moments, share))
+    return largest
+
+
+def flip_signs(
+    fit: LinearFit, count: int, rng: np.random.Generator
+) -> Float[ndarray, "joints rows count"]:
+    """Residuals with random signs, one a block and surrogate, common to all joints."""
+    blocks = block_numbers(fit.rows)
+    signs = rng.choice([-1.0, 1.0], size=(int(blocks.max()) + 1, count))
+    return fit.residual[:, :, None] * signs[blocks][None]
+
+
+def family_p_value(surprise: float, surrogates: Float[ndarray, " count"]) -> float:
+    """Chance that a search through noise surprises as much, from a Gumbel tail."""
+    scale = max(float(np.std(surrogates)) * np.sqrt(6) / np.pi, 0.5)
+    location = float(np.mean(surrogates)) - np.euler_gamma * scale
+    return float(np.clip(gumbel_r.sf(surprise, location, scale), 1e-300, 1.0))
+
+
+def block_numbers(rows: Rows) -> Int[ndarray, " rows"]:
+    """Number of the block of `BLOCK` seconds that each row belongs to."""
+    length = max(4, round(BLOCK * rows.prepared[0].band.analysis_rate))
+    counts = [-(-p.rows // length) for p in rows.prepared]
+    starts = np.cumsum([0, *counts[:-1]])
+    return np.concatenate(
+        [s + np.arange(p.rows) // length for s, p in zip(starts, rows.prepared, strict=True)]
+    )
+
+
+def _surprises(
+    trial: Trial,
+    gram: Float[ndarray, "columns columns"],
+    lengths: Float[ndarray, " columns"],
+    moments: Float[ndarray, "columns count"],
+    inflation: float,
+) -> Float[ndarray, " count"]:
+    scale = np.sqrt(np.where(lengths > 0, lengths, 1.0))
+    values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
+    kept = values > 1e-8 * len(values)
+    if not kept.any():
+        return np.zeros(moments.shape[1])
+    ridge = FREE_FORM_RIDGE if trial.is_free_form else 0.0
+    projected = vectors[:, kept].T @ (moments / scale[:, None])
+    gains = np.sum(projected**2 / (values[kept, None] + ridge), axis=0)
+    if trial.fixed:
+        gains = np.maximum(2 * moments.sum(axis=0) - gram.sum(), 0.0)
+    freedom = (0 if trial.fixed else int(kept.sum())) + trial.shapes
+    return minus_log_chance(gains / inflation, max(freedom, 1))

@@ -1,0 +1,232 @@
+"""Which additions stay: competition, exchange, multiplicity, held-out gain, plausibility."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from oed.diagnosis.search.judgement import (
+    COVERED,
+    Accepted,
+    Refused,
+    held_out_fault,
+    judge,
+    refusal,
+    share_needed,
+    too_little,
+)
+from oed.diagnosis.search.ranking import ranked, simplest_first
+from oed.diagnosis.search.review import drop_superfluous, review_names
+from oed.diagnosis.search.scan import (
+    AT_REST,
+    MOST_ROUNDS,
+    Score,
+    at_rest,
+    score,
+)
+from oed.diagnosis.search.standing_in import next_free_form
+from oed.diagnosis.search.turning import NAME as GRAVITY
+from oed.diagnosis.search.turning import accepted_tilt, far_turned, turned
+from oed.diagnosis.search.workbench import Augmented, moved
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Outcome of the search.
+
+    Attributes:
+        accepted: Additions in the order of their acceptance.
+        found: The fit with all of them.
+        refused: What was turned down on the way.
+    """
+
+    accepted: tuple[Accepted, ...]
+    found: Augmented
+    refused: tuple[Refused, ...]
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """The additions that are part of the model."""
+        return tuple(a.trial for a in self.accepted if a.stands_in)
+
+
+def search(shop: Workshop) -> tuple[Workshop, Selection]:
+    """Add, exchange and drop until nothing passes all tests; the tables may be made anew."""
+    accepted: list[Accepted] = []
+    refused: list[Refused] = []
+    declared, tilt_p_value = shop, 0.0
+    shop = far_turned(shop) or shop
+    while len(accepted) + shop.is_turned < shop.settings.max_effects:
+        pick = _next_physical(shop, accepted, refused)
+        if pick is None:
+            break
+        if pick.trial.name == GRAVITY:
+            shop, tilt_p_value = turned(shop, [a.trial for a in accepted]), pick.p_value
+            if not shop.is_turned:
+                break
+        else:
+            accepted.append(pick)
+        accepted = _settle(shop, [_at_home(shop, a) for a in accepted])
+        sharper = shop.sharpened([a.trial for a in accepted])
+        if sharper is not None:
+            shop = sharper
+            accepted = _settle(shop, [_at_home(shop, a) for a in accepted])
+    for _ in range(shop.settings.max_effects):
+        pick = next_free_form(shop, accepted, refused)
+        if pick is None:
+            break
+        accepted.append(pick)
+    accepted = review_names(shop, accepted, refused)
+    tilt = []
+    if shop.is_turned:
+        shop = turned(shop, [a.trial for a in accepted if a.stands_in])
+        accepted = [_at_home(shop, a) for a in accepted]
+        tilt = [accepted_tilt(shop, declared, tilt_p_value)]
+    accepted = _rested(shop, [*tilt, *drop_superfluous(shop, accepted, refused)])
+    trials = [a.trial for a in accepted if a.stands_in]
+    found = shop.fit(trials, shop.layout_for(trials))
+    return shop, Selection(tuple(accepted), found, tuple(refused))
+
+
+def _at_home(shop: Workshop, item: Accepted) -> Accepted:
+    """An addition on the rows of new tables."""
+    trial = item.trial
+    rows = shop.layout(trial).rows
+    trial = moved(trial, rows, shop.context, contrast=trial.contrast)
+    return dataclasses.replace(item, trial=trial)
+
+
+def _next_physical(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+) -> Accepted | None:
+    others = [a.trial for a in accepted]
+    candidates = simplest_first(
+        shop, ranked(shop, shop.physical, others, shop.settings.refined, ripe=True)
+    )
+    rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
+    for candidate in candidates:
+        if candidate.evidence(shop.full.rows.count) <= 0:
+            break
+        better = _outdone_by(shop, candidate, rivals, others)
+        if better is not None:
+            reason = (
+                f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
+            )
+            refused.append(refusal(candidate, reason))
+            continue
+        passed = judge(shop, candidate, accepted, shop.physical, refused)
+        if passed is not None:
+            return passed
+    return None
+
+
+def _outdone_by(
+    shop: Workshop, candidate: Score, rivals: list[Score], others: Sequence[Trial]
+) -> Score | None:
+    """A free-form term that is better by far, and leaves little for the candidate to explain."""
+    rows = shop.full.rows.count
+    for rival in rivals:
+        if rival.evidence(rows) - candidate.evidence(rows) < shop.settings.free_form_margin:
+            break
+        share = share_needed([rival.trial], candidate.trial, shop.settings)
+        if candidate.gain > share * rival.gain:
+            continue
+        if candidate.trial.joint == rival.trial.joint or _covered(shop, candidate, rival, others):
+            return rival
+    return None
+
+
+def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Trial]) -> bool:
+    """Whether most of a candidate's gain is gone beside a term of another joint."""
+    layout = shop.layout(candidate.trial)
+    fit = shop.fit([*others, rival.trial], layout).fit
+    return score(candidate.trial, fit.projection, fit.residual).gain < COVERED * candidate.gain
+
+
+def _rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
+    """Shapes and reference torque brought to where neither moves the other: what is reported."""
+    kept = list(accepted)
+    before = np.inf
+    for _ in range(MOST_ROUNDS):
+        trials = [a.trial for a in kept if a.stands_in]
+        found = shop.fit(trials, shop.layout_for(trials), bend=False)
+        if found.fit.squares > before - AT_REST:
+            break
+        before = found.fit.squares
+        shop.update_context(found)
+        for k, item in enumerate(kept):
+            if not item.stands_in or item.trial.is_free_form:
+                continue
+            layout = shop.layout(item.trial)
+            fit = shop.fit([a.trial for a in kept if a.stands_in and a is not item], layout).fit
+            own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
+            best = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
+            kept[k] = dataclasses.replace(item, trial=best.trial)
+    return kept
+
+
+def _settle(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
+    """Refit, re-examine each addition beside the others, exchange or drop it."""
+    for _ in range(MOST_EXCHANGES):
+        trials = [a.trial for a in accepted]
+        shop.update_context(shop.fit(trials, shop.layout_for(trials)))
+        changed = False
+        for k in range(len(accepted)):
+            rest = [a for i, a in enumerate(accepted) if i != k]
+            best = _best_in_place(shop, accepted[k], rest)
+            changed |= best.trial.key != accepted[k].trial.key
+            accepted = [*accepted[:k], best, *accepted[k + 1 :]]
+        if not changed:
+            break
+    return _best_subset(shop, accepted)
+
+
+def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
+    """The subset of the additions with the best evidence: two that cancel both go."""
+    best, best_value = accepted, np.inf
+    layout = shop.layout_for([a.trial for a in accepted])
+    penalty = np.log(shop.full.rows.count)
+    for size in range(1, len(accepted) + 1):
+        for subset in combinations(accepted, size):
+            found = shop.fit([a.trial for a in subset], layout)
+            value = found.fit.squares + penalty * found.fit.projection.rank
+            # A larger subset must be better by a margin, since it had more chances.
+            if value < best_value - shop.settings.decisive:
+                best, best_value = list(subset), value
+    return best
+
+
+def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> Accepted:
+    """The addition with its shape refined, or a better one for its place."""
+    others = [a.trial for a in rest]
+    rows = shop.full.rows.count
+    layout = shop.layout(current.trial)
+    fit = shop.fit(others, layout).fit
+    own = moved(current.trial, layout.rows, shop.context, contrast=current.trial.contrast)
+    here = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
+    if not others or current.trial.is_free_form:
+        return Accepted(here.trial, here.gain, current.p_value)
+    for rival in ranked(shop, shop.physical, others, 2):
+        if rival.evidence(rows) <= here.evidence(rows) + shop.settings.decisive:
+            break
+        if rival.trial.key == here.trial.key:
+            continue
+        entry = CATALOGUE[rival.trial.name]
+        trial = rival.trial
+        if (
+            too_little(shop, rival, rest) is None
+            and entry.plausible(shop.context, trial.target, trial.values, rival.coefficients)
+            is None
+            and held_out_fault(shop, others, trial) is None
+        ):
+            return Accepted(trial, rival.gain, current.p_value)
+    return Accepted(here.trial, here.gain, current.p_value)

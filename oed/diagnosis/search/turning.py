@@ -1,0 +1,124 @@
+"""A base that is mounted otherwise than declared: the tables turned to where gravity points.
+
+The columns of a tilt hold for small ones, and for parameters that a wrong gravity has not spoilt.
+So the whole base model is refitted under other directions, first far ones, then by Gauss and
+Newton's steps; first moments that only the true direction shows join its base parameters.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.fit.linear_fit import project, reversal_nuisances, whitened_regressor
+from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects import RigidBody
+from oed.dynamics.effects.gravity import tilt_between, tilt_directions, tilted
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.torque_model import TorqueModel
+
+NAME = "gravity_direction"
+FAR = np.deg2rad((30.0, 60.0, 90.0, 135.0, 180.0))  # tilts that are tried at once
+SETTLED = 1e-3  # [rad] of a step, after which the direction is taken for found
+MOST_STEPS = 8
+LARGEST_STEP = 0.5  # [rad]
+LEVEL = 1.001  # ratio of squares up to which two directions fit alike
+CLEARLY_BETTER = 0.5  # share of the squares that a far direction may leave
+
+
+def gravity_trial(shop: Workshop) -> Trial:
+    """The tilt's columns at the direction that the tables have."""
+    return next(t for t in shop.physical if t.name == NAME)
+
+
+def far_turned(shop: Workshop) -> Workshop | None:
+    """The tables turned to a far direction under which the base model fits far better."""
+    declared = shop.baseline.model.robot.gravity
+    axes = len(tilt_directions(declared)[0])
+    if axes != 2 or NAME not in shop.settings.candidates:
+        return None
+    squares = {}
+    for angle, heading in product(FAR, np.arange(4) * np.pi / 2):
+        tilt = angle * np.array([np.cos(heading), np.sin(heading)])
+        squares[tuple(tilt)] = _squares_under(shop, _turned(shop.baseline.model, tilt))
+    best = min(squares, key=lambda tilt: squares[tilt])
+    if squares[best] > CLEARLY_BETTER * shop.fit(()).fit.squares:
+        return None
+    found = _upright(_settled(_rebuilt(shop, _turned(shop.baseline.model, np.array(best))), ()))
+    old, new = shop.validation_rms(shop.before), found.validation_rms(found.before)
+    if old is not None and new is not None and np.mean((new / old) ** 2) >= 1:
+        return None
+    # One step of Gauss and Newton cannot come back from there: let the declared one try, too.
+    return found if found.before.fit.squares < CLEARLY_BETTER * shop.before.fit.squares else None
+
+
+def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
+    """The tables turned to the direction that fits best beside other additions."""
+    return _settled(shop, others)
+
+
+def accepted_tilt(shop: Workshop, declared: Workshop, p_value: float) -> Accepted:
+    """The tilt as an addition to turned tables: what is left of it, its gain over declared ones."""
+    gain = declared.before.fit.squares - shop.before.fit.squares
+    return Accepted(gravity_trial(shop), max(gain, 0.0), p_value)
+
+
+def total_tilt(
+    shop: Workshop, tilt: Float[ndarray, " directions"]
+) -> Float[ndarray, " directions"]:
+    """A tilt of turned tables, counted from the declared gravity [rad]."""
+    here = shop.baseline.model.robot.gravity
+    return tilt_between(shop.declared.model.robot.gravity, tilted(here, tilt))
+
+
+def _settled(shop: Workshop, others: Sequence[Trial]) -> Workshop:
+    for _ in range(MOST_STEPS):
+        trial = gravity_trial(shop)
+        coefficients = shop.fit([*others, trial], bend=False).coefficients[-1]
+        step = coefficients[: len(tilt_directions(shop.baseline.model.robot.gravity)[0])]
+        length = float(np.linalg.norm(step))
+        if length < SETTLED:
+            break
+        step = step * min(1.0, LARGEST_STEP / length)
+        shop = _rebuilt(shop, _turned(shop.baseline.model, step))
+    return shop
+
+
+def _upright(shop: Workshop) -> Workshop:
+    """The smaller of two tilts that an arm in a plane cannot tell apart."""
+    declared = shop.declared.model.robot.gravity
+    here = shop.baseline.model.robot.gravity
+    up = declared / np.linalg.norm(declared)
+    if here @ up >= 0:
+        return shop
+    back = tilt_between(here, here - 2 * (here @ up) * up)
+    mirrored = _turned(shop.baseline.model, back)
+    same = _squares_under(shop, mirrored) < LEVEL * shop.before.fit.squares
+    return _rebuilt(shop, mirrored) if same else shop
+
+
+def _rebuilt(shop: Workshop, model: TorqueModel) -> Workshop:
+    baseline = dataclasses.replace(
+        shop.baseline, model=model, columns=np.sort(base_parameters(model).columns)
+    )
+    return shop.on(baseline.with_model(model, shop.estimation))
+
+
+def _turned(model: TorqueModel, tilt: Float[ndarray, " directions"]) -> TorqueModel:
+    robot = model.robot.with_gravity(tilted(model.robot.gravity, tilt))
+    effects = tuple(RigidBody(robot) if isinstance(e, RigidBody) else e for e in model.effects)
+    return dataclasses.replace(model, robot=robot, effects=effects)
+
+
+def _squares_under(shop: Workshop, model: TorqueModel) -> float:
+    rows = shop.mean.rows
+    regressor = whitened_regressor(model, np.sort(base_parameters(model).columns), rows)
+    everything = np.concatenate([regressor, reversal_nuisances(rows)], axis=2)
+    return float(np.sum(project(everything).residual(rows.torque()) ** 2))

@@ -1,0 +1,206 @@
+"""One data set laid out for diagnosis: rows, cached regressors, and fits with any additions."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline.baseline import Baseline
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.linear_fit import (
+    LinearFit,
+    Projection,
+    project,
+    reversal_nuisances,
+    whitened_regressor,
+)
+from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
+from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.terms.shape_axes import from_axis, to_axis
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, white_group
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
+
+SHAPE_STEP = 0.01  # of a shape's range, for derivatives
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Rows of some recordings, and what every fit to them shares.
+
+    Attributes:
+        rows: The white rows.
+        regressor: (n, R, b) white base columns.
+        nuisances: (n, R, k) white nuisance columns.
+        torque: (n, R) white torque.
+    """
+
+    rows: Rows
+    regressor: Float[ndarray, "joints rows base"]
+    nuisances: Float[ndarray, "joints rows nuisances"]
+    torque: Float[ndarray, "joints rows"]
+
+
+@dataclass(frozen=True)
+class Augmented:
+    """The base model with some additions, fitted; shapes enter by their derivatives.
+
+    Attributes:
+        chosen: The additions.
+        coefficients: Of each addition's columns (ones where fixed by construction).
+        fit: Its projection holds base columns, additions and derivatives with respect to shapes.
+        shifts: What one Gauss-Newton step would add to each addition's shapes, on their axes.
+        deviations: Standard deviations of (coefficients, shapes on their axes) of each addition.
+    """
+
+    chosen: tuple[Trial, ...]
+    coefficients: tuple[Float[ndarray, " _"], ...]
+    fit: LinearFit
+    shifts: tuple[Float[ndarray, " _"], ...]
+    covariances: tuple[Float[ndarray, "_ _"], ...]
+
+
+def lay_out(baseline: Baseline, prepared: tuple[Prepared, ...], *, mean: bool) -> Layout:
+    """Rows of recordings, of their mean repetitions if asked for."""
+    if mean:
+        pairs = [mean_of_repetitions(p) for p in prepared]
+        scales = tuple(float(1 / np.sqrt(count)) for _, count in pairs)
+        rows = baseline.rows(tuple(p for p, _ in pairs), scales)
+    else:
+        rows = baseline.rows(prepared)
+    regressor = whitened_regressor(baseline.model, baseline.columns, rows)
+    return Layout(rows, regressor, reversal_nuisances(rows), rows.torque())
+
+
+def moved(trial: Trial, rows: Rows, context: Context, *, contrast: bool = False) -> Trial:
+    """The same addition on other rows or with another context."""
+    if trial.is_free_form:
+        group = white_group(trial.effect, rows, contrast=contrast)
+        return dataclasses.replace(trial, group=group, contrast=contrast)
+    entry = CATALOGUE[trial.name]
+    return catalogue_trial(entry, context, trial.target, trial.values, rows, contrast=contrast)
+
+
+def fit_with(
+    baseline: Baseline, layout: Layout, chosen: Sequence[Trial], context: Context | None
+) -> Augmented:
+    """Fit base model and additions together.
+
+    Args:
+        baseline: The base model.
+        layout: Rows.
+        chosen: Additions, their groups on these rows.
+        context: Needed for derivatives with respect to shapes; without, they are left out.
+    """
+    joints, count, base = layout.regressor.shape
+    target = layout.torque.copy()
+    blocks, places = [layout.regressor], []
+    start = base
+    for trial in chosen:
+        columns = dense(trial, joints, count)
+        if trial.fixed:
+            target -= columns.sum(axis=2)
+            places.append(slice(start, start))
+            continue
+        blocks.append(columns)
+        places.append(slice(start, start + columns.shape[2]))
+        start += columns.shape[2]
+    linear = _solve(baseline, layout, blocks, target)
+    coefficients = tuple(
+        np.ones(len(t.effect.parameters)) if t.fixed else linear.parameters[p]
+        for t, p in zip(chosen, places, strict=True)
+    )
+    if context is None or not any(t.shapes for t in chosen):
+        return _augmented(tuple(chosen), coefficients, linear, places, [slice(0, 0)] * len(chosen))
+    bends = []
+    for trial, found in zip(chosen, coefficients, strict=True):
+        derivatives = shape_derivatives(trial, found, layout.rows, context)
+        bends.append(slice(start, start + derivatives.shape[2]))
+        blocks.append(derivatives)
+        start += derivatives.shape[2]
+    bent = _solve(baseline, layout, blocks, target)
+    return _augmented(tuple(chosen), coefficients, bent, places, bends)
+
+
+def added_columns(
+    found: Augmented, layout: Layout, context: Context
+) -> Float[ndarray, "joints rows columns"]:
+    """White columns of the additions of a fit, and of the derivatives by their shapes."""
+    joints, rows, _ = layout.regressor.shape
+    blocks = [np.zeros((joints, rows, 0))]
+    for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
+        blocks.append(dense(trial, joints, rows))
+        blocks.append(shape_derivatives(trial, coefficients, layout.rows, context))
+    return np.concatenate(blocks, axis=2)
+
+
+def shape_derivatives(
+    trial: Trial, coefficients: Float[ndarray, " columns"], rows: Rows, context: Context
+) -> Float[ndarray, "joints rows shapes"]:
+    """Change of an addition's white torque along each of its shapes' axes."""
+    joints = rows.weights.shape[1]
+    if not trial.values:
+        return np.zeros((joints, rows.count, 0))
+    entry = CATALOGUE[trial.name]
+    shapes = entry.shapes_for(context, trial.target)
+    here = dense(trial, joints, rows.count) @ coefficients
+    columns = []
+    for k, shape in enumerate(shapes):
+        axis = to_axis(trial.values[k], shape)
+        step = SHAPE_STEP if axis + SHAPE_STEP <= 1 else -SHAPE_STEP
+        values = list(trial.values)
+        values[k] = from_axis(axis + step, shape)
+        there = catalogue_trial(entry, context, trial.target, tuple(values), rows)
+        columns.append((dense(there, joints, rows.count) @ coefficients - here) / step)
+    return np.stack(columns, axis=2)
+
+
+def _augmented(
+    chosen: tuple[Trial, ...],
+    coefficients: tuple[Float[ndarray, " _"], ...],
+    fit: LinearFit,
+    places: list[slice],
+    bends: list[slice],
+) -> Augmented:
+    covariance = fit.covariance()
+    shifts, covariances = [], []
+    for place, bend in zip(places, bends, strict=True):
+        index = np.concatenate(
+            [np.arange(place.start, place.stop), np.arange(bend.start, bend.stop)]
+        ).astype(int)
+        shifts.append(fit.parameters[bend])
+        covariances.append(covariance[np.ix_(index, index)])
+    return Augmented(chosen, coefficients, fit, tuple(shifts), tuple(covariances))
+
+
+def _solve(
+    baseline: Baseline,
+    layout: Layout,
+    blocks: list[Float[ndarray, "joints rows _"]],
+    target: Float[ndarray, "joints rows"],
+) -> LinearFit:
+    count = sum(block.shape[2] for block in blocks)
+    whole = project(np.concatenate([*blocks, layout.nuisances], axis=2))
+    coordinates = whole.coordinates(target)
+    projection = Projection(whole.basis, whole.inverse[:count])
+    return LinearFit(
+        model=baseline.model,
+        columns=baseline.columns,
+        rows=layout.rows,
+        projection=projection,
+        parameters=projection.inverse @ coordinates,
+        residual=target - whole.basis @ coordinates,
+    )
+
+
+def dense(trial: Trial, joints: int, rows: int) -> Float[ndarray, "joints rows columns"]:
+    """White columns of an addition on all joints, zero where it does not act."""
+    columns = next(iter(trial.group.values())).shape[1]
+    whole = np.zeros((joints, rows, columns))
+    for joint, block in trial.group.items():
+        whole[joint] = block
+    return whole

@@ -1,0 +1,199 @@
+"""The tables of one diagnosis: layouts, pools of trials and the held-out recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline.baseline import Baseline
+from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign, with_widths
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
+from oed.diagnosis.search.predict import addition_torque, base_columns, prediction_errors, rms
+from oed.diagnosis.search.workbench import (
+    Augmented,
+    Layout,
+    added_columns,
+    fit_with,
+    lay_out,
+    moved,
+)
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.free_terms import terms_alone, terms_together
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, context_of, free_form_trials, grid_of
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew
+WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made anew
+
+
+class Workshop:
+    """The tables of one diagnosis: layouts, pools of trials and the held-out recordings.
+
+    It caches; nothing it returns is changed later.
+    """
+
+    def __init__(
+        self,
+        baseline: Baseline,
+        estimation: tuple[Prepared, ...],
+        validation: tuple[Prepared, ...],
+        settings: DiagnosisSettings,
+        *,
+        gear_ratio: tuple[float, ...] | None,
+        declared: Baseline | None = None,
+    ) -> None:
+        self.baseline, self.settings, self.gear_ratio = baseline, settings, gear_ratio
+        # With the gravity that the data set declares; the tables may have been turned.
+        self.declared = baseline if declared is None else declared
+        self.full = lay_out(baseline, estimation, mean=False)
+        repeated = any(mean_of_repetitions(p)[1] > 1 for p in estimation)
+        self.mean = lay_out(baseline, estimation, mean=True) if repeated else self.full
+        self.estimation, self.validation = estimation, validation
+        self.rng = np.random.default_rng(settings.seed)
+        self.before = self.fit(())
+        self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
+        self._validation_columns = base_columns(self.before.fit, validation)
+        self._validation_weights = baseline.certainty(validation)
+
+    def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
+        """The tables anew, with signs and a noise floor read off beside these additions.
+
+        None where neither changes enough to matter. What the first fit could not explain may
+        have passed for a sign that turns slowly, and without repetitions for noise.
+        """
+        layout = self.mean
+        found = self.fit(chosen, layout)
+        # From the sharpest on: a width that stood in for what is now added must come back.
+        model = with_fitted_sign(
+            with_widths(self.baseline.model, self.baseline.least_widths),
+            self.baseline.columns,
+            layout.rows,
+            added_columns(found, layout, self.context),
+        )
+        known = [
+            sum(
+                (
+                    addition_torque(t, c, p)
+                    for t, c in zip(found.chosen, found.coefficients, strict=True)
+                ),
+                np.zeros_like(p.torque),
+            )
+            for p in self.estimation
+        ]
+        baseline = self.baseline.with_model(model, self.estimation, known)
+        pairs = zip(widths_of(model), widths_of(self.baseline.model), strict=True)
+        quieter = baseline.floor.deviation < QUIETER * self.baseline.floor.deviation
+        if not quieter.any() and all(max(a, b) < WIDER * max(min(a, b), 1e-12) for a, b in pairs):
+            return None
+        return self.on(baseline)
+
+    def on(self, baseline: Baseline) -> Workshop:
+        """The tables of the same data on another baseline."""
+        same = baseline.model.robot.gravity is self.declared.model.robot.gravity
+        return Workshop(
+            baseline,
+            self.estimation,
+            self.validation,
+            self.settings,
+            gear_ratio=self.gear_ratio,
+            declared=baseline if same else self.declared,
+        )
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether gravity points elsewhere than declared."""
+        return self.baseline is not self.declared
+
+    def layout(self, trial: Trial) -> Layout:
+        """The rows on which a trial is judged."""
+        return self.full if trial.between_repetitions else self.mean
+
+    def fit(
+        self, chosen: Sequence[Trial], layout: Layout | None = None, *, bend: bool = True
+    ) -> Augmented:
+        """Fit with these additions, moved to the layout if they come from another."""
+        layout = self.mean if layout is None else layout
+        context = self.context if chosen else None
+        own = [
+            t
+            if next(iter(t.group.values())).shape[0] == layout.rows.count and not t.contrast
+            else moved(t, layout.rows, self.context)
+            for t in chosen
+        ]
+        return fit_with(self.baseline, layout, own, context if bend else None)
+
+    def update_context(self, found: Augmented) -> None:
+        """Take the reference torque of load-dependent effects from a better fit."""
+        self.context = context_of(found.fit, self.full.rows, self.gear_ratio)
+
+    def layout_for(self, chosen: Sequence[Trial]) -> Layout:
+        """Mean repetitions, or all of them if an addition makes them differ."""
+        return self.full if any(t.between_repetitions for t in chosen) else self.mean
+
+    def validation_rms(self, found: Augmented) -> Float[ndarray, " joints"] | None:
+        """Held-out error of each joint [N m]; None without validation recordings."""
+        if not self.validation:
+            return None
+        errors = prediction_errors(found, self.validation, self._validation_columns)
+        return rms(errors, self._validation_weights)
+
+    def size_of_residual(self, found: Augmented, joint: int) -> float:
+        """Root mean square of what a fit leaves of a joint's torque beyond noise [N m]."""
+        recordings = self.mean.rows.prepared
+        columns = base_columns(found.fit, recordings)
+        errors = prediction_errors(found, recordings, columns)
+        left = rms(errors, self.baseline.certainty(recordings))[joint]
+        noise = self.baseline.floor.deviation[joint] * min(self.mean.rows.scales)
+        return float(np.sqrt(max(left**2 - noise**2, noise**2)))
+
+    @cached_property
+    def physical(self) -> tuple[Trial, ...]:
+        """Every candidate of the catalogue, everywhere, over the grid of its shapes."""
+        trials: list[Trial] = []
+        for entry in CATALOGUE.values():
+            if entry.name not in self.settings.candidates:
+                continue
+            contrast = entry.between_repetitions and self.full is not self.mean
+            layout = self.full if entry.between_repetitions else self.mean
+            for target in entry.targets(self.context):
+                trials += [
+                    catalogue_trial(
+                        entry, self.context, target, values, layout.rows, contrast=contrast
+                    )
+                    for values in grid_of(entry.shapes_for(self.context, target))
+                ]
+        return tuple(trials)
+
+    @cached_property
+    def smooth(self) -> tuple[Trial, ...]:
+        """Free-form terms in one coordinate."""
+        terms = terms_alone(self.mean.rows.prepared, self.context.n)
+        return self._smooth_trials(terms, terms_alone(self.full.rows.prepared, self.context.n))
+
+    @cached_property
+    def smooth_pairs(self) -> tuple[Trial, ...]:
+        """Free-form terms in two coordinates."""
+        joints = range(self.context.n)
+        return self._smooth_trials(
+            terms_together(self.mean.rows.prepared, self.context.n, joints),
+            terms_together(self.full.rows.prepared, self.context.n, joints),
+        )
+
+    def _smooth_trials(
+        self, steady: Sequence[FreeForm], lasting: Sequence[FreeForm]
+    ) -> tuple[Trial, ...]:
+        """Terms of the motion on the mean rows, terms of time on all of them."""
+        still = [t for t in steady if "time" not in t.depends_on]
+        repeated = self.full is not self.mean
+        # On a motion that never comes back everything is a function of time: an alibi.
+        timed = [t for t in lasting if "time" in t.depends_on] if repeated else []
+        return tuple(
+            free_form_trials(still, self.mean.rows)
+            + free_form_trials(timed, self.full.rows, contrast=repeated)
+        )

@@ -1,0 +1,89 @@
+"""Which free-form terms compete, and over what range of their coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop
+
+PIECES_ALONE = 8
+PIECES_FINE = 36  # what repeats along a turn: teeth, poles, balls
+PIECES_TOGETHER = 4
+SLIDERS = 6
+# Break-away distances over the range of motion: shorter than that is a sign, longer a spring.
+DISTANCES = (0.003, 0.3)
+# Range between these quantiles: a spline's end piece needs data, not one outlying sample.
+QUANTILES = (0.002, 0.998)
+
+
+def coordinate(
+    prepared: Sequence[Prepared], kind: str, joint: int, pieces: int = PIECES_ALONE
+) -> Coordinate:
+    """A coordinate with the range that the recordings cover."""
+    if kind == "time":
+        lower = min(float(p.motion.t[0]) for p in prepared)
+        upper = max(float(p.motion.t[-1]) for p in prepared)
+    else:
+        values = np.concatenate([getattr(p.motion, kind)[:, joint] for p in prepared])
+        lower, upper = (float(x) for x in np.quantile(values, QUANTILES))
+    if upper - lower < 1e-6:
+        upper = lower + 1e-6
+    return Coordinate(kind, joint, lower, upper, pieces)
+
+
+def loop(prepared: Sequence[Prepared], joint: int) -> Loop:
+    """Loops against a joint's position of every width that the motion shows."""
+    whole = coordinate(prepared, "q", joint)
+    span = whole.upper - whole.lower
+    return Loop(joint, DISTANCES[0] * span, DISTANCES[1] * span, SLIDERS)
+
+
+def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ...]:
+    """Terms in one coordinate or loop, for every joint."""
+    terms: list[FreeForm] = []
+    for j in range(joints):
+        for i in range(joints):
+            terms += [FreeForm(j, (coordinate(prepared, kind, i),)) for kind in ("q", "dq")]
+            terms.append(FreeForm(j, (loop(prepared, i),)))
+            # Friction of this joint that varies, and what another joint drags along.
+            own = {i, j}
+            terms += [FreeForm(j, (coordinate(prepared, "q", i),), direction=k) for k in own]
+            # Drag and inertia that a position changes.
+            terms += [
+                FreeForm(j, (coordinate(prepared, "q", i), Factor(kind, j)))
+                for kind in ("dq", "ddq")
+            ]
+            if i != j:
+                terms.append(FreeForm(j, (coordinate(prepared, "dq", i),), direction=j))
+                terms.append(FreeForm(j, (coordinate(prepared, "q", j), Factor("dq", i))))
+        fine = coordinate(prepared, "q", j, PIECES_FINE)
+        terms += [FreeForm(j, (fine,)), FreeForm(j, (fine,), direction=j)]
+        terms.append(FreeForm(j, (coordinate(prepared, "ddq", j),)))
+        terms.append(FreeForm(j, (coordinate(prepared, "time", 0),)))
+        # Friction and whatever hangs on position that come and go.
+        terms.append(FreeForm(j, (coordinate(prepared, "time", 0, PIECES_FINE),), direction=j))
+    return tuple(terms)
+
+
+def terms_together(
+    prepared: Sequence[Prepared], joints: int, acting: Sequence[int]
+) -> tuple[FreeForm, ...]:
+    """Terms in two coordinates for the joints where something is left."""
+    terms: list[FreeForm] = []
+    for j in acting:
+        kinds = [(kind, i) for i in range(joints) for kind in ("q", "dq")]
+        own = {("q", j), ("dq", j)}
+        for a, first in enumerate(kinds):
+            for second in kinds[a + 1 :]:
+                # With many joints only pairs that hold a coordinate of the joint itself:
+                # the number of all pairs grows with the square, and so does the multiplicity.
+                if joints > 3 and not own & {first, second}:
+                    continue
+                pair = tuple(coordinate(prepared, *c, PIECES_TOGETHER) for c in (first, second))
+                terms.append(FreeForm(j, pair))
+        time = coordinate(prepared, "time", 0, PIECES_TOGETHER)
+        terms.append(FreeForm(j, (time, coordinate(prepared, "dq", j, PIECES_TOGETHER))))
+    return tuple(terms)

@@ -1,0 +1,176 @@
+"""Everything that may be added to a model, as whitened columns ready to be judged."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
+from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.terms.free_form import FreeForm
+from oed.dynamics.effects import Effect
+from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Shape, Target
+
+FREE_FORM = "free_form"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One effect with its shape fixed, as columns on the whitened rows.
+
+    Attributes:
+        name: Of the catalogue, or "free_form".
+        target: Joint, pair of joints, or None for the arm.
+        values: Of the shapes.
+        effect: As columns of a torque model; first order where the exact form is none.
+        group: White columns for each joint that they act on.
+        fixed: Whether its coefficient is one by construction.
+        shapes: Number of nonlinear parameters.
+        contrast: Whether its columns are their differences between repetitions alone.
+    """
+
+    name: str
+    target: Target
+    values: tuple[float, ...]
+    effect: Effect
+    group: Mapping[int, Float[ndarray, "rows columns"]]
+    fixed: bool
+    shapes: int
+    contrast: bool = False
+
+    @property
+    def key(self) -> tuple[str, object]:
+        """What competes as one candidate: all shapes of one effect at one place."""
+        if isinstance(self.effect, FreeForm):
+            return (self.effect.label, self.target)
+        return (self.name, self.target)
+
+    @property
+    def joint(self) -> int | None:
+        """The joint that a reader would name; None for the whole arm."""
+        if isinstance(self.target, tuple):
+            return self.target[0]
+        return self.target
+
+    @property
+    def between_repetitions(self) -> bool:
+        """Whether it makes repetitions differ, so that their mean does not show it."""
+        if isinstance(self.effect, FreeForm):
+            return any(c.kind == "time" for c in self.effect.coordinates)
+        return CATALOGUE[self.name].between_repetitions
+
+    @property
+    def is_free_form(self) -> bool:
+        """Whether it claims no physics."""
+        return self.name == FREE_FORM
+
+
+def context_of(fit: LinearFit, rows: Rows, gear_ratio: tuple[float, ...] | None) -> Context:
+    """What the catalogue may know when it proposes an effect."""
+    motions = [p.motion for p in rows.prepared]
+    return Context.of(fit.model, fit.full_parameters(), motions, gear_ratio)
+
+
+def white_group(
+    effect: Effect, rows: Rows, *, contrast: bool = False
+) -> dict[int, Float[ndarray, "rows columns"]]:
+    """White columns of an effect, joint by joint.
+
+    Args:
+        effect: To evaluate.
+        rows: Where.
+        contrast: Whether to keep only what differs between repetitions of one phase.
+    """
+    # What differs between repetitions by chance moves the arm as well as the torque: only the
+    # mean motion is free of it, so that nothing but time can make these columns differ.
+    motions = [p.mean_motion if contrast else p.motion for p in rows.prepared]
+    fine = [effect_columns(effect, motion, 0.0) for motion in motions]
+    if contrast:
+        fine = [
+            {joint: between_repetitions(block, p) for joint, block in blocks.items()}
+            for blocks, p in zip(fine, rows.prepared, strict=True)
+        ]
+    acting = sorted({joint for blocks in fine for joint in blocks})
+    return {
+        joint: rows.whiten_fine(
+            [
+                blocks.get(joint, np.zeros((len(p.motion), len(effect.parameters))))
+                for blocks, p in zip(fine, rows.prepared, strict=True)
+            ],
+            joint,
+        )
+        for joint in acting
+    }
+
+
+def between_repetitions(
+    block: Float[ndarray, "samples columns"], prepared: Prepared
+) -> Float[ndarray, "samples columns"]:
+    """Columns less their mean over the repetitions at the same phase; as they are without."""
+    return block if prepared.period is None else block - prepared.phase_mean(block)
+
+
+def catalogue_trial(
+    entry: CatalogueEntry,
+    context: Context,
+    target: Target,
+    values: tuple[float, ...],
+    rows: Rows,
+    *,
+    contrast: bool = False,
+) -> Trial:
+    """One entry at one place with one shape."""
+    effect = entry.build(context, target, values)
+    return Trial(
+        name=entry.name,
+        target=target,
+        values=values,
+        effect=effect,
+        group=white_group(effect, rows, contrast=contrast),
+        fixed=entry.unit_coefficient,
+        shapes=len(entry.shapes),
+        contrast=contrast,
+    )
+
+
+def grid_of(shapes: Sequence[Shape]) -> Iterator[tuple[float, ...]]:
+    """All combinations of the first scan's shape values."""
+    return product(*(shape.grid for shape in shapes))
+
+
+def free_form_trials(
+    terms: Sequence[FreeForm], rows: Rows, *, contrast: bool = False
+) -> list[Trial]:
+    """Free-form terms as trials."""
+    blocks: dict[tuple[object, ...], list[Float[ndarray, "_ columns"]]] = {}
+    trials = []
+    for term in terms:
+        key = (term.coordinates, term.direction)
+        if key not in blocks:
+            width = WIDTH_PER_SIGMA * float(rows.prepared[0].sign_noise[term.joint])
+            blocks[key] = [
+                _free_form_block(term, p, width, contrast=contrast) for p in rows.prepared
+            ]
+        group = {term.joint: rows.whiten(blocks[key], term.joint)}
+        trials.append(Trial(FREE_FORM, term.joint, (), term, group, False, 0, contrast))
+    return trials
+
+
+def _free_form_block(
+    term: FreeForm, prepared: Prepared, width: float, *, contrast: bool
+) -> Float[ndarray, "_ columns"]:
+    """A term in the analysis band; a smooth one is slow enough to be sampled as it is."""
+    if term.direction is not None or term.remembers or contrast:
+        motion = prepared.mean_motion if contrast else prepared.motion
+        fine = effect_columns(term, motion, width)[term.joint]
+        return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)
+    band = prepared.band
+    settled = slice(band.reach, len(prepared.motion) - band.reach, band.factor)
+    return effect_columns(term, prepared.motion[settled], width)[term.joint]
