@@ -20,17 +20,21 @@ SIGMAS = 2.0  # velocities below this many standard deviations have no direction
 # Largest ripple of a smoothed velocity beside a kink, in units of the leap of the acceleration
 # over the smoothing's cut-off.
 RIPPLE = 0.1
+# Share of a recording's typical velocity below which a joint may rest as well as move: friction
+# there builds up over a distance, and a joint that lingers has not covered it.
+LINGERING = 0.02
 HARMFUL = 0.3  # share of the noise at which an uncertain direction spoils its estimate
 
 
 def uncertain_direction(recording: Prepared, joint: int) -> Bool[ndarray, " samples"]:
-    """Fine samples at which the sign of a joint's velocity is not known."""
+    """Fine samples at which a joint may move either way, or not at all."""
     band, velocity = recording.band, recording.motion.dq[:, joint]
     acceleration = recording.motion.ddq[:, joint]
     reach = 2 * int(np.ceil(band.rate / band.smoothing)) + 1
     leap = maximum_filter1d(acceleration, reach) - minimum_filter1d(acceleration, reach)
     sigma = np.hypot(recording.sign_noise[joint], RIPPLE * leap / band.smoothing)
-    uncertain = np.abs(velocity) < SIGMAS * np.maximum(sigma, 1e-12)
+    lingering = LINGERING * float(np.sqrt(np.mean(velocity**2)))
+    uncertain = np.abs(velocity) < np.maximum(SIGMAS * sigma, lingering)
     # The crossing itself lies somewhere between two samples.
     turns = np.flatnonzero(np.signbit(velocity[1:]) != np.signbit(velocity[:-1]))
     uncertain[turns] = uncertain[turns + 1] = True
