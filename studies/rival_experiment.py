@@ -108,7 +108,7 @@ class Table:
         torque = lay_out(shop.baseline, self.clean, mean=True).torque
         fit = shop.before.fit
         fit = dataclasses.replace(fit, residual=fit.projection.residual(torque))
-        scores = [refine(s, fit, shop.context) for s in scan(_pool(shop, duel), fit)]
+        scores = [refine(s, fit, shop.context) for s in scan(_pool(shop, duel), fit, shop.context)]
         return _in_order(scores, duel)
 
 

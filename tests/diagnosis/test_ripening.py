@@ -40,7 +40,7 @@ def shop():
 def test_finds_the_spring_that_the_wrong_torque_hides(shop):
     fit = shop.fit(()).fit
     trials = [t for t in shop.physical if t.key == ("joint_elasticity", 0)]
-    unripe = refine(scan(trials, fit)[0], fit, shop.context)
+    unripe = refine(scan(trials, fit, shop.context)[0], fit, shop.context)
     ripe = ripened(shop, trials, (), fit)
     assert ripe.gain > unripe.gain
     frequency, damping, rotor_share = ripe.trial.values

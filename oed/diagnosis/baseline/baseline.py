@@ -67,6 +67,10 @@ class Baseline:
         floor = _read_floor(fit, prepared, known)
         return dataclasses.replace(self, model=model, floor=floor, coulomb=coulomb_of(fit))
 
+    def standing_as(self, other: Baseline) -> Baseline:
+        """Another baseline's model with the noise of this one."""
+        return dataclasses.replace(self, model=other.model, columns=other.columns)
+
     def certainty(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
         """Weights of the errors of recordings: below one where the direction is uncertain."""
         return [certainty(p, self.coulomb, self.floor.deviation) for p in prepared]

@@ -13,7 +13,7 @@ from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.search.judgement import Accepted, held_out_fault, is_own
 from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import Score, score
+from oed.diagnosis.search.scan import Score, implausible, score
 from oed.diagnosis.search.selection import Selection
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import total_tilt
@@ -261,11 +261,9 @@ def _is_of_kind(one: Trial, other: Trial) -> bool:
 
 def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial], fit) -> bool:
     """Whether a rival passes the tests, and is not the same effect under another name."""
-    entry = CATALOGUE[rival.trial.name]
-    reason = entry.plausible(
-        shop.context, rival.trial.target, rival.trial.values, rival.coefficients
-    )
-    if reason is not None or held_out_fault(shop, others, rival.trial) is not None:
+    if implausible(rival, shop.context) is not None:
+        return False
+    if held_out_fault(shop, others, rival.trial) is not None:
         return False
     if rival.trial.name != own.trial.name:
         return True

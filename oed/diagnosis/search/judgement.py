@@ -10,7 +10,14 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.search.held_out import cross_validate
-from oed.diagnosis.search.scan import Score, family_p_value, inflation_of, score, surrogate_surprise
+from oed.diagnosis.search.scan import (
+    Score,
+    family_p_value,
+    implausible,
+    inflation_of,
+    score,
+    surrogate_surprise,
+)
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
@@ -68,7 +75,7 @@ def judge(
 ) -> Accepted | None:
     """All tests in the order of their cost; the first that fails is the reason given."""
     others = [a.trial for a in accepted]
-    reason = too_little(shop, candidate, accepted) or _implausible(shop, candidate)
+    reason = too_little(shop, candidate, accepted) or implausible(candidate, shop.context)
     p_value = 1.0
     if reason is None:
         p_value = _p_value(shop, candidate, others, pool)
@@ -145,14 +152,6 @@ def share_needed(free: Sequence[Trial], named: Trial, settings: DiagnosisSetting
     if any(isinstance(effect, FreeForm) and effect.varies for effect in effects):
         return settings.foreign_share
     return settings.family_share
-
-
-def _implausible(shop: Workshop, candidate: Score) -> str | None:
-    trial = candidate.trial
-    if trial.is_free_form:
-        return None
-    entry = CATALOGUE[trial.name]
-    return entry.plausible(shop.context, trial.target, trial.values, candidate.coefficients)
 
 
 def _families(item: Accepted | Score) -> set[str]:

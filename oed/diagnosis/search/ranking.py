@@ -41,7 +41,7 @@ def ranked(
         if not part:
             continue
         fit = shop.fit(others, layout).fit
-        scores = scan(part, fit)
+        scores = scan(part, fit, shop.context)
         # By surprise for the small effect of a quiet joint, by gain for the large one that
         # makes its joint's residual loud.
         leading = {s.trial.key: s for s in scores[:most]}

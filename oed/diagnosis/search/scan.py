@@ -91,15 +91,31 @@ def score(trial: Trial, projection: Projection, residual: Float[ndarray, "joints
     return Score(trial, found.gain, freedom, found.coefficients, cancelled)
 
 
-def scan(trials: Sequence[Trial], fit: LinearFit) -> list[Score]:
-    """The best shape of every candidate, largest surprise first."""
+def scan(trials: Sequence[Trial], fit: LinearFit, context: Context) -> list[Score]:
+    """The best plausible shape of every candidate, or its best one; largest surprise first."""
     best: dict[tuple[str, object], Score] = {}
     for trial in trials:
         found = score(trial, fit.projection, fit.residual)
-        if trial.key not in best or found.gain > best[trial.key].gain:
+        if trial.key not in best or _is_better(found, best[trial.key], context):
             best[trial.key] = found
     inflation = inflation_of(fit)
     return sorted(best.values(), key=lambda s: -s.surprise(inflation))
+
+
+def implausible(found: Score, context: Context) -> str | None:
+    """Why the estimates of a candidate cannot be what its name says; None if they can."""
+    trial = found.trial
+    if trial.is_free_form:
+        return None
+    entry = CATALOGUE[trial.name]
+    return entry.plausible(context, trial.target, trial.values, found.coefficients)
+
+
+def _is_better(new: Score, old: Score, context: Context) -> bool:
+    """A plausible shape before one that explains more."""
+    if new.gain > old.gain:
+        return implausible(new, context) is None or implausible(old, context) is not None
+    return implausible(old, context) is not None and implausible(new, context) is None
 
 
 def refine(found: Score, fit: LinearFit, context: Context) -> Score:
@@ -109,6 +125,8 @@ def refine(found: Score, fit: LinearFit, context: Context) -> Score:
     entry = CATALOGUE[found.trial.name]
     shapes = entry.shapes_for(context, found.trial.target)
     best = found
+    # From a plausible start on, what is not plausible explains nothing.
+    guarded = implausible(found, context) is None
 
     def loss(x: Float[ndarray, " shapes"]) -> float:
         nonlocal best
@@ -117,9 +135,10 @@ def refine(found: Score, fit: LinearFit, context: Context) -> Score:
             entry, context, found.trial.target, values, fit.rows, contrast=found.trial.contrast
         )
         tried = score(trial, fit.projection, fit.residual)
-        if tried.gain > best.gain:
+        if _is_better(tried, best, context):
             best = tried
-        return -tried.gain
+        outside = guarded and implausible(tried, context) is not None
+        return 0.0 if outside else -tried.gain
 
     start = np.array([to_axis(v, s) for v, s in zip(found.trial.values, shapes, strict=True)])
     steps = np.array([0.6 / max(s.points - 1, 1) for s in shapes])
@@ -144,7 +163,7 @@ def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
     for _ in range(MOST_ROUNDS):
         again = refine(best, fit, context)
         settled = again.gain < best.gain + AT_REST
-        best = max(best, again, key=lambda s: s.gain)
+        best = again if _is_better(again, best, context) else best
         if settled:
             break
     return best

@@ -26,15 +26,22 @@ from oed.diagnosis.search.scan import (
     MOST_ROUNDS,
     Score,
     at_rest,
+    implausible,
+    inflation_of,
     score,
 )
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.turning import NAME as GRAVITY
-from oed.diagnosis.search.turning import accepted_tilt, far_turned, turned
+from oed.diagnosis.search.turning import (
+    accepted_tilt,
+    far_turned,
+    moment_fault,
+    squares_under,
+    turned,
+)
 from oed.diagnosis.search.workbench import Augmented, moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects.catalogue import CATALOGUE
 
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
@@ -61,16 +68,32 @@ class Selection:
 
 def search(shop: Workshop) -> tuple[Workshop, Selection]:
     """Add, exchange and drop until nothing passes all tests; the tables may be made anew."""
-    accepted: list[Accepted] = []
     refused: list[Refused] = []
-    declared, tilt_p_value = shop, 0.0
-    shop = far_turned(shop) or shop
+    turned_shop, accepted, p_value = _added(shop, refused, upright=False)
+    if turned_shop.is_turned:
+        tilt = accepted_tilt(turned_shop, shop, p_value)
+        fault = _tilt_fault(turned_shop, [a for a in accepted if a.stands_in])
+        if fault is None:
+            return _concluded(turned_shop, accepted, refused, [tilt])
+        refused.append(Refused(GRAVITY, None, tilt.gain, fault))
+        shop, accepted, _ = _added(shop, refused, upright=True)
+        return _concluded(shop, accepted, refused, [])
+    return _concluded(turned_shop, accepted, refused, [])
+
+
+def _added(
+    shop: Workshop, refused: list[Refused], *, upright: bool
+) -> tuple[Workshop, list[Accepted], float]:
+    """Named effects, then free-form terms; with the p-value of a tilt if the tables are turned."""
+    accepted: list[Accepted] = []
+    p_value = 0.0
+    shop = shop if upright else (_far_turned(shop) or shop)
     while len(accepted) + shop.is_turned < shop.settings.max_effects:
-        pick = _next_physical(shop, accepted, refused)
+        pick = _next_physical(shop, accepted, refused, upright=upright)
         if pick is None:
             break
         if pick.trial.name == GRAVITY:
-            shop, tilt_p_value = turned(shop, [a.trial for a in accepted]), pick.p_value
+            shop, p_value = turned(shop, [a.trial for a in accepted]), pick.p_value
             if not shop.is_turned:
                 break
         else:
@@ -86,15 +109,61 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
             break
         accepted.append(pick)
     accepted = review_names(shop, accepted, refused)
-    tilt = []
     if shop.is_turned:
         shop = turned(shop, [a.trial for a in accepted if a.stands_in])
         accepted = [_at_home(shop, a) for a in accepted]
-        tilt = [accepted_tilt(shop, declared, tilt_p_value)]
+    return shop, accepted, p_value
+
+
+def _concluded(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused], tilt: list[Accepted]
+) -> tuple[Workshop, Selection]:
     accepted = _rested(shop, [*tilt, *drop_superfluous(shop, accepted, refused)])
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))
+
+
+def _far_turned(shop: Workshop) -> Workshop | None:
+    """The tables under a far direction of gravity, if nothing of the catalogue does as well."""
+    found = far_turned(shop)
+    if found is None:
+        return None
+    turned_squares = squares_under(shop, found.baseline.model)
+    gain = shop.fit(()).fit.squares - turned_squares
+    best = max((s.gain for s in ranked(shop, shop.physical, (), 1)), default=0.0)
+    return found if gain > best else None
+
+
+def _tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
+    """Why turned tables are no better than declared ones beside the other additions."""
+    upright = shop.on(shop.baseline.standing_as(shop.declared))
+    at_home = [_at_home(upright, a).trial for a in standing]
+    trials = [a.trial for a in standing]
+    old = upright.fit(at_home, upright.layout_for(at_home))
+    new = shop.fit(trials, shop.layout_for(trials))
+    fault = moment_fault(shop, new.fit)
+    if fault is not None:
+        return fault
+    chance = float(inflation_of(new.fit).mean())
+    gain = (old.fit.squares - new.fit.squares) / chance
+    cost = 2 * np.log(shop.full.rows.count)
+    if gain < cost:
+        return f"gains {gain:.3g} beside the other additions"
+    errors = [s.validation_rms(f) for s, f in ((upright, old), (shop, new))]
+    if (
+        errors[0] is not None
+        and errors[1] is not None
+        and np.mean((errors[1] / errors[0]) ** 2) >= 1
+    ):
+        return "beside the other additions it does not lower the validation error"
+    rows = shop.full.rows.count
+    for rival in ranked(upright, upright.physical, at_home, 1):
+        if rival.trial.name != GRAVITY and rival.evidence(rows) / chance > (
+            gain - cost + shop.settings.decisive
+        ):
+            return f"{rival.trial.name} would explain more beside the other additions"
+    return None
 
 
 def _at_home(shop: Workshop, item: Accepted) -> Accepted:
@@ -106,12 +175,11 @@ def _at_home(shop: Workshop, item: Accepted) -> Accepted:
 
 
 def _next_physical(
-    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused], *, upright: bool
 ) -> Accepted | None:
     others = [a.trial for a in accepted]
-    candidates = simplest_first(
-        shop, ranked(shop, shop.physical, others, shop.settings.refined, ripe=True)
-    )
+    pool = [t for t in shop.physical if not (upright and t.name == GRAVITY)]
+    candidates = simplest_first(shop, ranked(shop, pool, others, shop.settings.refined, ripe=True))
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= 0:
@@ -220,13 +288,10 @@ def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> A
             break
         if rival.trial.key == here.trial.key:
             continue
-        entry = CATALOGUE[rival.trial.name]
-        trial = rival.trial
         if (
             too_little(shop, rival, rest) is None
-            and entry.plausible(shop.context, trial.target, trial.values, rival.coefficients)
-            is None
-            and held_out_fault(shop, others, trial) is None
+            and implausible(rival, shop.context) is None
+            and held_out_fault(shop, others, rival.trial) is None
         ):
-            return Accepted(trial, rival.gain, current.p_value)
+            return Accepted(rival.trial, rival.gain, current.p_value)
     return Accepted(here.trial, here.gain, current.p_value)

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.linear_fit import project, reversal_nuisances, whitened_regressor
+from oed.diagnosis.fit.linear_fit import LinearFit, project, reversal_nuisances, whitened_regressor
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -23,13 +23,17 @@ from oed.dynamics.effects import RigidBody
 from oed.dynamics.effects.gravity import tilt_between, tilt_directions, tilted
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.robot.inertia import PARAMETER_SYMBOLS
 
 NAME = "gravity_direction"
 FAR = np.deg2rad((30.0, 60.0, 90.0, 135.0, 180.0))  # tilts that are tried at once
+FIRST_MOMENTS = ("mx", "my", "mz")
+SECOND_MOMENTS = (4, 7, 9)  # places of Ixx, Iyy and Izz among a link's parameters
 SETTLED = 1e-3  # [rad] of a step, after which the direction is taken for found
 MOST_STEPS = 8
 LARGEST_STEP = 0.5  # [rad]
 LEVEL = 1.001  # ratio of squares up to which two directions fit alike
+HEAVIEST = 1000.0  # [kg] of a link, beyond every arm on the market
 CLEARLY_BETTER = 0.5  # share of the squares that a far direction may leave
 
 
@@ -47,7 +51,7 @@ def far_turned(shop: Workshop) -> Workshop | None:
     squares = {}
     for angle, heading in product(FAR, np.arange(4) * np.pi / 2):
         tilt = angle * np.array([np.cos(heading), np.sin(heading)])
-        squares[tuple(tilt)] = _squares_under(shop, _turned(shop.baseline.model, tilt))
+        squares[tuple(tilt)] = squares_under(shop, _turned(shop.baseline.model, tilt))
     best = min(squares, key=lambda tilt: squares[tilt])
     if squares[best] > CLEARLY_BETTER * shop.fit(()).fit.squares:
         return None
@@ -68,6 +72,21 @@ def accepted_tilt(shop: Workshop, declared: Workshop, p_value: float) -> Accepte
     """The tilt as an addition to turned tables: what is left of it, its gain over declared ones."""
     gain = declared.before.fit.squares - shop.before.fit.squares
     return Accepted(gravity_trial(shop), max(gain, 0.0), p_value)
+
+
+def moment_fault(shop: Workshop, fit: LinearFit) -> str | None:
+    """Whether what only the tilt shows would need a link of impossible mass.
+
+    A tilt of a hundredth of a degree makes a torque of any size if the first moment may be
+    large enough. But the mass is at least that moment squared over the moment of inertia.
+    """
+    inertial = dict(zip(shop.baseline.columns, fit.parameters, strict=False))
+    for column in set(shop.baseline.columns) - set(shop.declared.columns):
+        link, symbol = int(column) // 10, PARAMETER_SYMBOLS[int(column) % 10]
+        second = [abs(inertial.get(10 * link + k, 0.0)) for k in SECOND_MOMENTS]
+        if symbol in FIRST_MOMENTS and inertial[column] ** 2 > HEAVIEST * max(second):
+            return f"{symbol} of link {link + 1} would be {inertial[column]:.3g} kg m"
+    return None
 
 
 def total_tilt(
@@ -100,7 +119,7 @@ def _upright(shop: Workshop) -> Workshop:
         return shop
     back = tilt_between(here, here - 2 * (here @ up) * up)
     mirrored = _turned(shop.baseline.model, back)
-    same = _squares_under(shop, mirrored) < LEVEL * shop.before.fit.squares
+    same = squares_under(shop, mirrored) < LEVEL * shop.before.fit.squares
     return _rebuilt(shop, mirrored) if same else shop
 
 
@@ -117,7 +136,8 @@ def _turned(model: TorqueModel, tilt: Float[ndarray, " directions"]) -> TorqueMo
     return dataclasses.replace(model, robot=robot, effects=effects)
 
 
-def _squares_under(shop: Workshop, model: TorqueModel) -> float:
+def squares_under(shop: Workshop, model: TorqueModel) -> float:
+    """Whitened squares that a base model leaves, on the mean rows of the tables."""
     rows = shop.mean.rows
     regressor = whitened_regressor(model, np.sort(base_parameters(model).columns), rows)
     everything = np.concatenate([regressor, reversal_nuisances(rows)], axis=2)
