@@ -21,6 +21,7 @@ from pathlib import Path
 
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import Prepared, prepare
+from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import FoundEffect, describe_effects
 from oed.diagnosis.search.selection import search
 from oed.diagnosis.search.workshop import Workshop
@@ -120,7 +121,7 @@ def work(case: Case) -> dict[str, str | int | float]:
     baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
     shop = Workshop(baseline, estimation, validation, settings, gear_ratio=None)
     shop, selection = search(shop)
-    effects = describe_effects(shop, selection)
+    effects = describe_effects(shop, selection, with_uncertainty(shop, selection.found))
     intervals = compare(hidden, effects[0], dataset.robot.n) if effects else []
     if effects:
         status = "done" if intervals else f"named at joint {effects[0].joint}"

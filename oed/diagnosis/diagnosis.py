@@ -17,6 +17,7 @@ from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final,
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.evidence.proof import RoleProof, prove
+from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     Outcome,
@@ -24,8 +25,9 @@ from oed.diagnosis.evidence.verdict import (
     decide,
     describe_effects,
     describe_unexplained,
+    doubtful_name,
 )
-from oed.diagnosis.search.judgement import Refused, costs
+from oed.diagnosis.search.judgement import Refused, costs, refusal
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selection import Selection, search
 from oed.diagnosis.search.workshop import Workshop
@@ -136,8 +138,14 @@ def _conclude(
     baseline = shop.baseline
     layout = shop.layout_for(selection.trials)
     before = fit_final(shop.declared, layout, shop.declared.model)
-    selection, after = _never_worse(shop, selection, by_role["validation"], before)
-    effects = describe_effects(shop, selection)
+    while True:
+        selection, after = _never_worse(shop, selection, by_role["validation"], before)
+        found = with_uncertainty(shop, selection.found)
+        doubtful = doubtful_name(shop, found)
+        if doubtful is None:
+            break
+        selection = _without(shop, selection, doubtful, "its own interval holds zero")
+    effects = describe_effects(shop, selection, found)
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
         unexplained += _lines(after, by_role["estimation"], baseline)
@@ -205,18 +213,18 @@ def _never_worse(
             old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
         ):
             return Selection(kept.accepted, found, kept.refused), final
-        last = [a for a in kept.accepted if a.stands_in][-1]
-        gone = Refused(
-            str(last.trial.key[0]),
-            last.trial.joint,
-            last.gain,
-            "in its exact form it raises the validation error",
+        kept = _without(
+            shop, kept, kept.trials[-1], "in its exact form it raises the validation error"
         )
-        rest = tuple(a for a in kept.accepted if a is not last)
-        trials = [a.trial for a in rest if a.stands_in]
-        found = shop.fit(trials, shop.layout_for(trials))
-        kept = Selection(rest, found, (*kept.refused, gone))
     return kept, before
+
+
+def _without(shop: Workshop, selection: Selection, trial: Trial, reason: str) -> Selection:
+    item = next(a for a in selection.accepted if a.trial is trial)
+    rest = tuple(a for a in selection.accepted if a is not item)
+    trials = [a.trial for a in rest if a.stands_in]
+    found = shop.fit(trials, shop.layout_for(trials))
+    return Selection(rest, found, (*selection.refused, refusal(item, reason)))
 
 
 def _proof(

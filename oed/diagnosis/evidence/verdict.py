@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.stats import chi2
 
 from oed.diagnosis.baseline.noise_floor import NoiseSource
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
-from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.search.judgement import Accepted, held_out_fault, is_own
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, implausible, score
 from oed.diagnosis.search.selection import Selection
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import total_tilt
-from oed.diagnosis.search.workbench import moved
+from oed.diagnosis.search.workbench import Augmented, moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
@@ -113,10 +113,38 @@ class Unexplained:
     trial: Trial | None = None
 
 
-def describe_effects(shop: Workshop, selection: Selection) -> tuple[FoundEffect, ...]:
-    """Every named effect with parameters, evidence and rivals."""
+def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
+    """A name whose coefficients are zero within their uncertainty, at the shapes that they have.
+
+    A search believes the noise to be what repetitions show. Where it is not, the covariance that
+    lets each block of rows err as it does is the wider one, and has the last word.
+    """
+    for trial, coefficients, covariance in zip(
+        whole.chosen, whole.coefficients, whole.covariances, strict=True
+    ):
+        if trial.is_free_form or trial.fixed:
+            continue
+        count = len(coefficients)
+        given = covariance[:count, count:] @ np.linalg.pinv(covariance[count:, count:])
+        own = covariance[:count, :count] - given @ covariance[count:, :count]
+        values = _from_declared(shop, trial, coefficients)
+        wald = float(values @ np.linalg.pinv(own, hermitian=True) @ values)
+        if chi2.sf(wald, count) > shop.settings.level:
+            return trial
+    return None
+
+
+def describe_effects(
+    shop: Workshop, selection: Selection, whole: Augmented
+) -> tuple[FoundEffect, ...]:
+    """Every named effect with parameters, evidence and rivals.
+
+    Args:
+        shop: The laid-out data.
+        selection: What was added.
+        whole: Its fit, with the uncertainty of its parameters.
+    """
     found = []
-    whole = with_uncertainty(shop, selection.found)
     for trial, coefficients, covariance in zip(
         whole.chosen, whole.coefficients, whole.covariances, strict=True
     ):

@@ -207,7 +207,7 @@ def costs(
     return bool(np.mean(ratio**2) >= 1 or (ratio.max() > WORSE and dear))
 
 
-def refusal(candidate: Score, reason: str) -> Refused:
-    """A candidate turned down, in words."""
+def refusal(candidate: Score | Accepted, reason: str) -> Refused:
+    """A candidate, or what was accepted once, turned down in words."""
     trial = candidate.trial
     return Refused(str(trial.key[0]), trial.joint, candidate.gain, reason)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from oed.diagnosis.search.judgement import Accepted, Refused, share_needed
+from oed.diagnosis.search.judgement import Accepted, Refused, refusal, share_needed
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of, score
 from oed.diagnosis.search.workbench import moved
@@ -42,7 +42,7 @@ def review_names(
             ):
                 kept = [a for a in kept if a is not item]
                 reason = f"free form explains its part: {alone / together:.0%} of what both do"
-                refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
+                refused.append(refusal(item, reason))
     return kept
 
 
@@ -73,7 +73,7 @@ def drop_superfluous(
             reason = _outdone(shop, [a.trial for a in kept if a is not item], item)
         if reason is not None:
             kept = [a for a in kept if a is not item]
-            refused.append(Refused(item.trial.name, item.trial.joint, item.gain, reason))
+            refused.append(refusal(item, reason))
     return kept
 
 

@@ -75,7 +75,7 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
         fault = _tilt_fault(turned_shop, [a for a in accepted if a.stands_in])
         if fault is None:
             return _concluded(turned_shop, accepted, refused, [tilt])
-        refused.append(Refused(GRAVITY, None, tilt.gain, fault))
+        refused.append(refusal(tilt, fault))
         shop, accepted, _ = _added(shop, refused, upright=True)
         return _concluded(shop, accepted, refused, [])
     return _concluded(turned_shop, accepted, refused, [])
