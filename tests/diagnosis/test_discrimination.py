@@ -6,13 +6,14 @@ from scipy.stats import norm
 
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.rivals.confusion import confusion, dense_columns
+from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import (
     as_prepared,
     design_discriminating,
     error_rate,
     separation,
 )
+from oed.diagnosis.search.workbench import dense
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import catalogue_trial
@@ -38,7 +39,7 @@ def outside(shop, *trials):
     """White columns of trials less their least-squares fit by model and nuisances, flat."""
     model = np.concatenate([shop.mean.regressor, shop.mean.nuisances], axis=2)
     model = model.reshape(-1, model.shape[2])
-    columns = np.concatenate([dense_columns(t, 2, shop.mean.rows.count) for t in trials], axis=2)
+    columns = np.concatenate([dense(t, 2, shop.mean.rows.count) for t in trials], axis=2)
     columns = columns.reshape(len(model), -1)
     scaled = model / np.maximum(np.linalg.norm(model, axis=0), 1e-12)
     return columns - scaled @ np.linalg.lstsq(scaled, columns, rcond=1e-9)[0]

@@ -9,9 +9,10 @@ import pytest
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.evidence.uncertainty import robust_covariance, secants, with_uncertainty
+from oed.diagnosis.evidence.uncertainty import robust_covariance, with_uncertainty
 from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.search.scan import at_rest, score
+from oed.diagnosis.search.workbench import secants
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import catalogue_trial
@@ -71,7 +72,7 @@ def test_slope_of_a_ripple_over_its_harmonic_is_the_derivative_of_the_cosine():
     shop = shop_of("ripple")
     trial = trial_of(shop, "torque_ripple", 1, (12.0,))
     (shape,) = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)
-    found = secants(shop, trial, np.array([1.0, 0.0]), shop.mean, np.array([1e-4]))
+    found = secants(trial, np.array([1.0, 0.0]), shop.mean.rows, shop.context, np.array([1e-4]))
     fine = [
         (-p.motion.q[:, 1] * np.sin(12.0 * p.motion.q[:, 1]))[:, None]
         for p in shop.mean.rows.prepared

@@ -20,11 +20,8 @@ from numpy import ndarray
 from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.fit.linear_fit import Projection, project
 from oed.diagnosis.search.scan import block_numbers
-from oed.diagnosis.search.workbench import SHAPE_STEP, Augmented, Layout, dense, moved
+from oed.diagnosis.search.workbench import SHAPE_STEP, Augmented, Layout, dense, moved, secants
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.shape_axes import from_axis, to_axis
-from oed.diagnosis.terms.trials import Trial, catalogue_trial
-from oed.dynamics.effects.catalogue import CATALOGUE
 
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
 STEPS = (1e-5, 0.25)
@@ -80,7 +77,7 @@ def _columns(
             target -= columns.sum(axis=2)
         else:
             blocks.append(columns)
-        blocks.append(secants(shop, trial, coefficients, layout, step))
+        blocks.append(secants(trial, coefficients, layout.rows, shop.context, step))
     return np.concatenate([*blocks, layout.nuisances], axis=2), target
 
 
@@ -119,42 +116,3 @@ def robust_covariance(
     own = np.diag(noise)
     scale = np.sqrt(np.maximum(by_block / np.where(own > 0, own, np.inf), 1.0))
     return noise * np.outer(scale, scale)
-
-
-def secants(
-    shop: Workshop,
-    trial: Trial,
-    coefficients: Float[ndarray, " columns"],
-    layout: Layout,
-    steps: Float[ndarray, " shapes"],
-) -> Float[ndarray, "joints rows shapes"]:
-    """Change of an addition's white torque along each shape's axis, over a step both ways.
-
-    Args:
-        shop: Its context rebuilds the addition.
-        trial: The addition.
-        coefficients: Of its columns.
-        layout: Rows.
-        steps: On each axis; cut at its ends.
-    """
-    joints, count, _ = layout.regressor.shape
-    if not trial.values:
-        return np.zeros((joints, count, 0))
-    entry = CATALOGUE[trial.name]
-    shapes = entry.shapes_for(shop.context, trial.target)
-    axes = np.array([to_axis(v, s) for v, s in zip(trial.values, shapes, strict=True)])
-
-    def torque(place: int, axis: float) -> Float[ndarray, "joints rows"]:
-        values = list(trial.values)
-        values[place] = from_axis(axis, shapes[place])
-        moved = catalogue_trial(entry, shop.context, trial.target, tuple(values), layout.rows)
-        return dense(moved, joints, count) @ coefficients
-
-    columns = []
-    for k, (axis, step) in enumerate(zip(axes, steps, strict=True)):
-        lower, upper = max(axis - step, 0.0), min(axis + step, 1.0)
-        if upper <= lower:
-            columns.append(np.zeros((joints, count)))
-            continue
-        columns.append((torque(k, upper) - torque(k, lower)) / (upper - lower))
-    return np.stack(columns, axis=2)

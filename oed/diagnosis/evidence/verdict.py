@@ -160,7 +160,7 @@ def describe_effects(
                     shop, trial, _from_declared(shop, trial, coefficients), covariance
                 ),
                 p_value=own.p_value,
-                validation_gain=_validation_gain(shop, selection, others, trial),
+                validation_gain=shop.validation_gain(selection.trials, trial),
                 rivals=_rivals(shop, own, others),
                 trial=trial,
             )
@@ -242,18 +242,6 @@ def _estimates(
         spread = (shape.upper - shape.lower) / np.sqrt(12)
         estimates.append(Estimated(shape.name, value, min(std, float(spread)), shape.unit))
     return tuple(estimates)
-
-
-def _validation_gain(
-    shop: Workshop, selection: Selection, others: list[Trial], trial: Trial
-) -> float | None:
-    layout = shop.layout_for(selection.trials)
-    without = shop.validation_rms(shop.fit(others, layout, bend=False))
-    whole = shop.validation_rms(shop.fit(selection.trials, layout, bend=False))
-    if without is None or whole is None:
-        return None
-    joints = list(trial.group)
-    return float(1 - np.sqrt(np.sum(whole[joints] ** 2) / np.sum(without[joints] ** 2)))
 
 
 def _rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, ...]:

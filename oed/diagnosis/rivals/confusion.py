@@ -28,7 +28,7 @@ from oed.diagnosis.fit.linear_fit import (
     whitened_regressor,
 )
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.workbench import Layout
+from oed.diagnosis.search.workbench import Layout, dense
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of, white_group
@@ -148,7 +148,7 @@ def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> Linea
     projection = project(regressor)
     # The effect as it was fitted: one that acts on the model's torque brings its own.
     mine = dataclasses.replace(favourite, group=white_group(favourite.effect, layout.rows))
-    torque = dense_columns(mine, shop.context.n, layout.rows.count) @ coefficients
+    torque = dense(mine, shop.context.n, layout.rows.count) @ coefficients
     coordinates = projection.coordinates(torque)
     return LinearFit(
         model=shop.baseline.model,
@@ -180,11 +180,3 @@ def _with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> L
         (layout.torque, new.torque()),
     )
     return Layout(rows, *(np.concatenate(pair, axis=1) for pair in blocks))
-
-
-def dense_columns(trial: Trial, joints: int, rows: int) -> Float[ndarray, "joints rows columns"]:
-    """White columns of a trial, zero at joints where it does not act."""
-    dense = np.zeros((joints, rows, next(iter(trial.group.values())).shape[1]))
-    for joint, block in trial.group.items():
-        dense[joint] = block
-    return dense

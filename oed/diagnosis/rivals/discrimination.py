@@ -25,9 +25,9 @@ from oed.design.limits import fill
 from oed.design.trajectories import FourierClass
 from oed.diagnosis.data.prepare import EDGE, Prepared
 from oed.diagnosis.fit.linear_fit import addition
-from oed.diagnosis.rivals.confusion import Pair, confusion, dense_columns, torque_beside
+from oed.diagnosis.rivals.confusion import Pair, confusion, torque_beside
 from oed.diagnosis.search.scan import refine, score
-from oed.diagnosis.search.workbench import moved, shape_derivatives
+from oed.diagnosis.search.workbench import dense, moved, shape_derivatives
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -189,13 +189,13 @@ def _slope_separation(shop: Workshop, pair: Pair, further: Prepared) -> float:
     fit = torque_beside(shop, pair, further)
     context, joints = shop.context, range(shop.context.n)
     own = moved(rival, fit.rows, context)
-    dense = dense_columns(own, len(joints), fit.rows.count)
+    linear = dense(own, len(joints), fit.rows.count)
     found = score(own, fit.projection, fit.residual)
     bends = shape_derivatives(own, found.coefficients, fit.rows, context)
     residual = fit.residual
-    columns = np.concatenate([dense, bends], axis=2)
+    columns = np.concatenate([linear, bends], axis=2)
     if own.fixed:
-        residual, columns = residual - fit.projection.residual(dense.sum(axis=2)), bends
+        residual, columns = residual - fit.projection.residual(linear.sum(axis=2)), bends
     squares = float(np.sum(residual**2))
     if not columns.shape[2]:
         return squares

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,6 +19,7 @@ from oed.diagnosis.search.scan import (
     score,
     surrogate_surprise,
 )
+from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
@@ -211,3 +213,11 @@ def refusal(candidate: Score | Accepted, reason: str) -> Refused:
     """A candidate, or what was accepted once, turned down in words."""
     trial = candidate.trial
     return Refused(str(trial.key[0]), trial.joint, candidate.gain, reason)
+
+
+def at_home(shop: Workshop, item: Accepted) -> Accepted:
+    """An addition on the rows of new tables."""
+    trial = item.trial
+    rows = shop.layout(trial).rows
+    trial = moved(trial, rows, shop.context, contrast=trial.contrast)
+    return dataclasses.replace(item, trial=trial)

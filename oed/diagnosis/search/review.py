@@ -64,10 +64,11 @@ def drop_superfluous(
         chance = float(inflation_of(whole.fit)[list(item.trial.group)].mean())
         needed = (without.fit.squares - whole.fit.squares) / chance
         columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
+        predicts = shop.validation_gain([a.trial for a in standing], item.trial)
         reason = None
         if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
             reason = f"gains {needed:.3g} beside the other additions"
-        elif not _predicts(shop, standing, item):
+        elif predicts is not None and predicts <= 0:
             reason = "beside the other additions it does not lower the validation error"
         elif any(a.trial.is_free_form and a.trial.joint in item.trial.group for a in kept):
             reason = _outdone(shop, [a.trial for a in kept if a is not item], item)
@@ -75,21 +76,6 @@ def drop_superfluous(
             kept = [a for a in kept if a is not item]
             refused.append(refusal(item, reason))
     return kept
-
-
-def _predicts(shop: Workshop, standing: list[Accepted], item: Accepted) -> bool:
-    """Whether the joints on which an addition acts are predicted better with it."""
-    layout = shop.layout_for([a.trial for a in standing])
-    new, old = (
-        shop.validation_rms(
-            shop.fit([a.trial for a in standing if a is not left_out], layout, bend=False)
-        )
-        for left_out in (None, item)
-    )
-    if new is None or old is None:
-        return True
-    joints = list(item.trial.group)
-    return bool(np.mean((new[joints] / old[joints]) ** 2) < 1)
 
 
 def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:

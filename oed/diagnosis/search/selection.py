@@ -13,6 +13,7 @@ from oed.diagnosis.search.judgement import (
     COVERED,
     Accepted,
     Refused,
+    at_home,
     held_out_fault,
     judge,
     refusal,
@@ -27,18 +28,12 @@ from oed.diagnosis.search.scan import (
     Score,
     at_rest,
     implausible,
-    inflation_of,
     score,
 )
 from oed.diagnosis.search.standing_in import next_free_form
+from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.search.turning import NAME as GRAVITY
-from oed.diagnosis.search.turning import (
-    accepted_tilt,
-    far_turned,
-    moment_fault,
-    squares_under,
-    turned,
-)
+from oed.diagnosis.search.turning import accepted_tilt, turned
 from oed.diagnosis.search.workbench import Augmented, moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -72,7 +67,7 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
     turned_shop, accepted, p_value = _added(shop, refused, upright=False)
     if turned_shop.is_turned:
         tilt = accepted_tilt(turned_shop, shop, p_value)
-        fault = _tilt_fault(turned_shop, [a for a in accepted if a.stands_in])
+        fault = tilt_fault(turned_shop, [a for a in accepted if a.stands_in])
         if fault is None:
             return _concluded(turned_shop, accepted, refused, [tilt])
         refused.append(refusal(tilt, fault))
@@ -87,7 +82,7 @@ def _added(
     """Named effects, then free-form terms; with the p-value of a tilt if the tables are turned."""
     accepted: list[Accepted] = []
     p_value = 0.0
-    shop = shop if upright else (_far_turned(shop) or shop)
+    shop = shop if upright else (far_tilt(shop) or shop)
     while len(accepted) + shop.is_turned < shop.settings.max_effects:
         pick = _next_physical(shop, accepted, refused, upright=upright)
         if pick is None:
@@ -98,11 +93,11 @@ def _added(
                 break
         else:
             accepted.append(pick)
-        accepted = _settle(shop, [_at_home(shop, a) for a in accepted])
+        accepted = _settle(shop, [at_home(shop, a) for a in accepted])
         sharper = shop.sharpened([a.trial for a in accepted])
         if sharper is not None:
             shop = sharper
-            accepted = _settle(shop, [_at_home(shop, a) for a in accepted])
+            accepted = _settle(shop, [at_home(shop, a) for a in accepted])
     for _ in range(shop.settings.max_effects):
         pick = next_free_form(shop, accepted, refused)
         if pick is None:
@@ -111,7 +106,7 @@ def _added(
     accepted = review_names(shop, accepted, refused)
     if shop.is_turned:
         shop = turned(shop, [a.trial for a in accepted if a.stands_in])
-        accepted = [_at_home(shop, a) for a in accepted]
+        accepted = [at_home(shop, a) for a in accepted]
     return shop, accepted, p_value
 
 
@@ -122,56 +117,6 @@ def _concluded(
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))
-
-
-def _far_turned(shop: Workshop) -> Workshop | None:
-    """The tables under a far direction of gravity, if nothing of the catalogue does as well."""
-    found = far_turned(shop)
-    if found is None:
-        return None
-    turned_squares = squares_under(shop, found.baseline.model)
-    gain = shop.fit(()).fit.squares - turned_squares
-    best = max((s.gain for s in ranked(shop, shop.physical, (), 1)), default=0.0)
-    return found if gain > best else None
-
-
-def _tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
-    """Why turned tables are no better than declared ones beside the other additions."""
-    upright = shop.on(shop.baseline.standing_as(shop.declared))
-    at_home = [_at_home(upright, a).trial for a in standing]
-    trials = [a.trial for a in standing]
-    old = upright.fit(at_home, upright.layout_for(at_home))
-    new = shop.fit(trials, shop.layout_for(trials))
-    fault = moment_fault(shop, new.fit)
-    if fault is not None:
-        return fault
-    chance = float(inflation_of(new.fit).mean())
-    gain = (old.fit.squares - new.fit.squares) / chance
-    cost = 2 * np.log(shop.full.rows.count)
-    if gain < cost:
-        return f"gains {gain:.3g} beside the other additions"
-    errors = [s.validation_rms(f) for s, f in ((upright, old), (shop, new))]
-    if (
-        errors[0] is not None
-        and errors[1] is not None
-        and np.mean((errors[1] / errors[0]) ** 2) >= 1
-    ):
-        return "beside the other additions it does not lower the validation error"
-    rows = shop.full.rows.count
-    for rival in ranked(upright, upright.physical, at_home, 1):
-        if rival.trial.name != GRAVITY and rival.evidence(rows) / chance > (
-            gain - cost + shop.settings.decisive
-        ):
-            return f"{rival.trial.name} would explain more beside the other additions"
-    return None
-
-
-def _at_home(shop: Workshop, item: Accepted) -> Accepted:
-    """An addition on the rows of new tables."""
-    trial = item.trial
-    rows = shop.layout(trial).rows
-    trial = moved(trial, rows, shop.context, contrast=trial.contrast)
-    return dataclasses.replace(item, trial=trial)
 
 
 def _next_physical(

@@ -143,6 +143,23 @@ class Workshop:
         errors = prediction_errors(found, self.validation, self._validation_columns)
         return rms(errors, self._validation_weights)
 
+    def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
+        """Share by which one of some additions lowers the held-out error of its joints.
+
+        The error is each joint's root mean square over its own without the addition; None
+        without validation recordings.
+        """
+        layout = self.layout_for(standing)
+        others = [t for t in standing if t.key != trial.key]
+        new, old = (
+            self.validation_rms(self.fit(chosen, layout, bend=False))
+            for chosen in (standing, others)
+        )
+        if new is None or old is None:
+            return None
+        joints = list(trial.group)
+        return float(1 - np.sqrt(np.mean((new[joints] / old[joints]) ** 2)))
+
     def size_of_residual(self, found: Augmented, joint: int) -> float:
         """Root mean square of what a fit leaves of a joint's torque beyond noise [N m]."""
         recordings = self.mean.rows.prepared

@@ -1,0 +1,53 @@
+"""Whether a base that is not level explains more than anything else would."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from oed.diagnosis.search.judgement import Accepted, at_home
+from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.scan import inflation_of
+from oed.diagnosis.search.turning import NAME, far_turned, moment_fault, squares_under
+from oed.diagnosis.search.workshop import Workshop
+
+
+def far_tilt(shop: Workshop) -> Workshop | None:
+    """The tables under a far direction of gravity, if nothing of the catalogue does as well."""
+    found = far_turned(shop)
+    if found is None:
+        return None
+    turned_squares = squares_under(shop, found.baseline.model)
+    gain = shop.fit(()).fit.squares - turned_squares
+    best = max((s.gain for s in ranked(shop, shop.physical, (), 1)), default=0.0)
+    return found if gain > best else None
+
+
+def tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
+    """Why turned tables are no better than declared ones beside the other additions."""
+    upright = shop.on(shop.baseline.standing_as(shop.declared))
+    at_home = [at_home(upright, a).trial for a in standing]
+    trials = [a.trial for a in standing]
+    old = upright.fit(at_home, upright.layout_for(at_home))
+    new = shop.fit(trials, shop.layout_for(trials))
+    fault = moment_fault(shop, new.fit)
+    if fault is not None:
+        return fault
+    chance = float(inflation_of(new.fit).mean())
+    gain = (old.fit.squares - new.fit.squares) / chance
+    cost = 2 * np.log(shop.full.rows.count)
+    if gain < cost:
+        return f"gains {gain:.3g} beside the other additions"
+    errors = [s.validation_rms(f) for s, f in ((upright, old), (shop, new))]
+    if (
+        errors[0] is not None
+        and errors[1] is not None
+        and np.mean((errors[1] / errors[0]) ** 2) >= 1
+    ):
+        return "beside the other additions it does not lower the validation error"
+    rows = shop.full.rows.count
+    for rival in ranked(upright, upright.physical, at_home, 1):
+        if rival.trial.name != NAME and rival.evidence(rows) / chance > (
+            gain - cost + shop.settings.decisive
+        ):
+            return f"{rival.trial.name} would explain more beside the other additions"
+    return None
