@@ -32,7 +32,7 @@ RIVALS = 5
 CLEAR_LACK = {"repetitions": 1.4, "free-form fit": 1.4}
 # Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
 # err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
-SYSTEMATIC = 0.005
+SYSTEMATIC = 0.01
 SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
 
 
@@ -117,8 +117,10 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
     """A name whose coefficients are zero within their uncertainty, at the shapes that they have.
 
     A search believes the noise to be what repetitions show. Where it is not, the covariance that
-    lets each block of rows err as it does is the wider one, and has the last word.
+    lets each block of rows err as it does is the wider one, and has the last word (Wald's test,
+    Bonferroni's level for a choice among all candidates).
     """
+    level = shop.settings.level / len({t.key for t in shop.physical})
     for trial, coefficients, covariance in zip(
         whole.chosen, whole.coefficients, whole.covariances, strict=True
     ):
@@ -129,7 +131,7 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
         own = covariance[:count, :count] - given @ covariance[count:, :count]
         values = _from_declared(shop, trial, coefficients)
         wald = float(values @ np.linalg.pinv(own, hermitian=True) @ values)
-        if chi2.sf(wald, count) > shop.settings.level:
+        if chi2.sf(wald, count) > level:
             return trial
     return None
 
