@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 from oed.diagnosis.fit.model_columns import effect_columns
-from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop
+from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop, VaryingInertia
 from oed.dynamics.motion import Motion
 
 RATE = 500.0
@@ -85,3 +86,25 @@ def test_a_varying_coefficient_says_what_it_is():
     assert len(term.parameters) == 11
     assert term.varies
     assert not FreeForm(0, (Coordinate("q", 1, -1.0, 1.0, 8),)).varies
+
+
+def test_a_varying_inertia_keeps_its_energy():
+    """Its power is the rate of J dq^2 / 2, whatever J."""
+    t = np.arange(0, 10, 1 / RATE)[:, None]
+    motion = Motion(t[:, 0], 0.9 * np.sin(2 * t), 1.8 * np.cos(2 * t), -3.6 * np.sin(2 * t))
+    term = FreeForm(0, (VaryingInertia(Coordinate("q", 0, -1.0, 1.0, 8)),))
+    torque = effect_columns(term, motion, 0.0)[0]
+    inertia = effect_columns(FreeForm(0, (Coordinate("q", 0, -1.0, 1.0, 8),)), motion, 0.0)[0]
+    speed = motion.dq[:, :1]
+    power = cumulative_trapezoid(torque * speed, motion.t, axis=0, initial=0.0)
+    energy = inertia * speed**2 / 2
+    # The trapezoidal rule errs by the square of the step, times the power's curvature.
+    tolerance = 100 / RATE**2
+    assert np.allclose(power, energy - energy[0], atol=tolerance)
+
+
+def test_a_varying_inertia_says_what_it_is():
+    term = FreeForm(1, (VaryingInertia(Coordinate("q", 1, -1.0, 1.0, 8)),))
+    assert term.label == "f(inertia over q_2)"
+    assert term.depends_on == ("q_2", "dq_2", "ddq_2")
+    assert term.varies

@@ -58,10 +58,20 @@ class Coordinate:
 
     def basis(self, state: State) -> Float[ndarray, "samples functions"]:
         """B-splines that add up to one; beyond the covered range they stay at its edge."""
-        inner = np.linspace(self.lower, self.upper, self.pieces + 1)
-        knots = np.concatenate([[self.lower] * DEGREE, inner, [self.upper] * DEGREE])
         inside = np.clip(self._values(state), self.lower, self.upper)
-        return BSpline.design_matrix(inside, knots, DEGREE).toarray()
+        return BSpline.design_matrix(inside, self._knots, DEGREE).toarray()
+
+    def slopes(self, state: State) -> Float[ndarray, "samples functions"]:
+        """Derivatives of the B-splines; zero beyond the covered range."""
+        values = self._values(state)
+        splines = BSpline(self._knots, np.eye(self.functions), DEGREE).derivative()
+        covered = (values >= self.lower) & (values <= self.upper)
+        return splines(np.clip(values, self.lower, self.upper)) * covered[:, None]
+
+    @property
+    def _knots(self) -> Float[ndarray, " knots"]:
+        inner = np.linspace(self.lower, self.upper, self.pieces + 1)
+        return np.concatenate([[self.lower] * DEGREE, inner, [self.upper] * DEGREE])
 
     def halved(self) -> Coordinate:
         """With pieces half as long."""
@@ -156,6 +166,50 @@ class Factor:
 
 
 @dataclass(frozen=True)
+class VaryingInertia:
+    """Inertia that changes with a joint's position: J(q) ddq + J'(q) dq^2 / 2.
+
+    A crank, a linkage or a cam carries what its motor turns in this way. Both parts follow from
+    one energy J dq^2 / 2, so that they share their coefficients.
+
+    Attributes:
+        position: Of the joint, with the pieces of J.
+    """
+
+    position: Coordinate
+    kind = "inertia"
+
+    def halved(self) -> VaryingInertia:
+        """With pieces half as long."""
+        return VaryingInertia(self.position.halved())
+
+    @property
+    def functions(self) -> int:
+        """Number of basis functions."""
+        return self.position.functions
+
+    @property
+    def name(self) -> str:
+        """Such as "inertia over q_2"."""
+        return f"inertia over {self.position.name}"
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Position, speed and acceleration of the joint."""
+        joint = self.position.joint + 1
+        return (f"q_{joint}", f"dq_{joint}", f"ddq_{joint}")
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """Torque of each spline's inertia."""
+        dq, ddq = (
+            np.asarray(getattr(state, kind)[self.position.joint], dtype=float)[:, None]
+            for kind in ("dq", "ddq")
+        )
+        slope = self.position.slopes(state)
+        return self.position.basis(state) * ddq + slope * dq**2 / 2
+
+
+@dataclass(frozen=True)
 class FreeForm(Effect):
     """A function of one or two coordinates on one joint.
 
@@ -167,7 +221,7 @@ class FreeForm(Effect):
     """
 
     joint: int
-    coordinates: tuple[Coordinate | Loop | Factor, ...]
+    coordinates: tuple[Coordinate | Loop | Factor | VaryingInertia, ...]
     direction: int | None = None
     mixing: Float[ndarray, "functions columns"] | None = field(
         default=None, repr=False, compare=False
@@ -182,7 +236,7 @@ class FreeForm(Effect):
     @property
     def varies(self) -> bool:
         """Whether it is a signal times a coefficient that varies with something else."""
-        return any(isinstance(c, Factor) for c in self.coordinates)
+        return any(isinstance(c, Factor | VaryingInertia) for c in self.coordinates)
 
     @property
     def label(self) -> str:

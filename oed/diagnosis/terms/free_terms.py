@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.diagnosis.data.prepare import Prepared
-from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop
+from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop, VaryingInertia
 
 PIECES_ALONE = 8
 PIECES_FINE = 36  # what repeats along a turn: teeth, poles, balls
@@ -52,11 +52,11 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
             own = {i, j}
             terms += [FreeForm(j, (coordinate(prepared, "q", i),), direction=k) for k in own]
             # Drag and inertia that a position changes.
-            terms += [
-                FreeForm(j, (coordinate(prepared, "q", i), Factor(kind, j)))
-                for kind in ("dq", "ddq")
-            ]
-            if i != j:
+            terms.append(FreeForm(j, (coordinate(prepared, "q", i), Factor("dq", j))))
+            if i == j:
+                terms.append(FreeForm(j, (VaryingInertia(coordinate(prepared, "q", j)),)))
+            else:
+                terms.append(FreeForm(j, (coordinate(prepared, "q", i), Factor("ddq", j))))
                 terms.append(FreeForm(j, (coordinate(prepared, "dq", i),), direction=j))
                 terms.append(FreeForm(j, (coordinate(prepared, "q", j), Factor("dq", i))))
         fine = coordinate(prepared, "q", j, PIECES_FINE)
