@@ -6,6 +6,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop, VaryingInertia
+from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
 
 RATE = 500.0
@@ -69,6 +70,22 @@ def test_a_spline_stays_at_its_edge(motion):
     assert columns.sum(axis=1) == pytest.approx(1.0)
     beyond = motion.q[:, 0] > 0.3
     assert np.allclose(columns[beyond], columns[beyond][0])
+
+
+def test_crowded_pieces_are_denser_about_zero():
+    even = Coordinate("dq", 0, -2.0, 2.0, 10)
+    speeds = np.linspace(-2.0, 2.0, 2001)
+    state = State(speeds, *([speeds],) * 3)
+    # The steepest spline tells how narrow the pieces are.
+    about_zero = np.abs(speeds[1:]) < 0.3
+    ratios = []
+    for coordinate in (even, even.crowded()):
+        basis = coordinate.basis(state)
+        assert basis.sum(axis=1) == pytest.approx(1.0)
+        slope = np.abs(np.diff(basis, axis=0)).max(axis=1)
+        ratios.append(slope[about_zero].max() / slope[np.abs(speeds[1:] + 1.0) < 0.3].max())
+    assert ratios[0] == pytest.approx(1.0, rel=0.1)
+    assert ratios[1] > 4
 
 
 def test_a_varying_coefficient_is_linear_in_its_signal(motion):

@@ -7,11 +7,12 @@ import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.baseline.sign_width import widths_of
+from oed.diagnosis.data.direction import uncertain_direction
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import Coordinate, FreeForm
-from oed.diagnosis.terms.restraint import expectation, restrained
+from oed.diagnosis.terms.restraint import likeliest, restrained
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis import arm
@@ -100,37 +101,58 @@ def test_a_free_form_term_keeps_only_what_the_data_determine():
     baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
     shop = Workshop(baseline, estimation, (), SETTINGS, gear_ratio=None)
     term = next(t for t in shop.smooth if t.effect.label == "f(dq_1)" and t.joint == 0)
-    steps = list(restrained(term, shop.before.fit, size=1.0))
-    mixings = [step.effect.mixing for step in steps]
-    is_plain = [np.allclose(m.T @ m, np.eye(m.shape[1])) for m in mixings]
-    plain, smooth = (
-        [step for step, flag in zip(steps, is_plain, strict=True) if flag == wanted]
-        for wanted in (True, False)
-    )
-    assert len(plain) > 0
-    assert len(smooth) > 0
-    for kind in (plain, smooth):
-        counts = [_kept(step) for step in kind]
-        assert counts == sorted(counts, reverse=True)
-        # Constant friction, its sign and its slope are the model's own: never all functions.
-        assert 0 < counts[0] < len(term.effect.parameters)
+    counts = [len(t.effect.parameters) for t in restrained(term, shop.before.fit)]
+    assert len(counts) > 0
+    assert counts == sorted(counts, reverse=True)
+    # Constant friction, its sign and its slope are the model's own: never all functions.
+    assert 0 < counts[0] < len(term.effect.parameters)
     with pytest.raises(TypeError, match="free-form"):
-        next(restrained(shop.physical[0], shop.before.fit, size=1.0))
+        next(restrained(shop.physical[0], shop.before.fit))
 
 
-def _kept(step):
-    return len(step.effect.parameters)
+@pytest.mark.parametrize("length", [0.1, 0.47])
+def test_the_likeliest_expectation_is_that_of_the_function_at_hand(length):
+    """Functions drawn from a squared exponential: its length and size are found again."""
+    rng = np.random.default_rng(8)
+    term = FreeForm(0, (Coordinate("q", 0, -1.0, 1.0, 36),))
+    places = np.linspace(0, 1, 39)
+    distance = (places[:, None] - places) / length
+    covariance = 4.0 * np.exp(-(distance**2) / 2) + 1e-9 * np.eye(39)
+    columns = np.repeat(np.eye(39), 20, axis=0)
+    sizes, correlations = [], []
+    for _ in range(20):
+        drawn = rng.multivariate_normal(np.zeros(39), covariance)
+        noisy = columns @ drawn + rng.standard_normal(len(columns))
+        found = likeliest(term, columns.T @ columns, columns.T @ noisy).root
+        expected = found @ found.T
+        sizes.append(expected[0, 0])
+        correlations.append(expected[0, round(length * 38)] / expected[0, 0])
+    # Of two places a length apart: exp(-1/2), for the next lengths of the grid 0.24 and 0.84.
+    assert np.median(correlations) == pytest.approx(np.exp(-0.5), abs=0.1)
+    assert np.median(sizes) == pytest.approx(4.0, rel=0.6)
 
 
-@pytest.mark.parametrize("flatness", [None, 0.03, 1.0])
-def test_an_expected_function_is_of_unit_size_and_rather_smooth(flatness):
-    term = FreeForm(0, (Coordinate("q", 0, -1.0, 1.0, 4), Coordinate("dq", 1, -1.0, 1.0, 5)))
-    inverse = expectation(term, flatness)
-    covariance = np.linalg.inv(inverse)
-    assert np.mean(np.diag(covariance)) == pytest.approx(1.0)
-    rough = (-1.0) ** np.add.outer(np.arange(7), np.arange(8)).ravel()
-    flat, wavy = (x @ inverse @ x for x in (np.ones(56), rough))
-    assert flat == pytest.approx(wavy) if flatness is None else flat < wavy / 4
+def test_a_joint_that_lingers_has_no_known_direction():
+    prepared = prepare(data_set(6).estimation, SETTINGS)[0]
+    motion, typical = prepared.motion, np.sqrt(np.mean(prepared.motion.dq[:, 1] ** 2))
+    before = uncertain_direction(prepared, 1)
+    fast = np.flatnonzero(np.abs(motion.dq[:, 1]) > typical)
+    middle = int(fast[len(fast) // 2])
+    rate = prepared.band.rate
+    marked = {}
+    for seconds in (0.02, 0.5):
+        dq = motion.dq.copy()
+        stretch = slice(middle, middle + round(seconds * rate))
+        dq[stretch, 1] = 0.01 * typical
+        # It creeps one way, far above what the encoder's noise makes of standstill.
+        assert 0.01 * typical > 3 * prepared.sign_noise[1]
+        held = dataclasses.replace(motion, dq=dq)
+        marked[seconds] = uncertain_direction(dataclasses.replace(prepared, motion=held), 1)[
+            stretch
+        ]
+    assert not before[middle]
+    assert not marked[0.02].any()
+    assert marked[0.5].all()
 
 
 def test_recordings_of_one_clock_make_a_session():

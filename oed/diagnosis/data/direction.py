@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.ndimage import binary_opening, maximum_filter1d, minimum_filter1d
 from scipy.signal import fftconvolve
 
 from oed.diagnosis.data.prepare import Prepared
@@ -20,9 +20,10 @@ SIGMAS = 2.0  # velocities below this many standard deviations have no direction
 # Largest ripple of a smoothed velocity beside a kink, in units of the leap of the acceleration
 # over the smoothing's cut-off.
 RIPPLE = 0.1
-# Share of a recording's typical velocity below which a joint may rest as well as move: friction
-# there builds up over a distance, and a joint that lingers has not covered it.
-LINGERING = 0.02
+# Share of a recording's typical velocity, and the time that a joint spends below it [s], from
+# which on it lingers: friction builds up over a distance, which it has not covered.
+SLOW = 0.02
+LINGERING = 0.1
 HARMFUL = 0.3  # share of the noise at which an uncertain direction spoils its estimate
 
 
@@ -33,8 +34,9 @@ def uncertain_direction(recording: Prepared, joint: int) -> Bool[ndarray, " samp
     reach = 2 * int(np.ceil(band.rate / band.smoothing)) + 1
     leap = maximum_filter1d(acceleration, reach) - minimum_filter1d(acceleration, reach)
     sigma = np.hypot(recording.sign_noise[joint], RIPPLE * leap / band.smoothing)
-    lingering = LINGERING * float(np.sqrt(np.mean(velocity**2)))
-    uncertain = np.abs(velocity) < np.maximum(SIGMAS * sigma, lingering)
+    uncertain = np.abs(velocity) < SIGMAS * np.maximum(sigma, 1e-12)
+    slow = np.abs(velocity) < SLOW * np.sqrt(np.mean(velocity**2))
+    uncertain |= binary_opening(slow, np.ones(int(np.ceil(LINGERING * band.rate))))
     # The crossing itself lies somewhere between two samples.
     turns = np.flatnonzero(np.signbit(velocity[1:]) != np.signbit(velocity[:-1]))
     uncertain[turns] = uncertain[turns + 1] = True

@@ -98,16 +98,29 @@ def _added(
         if sharper is not None:
             shop = sharper
             accepted = _settle(shop, [at_home(shop, a) for a in accepted])
-    for _ in range(shop.settings.max_effects):
-        pick = next_free_form(shop, accepted, refused)
-        if pick is None:
-            break
-        accepted.append(pick)
-    accepted = review_names(shop, accepted, refused)
+    accepted = _with_free_forms(shop, accepted, refused)
     if shop.is_turned:
         shop = turned(shop, [a.trial for a in accepted if a.stands_in])
         accepted = [at_home(shop, a) for a in accepted]
     return shop, accepted, p_value
+
+
+def _with_free_forms(
+    shop: Workshop, names: list[Accepted], refused: list[Refused]
+) -> list[Accepted]:
+    """Names, and what stands in for the rest; found anew where it makes a name superfluous."""
+    while True:
+        accepted = list(names)
+        for _ in range(shop.settings.max_effects):
+            pick = next_free_form(shop, accepted, refused)
+            if pick is None:
+                break
+            accepted.append(pick)
+        kept = review_names(shop, accepted, refused)
+        still = [a for a in kept if not a.trial.is_free_form]
+        if len(still) == len(names):
+            return kept
+        names = still
 
 
 def _concluded(

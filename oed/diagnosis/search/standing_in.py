@@ -6,11 +6,13 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from oed.diagnosis.search.judgement import Accepted, Refused, held_out_fault, judge
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial, free_form_trials
 
@@ -18,9 +20,9 @@ from oed.diagnosis.terms.trials import Trial, free_form_trials
 # would carry it to the next motion.
 BETTER = 0.95
 RIVAL_SHARE = 0.7  # of the best term's gain, from which on another may be the one that is meant
-HALVINGS = 4  # of the pieces of a term, one coordinate at a time
-WORTH = 0.98  # ratio by which a halving must lower the held-out error to be followed by another
-MOST_FUNCTIONS = 400
+# Pieces of a term that stands in, by the number of its coordinates: what was noticed may be
+# finer than what noticed it, and how fine the data say themselves.
+PIECES = {1: 36, 2: 10}
 
 
 def next_free_form(
@@ -45,7 +47,7 @@ def next_free_form(
 def _most_telling_first(
     shop: Workshop, candidates: list[Score], standing: Sequence[Trial]
 ) -> list[Score]:
-    """Terms that explain about as much as the best, in the order of what they predict.
+    """Terms that explain about as much as the best, in the order of what they leave everywhere.
 
     On one motion many pairs of coordinates trace out much the same curve: what a function of
     the wrong ones explains there, it does not on another.
@@ -61,23 +63,20 @@ def _most_telling_first(
         and c.gain > RIVAL_SHARE * best.gain
     ]
     bench = _Bench(shop, standing, best.trial)
-    order = sorted(rivals, key=lambda c: min((x.ratio for x in bench.tried([c.trial])), default=1))
+
+    def left(candidate: Score) -> float:
+        tried = bench.tried(_refined(shop, [candidate.trial], crowded=False))
+        return min((choice.left for choice in tried), default=np.inf)
+
+    order = sorted(rivals, key=left)
     return [*order, *(c for c in candidates if all(c is not r for r in rivals))]
 
 
 def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:
     """A free-form term as far as the data determine it, part of the model if it then predicts."""
     bench = _Bench(shop, others, item.trial)
-    tried = bench.tried([item.trial, *_alike(shop, item.trial)])
-    # What was noticed may be finer than what noticed it.
-    best = tried[:1]
-    for _ in range(HALVINGS if best else 0):
-        finer = bench.tried(_halved(shop, best[0].whole))
-        tried += finer
-        if not finer or finer[0].ratio > WORTH * best[0].ratio:
-            break
-        best = finer
-    for choice in sorted(tried, key=lambda c: c.ratio):
+    tried = bench.tried(_refined(shop, [item.trial, *_alike(shop, item.trial)]))
+    for choice in tried:
         if choice.ratio >= BETTER:
             break
         if held_out_fault(shop, others, choice.trial) is None:
@@ -87,11 +86,18 @@ def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Acc
 
 @dataclass(frozen=True)
 class _Choice:
-    """A term, what of it the data determine, and the ratio of the validation error with it."""
+    """What of a term the data determine.
 
-    whole: Trial
+    Attributes:
+        trial: With these combinations as its columns.
+        ratio: Of the validation error with it to that without.
+        left: Squares that it leaves of the estimation rows and of the validation error, each
+            over those without it, added.
+    """
+
     trial: Trial
     ratio: float
+    left: float
 
 
 class _Bench:
@@ -102,24 +108,21 @@ class _Bench:
         self._fit = shop.fit(others, self._layout)
         self._joint = next(iter(trial.group))
         self._plain = shop.validation_rms(self._fit)
-        self._size = shop.size_of_residual(self._fit, self._joint)
 
     def tried(self, terms: Sequence[Trial]) -> list[_Choice]:
         """Every restraint of every term, the best first."""
-        choices = [
-            _Choice(whole, trial, self._ratio(trial))
-            for whole in terms
-            for trial in restrained(whole, self._fit.fit, self._size)
-        ]
+        choices = [self._judged(t) for whole in terms for t in restrained(whole, self._fit.fit)]
         return sorted(choices, key=lambda c: c.ratio)
 
-    def _ratio(self, trial: Trial) -> float:
-        if self._plain is None:
-            return 0.0
+    def _judged(self, trial: Trial) -> _Choice:
         found = self._shop.fit([*self._others, trial], self._layout, bend=False)
-        rms = self._shop.validation_rms(found)
-        assert rms is not None  # noqa: S101  # there are validation recordings
-        return float(rms[self._joint] / self._plain[self._joint])
+        before, after = (
+            float(np.sum(f.fit.residual[self._joint] ** 2)) for f in (self._fit, found)
+        )
+        rms, ratio = self._shop.validation_rms(found), 0.0
+        if self._plain is not None and rms is not None:
+            ratio = float(rms[self._joint] / self._plain[self._joint])
+        return _Choice(trial, ratio, after / before + ratio**2)
 
 
 def _alike(shop: Workshop, trial: Trial) -> list[Trial]:
@@ -134,16 +137,19 @@ def _alike(shop: Workshop, trial: Trial) -> list[Trial]:
     ]
 
 
-def _halved(shop: Workshop, trial: Trial) -> list[Trial]:
-    """The term with pieces half as long, in one of its coordinates at a time."""
-    effect = trial.effect
-    if not isinstance(effect, FreeForm):
-        return []
+def _refined(shop: Workshop, trials: Sequence[Trial], *, crowded: bool = True) -> list[Trial]:
+    """Terms with fine pieces, those over a speed once more with pieces that crowd about zero."""
     terms = []
-    for k, coordinate in enumerate(effect.coordinates):
-        finer = coordinate.halved()
-        parts = (*effect.coordinates[:k], finer, *effect.coordinates[k + 1 :])
-        term = dataclasses.replace(effect, coordinates=parts)
-        if finer != coordinate and len(term.parameters) <= MOST_FUNCTIONS:
-            terms.append(term)
-    return free_form_trials(terms, shop.layout(trial).rows, contrast=trial.contrast)
+    for effect in (t.effect for t in trials):
+        if not isinstance(effect, FreeForm):
+            continue
+        count = sum(not isinstance(c, Factor) for c in effect.coordinates)
+        fine = tuple(c.refined(PIECES[count]) for c in effect.coordinates)
+        crowded = tuple(
+            c.crowded() if isinstance(c, Coordinate) and c.kind == "dq" else c for c in fine
+        )
+        terms += [
+            dataclasses.replace(effect, coordinates=c) for c in dict.fromkeys((fine, crowded))
+        ]
+    first = trials[0]
+    return free_form_trials(terms, shop.layout(first).rows, contrast=first.contrast)

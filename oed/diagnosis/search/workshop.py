@@ -160,15 +160,6 @@ class Workshop:
         joints = list(trial.group)
         return float(1 - np.sqrt(np.mean((new[joints] / old[joints]) ** 2)))
 
-    def size_of_residual(self, found: Augmented, joint: int) -> float:
-        """Root mean square of what a fit leaves of a joint's torque beyond noise [N m]."""
-        recordings = self.mean.rows.prepared
-        columns = base_columns(found.fit, recordings)
-        errors = prediction_errors(found, recordings, columns)
-        left = rms(errors, self.baseline.certainty(recordings))[joint]
-        noise = self.baseline.floor.deviation[joint] * min(self.mean.rows.scales)
-        return float(np.sqrt(max(left**2 - noise**2, noise**2)))
-
     @cached_property
     def physical(self) -> tuple[Trial, ...]:
         """Every candidate of the catalogue, everywhere, over the grid of its shapes."""

@@ -21,6 +21,7 @@ from oed.dynamics.effects.hysteresis import maxwell_elements
 from oed.dynamics.scalars import Scalar
 
 DEGREE = 3
+CROWDING = 0.1  # of a coordinate's largest value, about which crowded pieces crowd
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,8 @@ class Coordinate:
         lower: Least value that the data covered.
         upper: Largest value.
         pieces: Polynomial pieces of the spline.
+        crowding: Value below which the pieces crowd: they are even in asinh of the coordinate
+            over it. None for pieces that are even in the coordinate.
     """
 
     kind: str
@@ -40,6 +43,7 @@ class Coordinate:
     lower: float
     upper: float
     pieces: int
+    crowding: float | None = None
 
     @property
     def name(self) -> str:
@@ -59,10 +63,12 @@ class Coordinate:
     def basis(self, state: State) -> Float[ndarray, "samples functions"]:
         """B-splines that add up to one; beyond the covered range they stay at its edge."""
         inside = np.clip(self._values(state), self.lower, self.upper)
-        return BSpline.design_matrix(inside, self._knots, DEGREE).toarray()
+        lower, upper = self._knots[[0, -1]]
+        stretched = np.clip(self._stretched(inside), lower, upper)
+        return BSpline.design_matrix(stretched, self._knots, DEGREE).toarray()
 
     def slopes(self, state: State) -> Float[ndarray, "samples functions"]:
-        """Derivatives of the B-splines; zero beyond the covered range."""
+        """Derivatives of the B-splines, even ones; zero beyond the covered range."""
         values = self._values(state)
         splines = BSpline(self._knots, np.eye(self.functions), DEGREE).derivative()
         covered = (values >= self.lower) & (values <= self.upper)
@@ -70,17 +76,25 @@ class Coordinate:
 
     @property
     def _knots(self) -> Float[ndarray, " knots"]:
-        inner = np.linspace(self.lower, self.upper, self.pieces + 1)
-        return np.concatenate([[self.lower] * DEGREE, inner, [self.upper] * DEGREE])
+        lower, upper = self._stretched(np.array([self.lower, self.upper]))
+        inner = np.linspace(lower, upper, self.pieces + 1)
+        return np.concatenate([[lower] * DEGREE, inner, [upper] * DEGREE])
 
-    def halved(self) -> Coordinate:
-        """With pieces half as long."""
-        return dataclasses.replace(self, pieces=2 * self.pieces)
+    def refined(self, pieces: int) -> Coordinate:
+        """With at least so many pieces."""
+        return dataclasses.replace(self, pieces=max(pieces, self.pieces))
+
+    def crowded(self) -> Coordinate:
+        """With its pieces closer together about zero, as friction changes with speed."""
+        return dataclasses.replace(self, crowding=CROWDING * max(abs(self.lower), abs(self.upper)))
 
     def _values(self, state: State) -> Float[ndarray, " samples"]:
         if self.kind == "time":
             return np.asarray(state.t, dtype=float)
         return np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
+
+    def _stretched(self, values: Float[ndarray, " count"]) -> Float[ndarray, " count"]:
+        return values if self.crowding is None else np.arcsinh(values / self.crowding)
 
 
 @dataclass(frozen=True)
@@ -103,9 +117,9 @@ class Loop:
     functions: int
     kind = "loop"
 
-    def halved(self) -> Loop:
-        """With twice the sliders."""
-        return dataclasses.replace(self, functions=2 * self.functions)
+    def refined(self, pieces: int) -> Loop:
+        """With at least so many sliders."""
+        return dataclasses.replace(self, functions=max(pieces, self.functions))
 
     @property
     def name(self) -> str:
@@ -145,7 +159,7 @@ class Factor:
     joint: int
     functions = 1
 
-    def halved(self) -> Factor:
+    def refined(self, _pieces: int) -> Factor:
         """Itself: a line has no pieces."""
         return self
 
@@ -179,9 +193,9 @@ class VaryingInertia:
     position: Coordinate
     kind = "inertia"
 
-    def halved(self) -> VaryingInertia:
-        """With pieces half as long."""
-        return VaryingInertia(self.position.halved())
+    def refined(self, pieces: int) -> VaryingInertia:
+        """With at least so many pieces."""
+        return VaryingInertia(self.position.refined(pieces))
 
     @property
     def functions(self) -> int:

@@ -2,16 +2,20 @@
 
 A spline beside a rigid-body model has combinations of its functions that the model nearly
 makes itself. Least squares gives them large values that cancel on the motion at hand and on no
-other. A combination stays only where the data know it far better than what was expected before
-tells: the hard-threshold form of a ridge (Hoerl and Kennard 1970, Technometrics 12(1)), where
-functions of any shape are expected alike, or of a smoothing spline (Demmler and Reinsch 1975,
-Numerische Mathematik 24), where smooth ones are, which also carry over to what lies between.
+other. So the spline's coefficients are expected to be those of a smooth function: a Gaussian
+process whose size and length of variation along each coordinate have the largest evidence
+(Rasmussen and Williams 2006, "Gaussian Processes for Machine Learning", sections 4.2 and 5.4). A
+combination stays only where the data know it better than that expectation does: the
+hard-threshold form of a ridge (Hoerl and Kennard 1970, Technometrics 12(1)) in the basis of
+Demmler and Reinsch (1975, Numerische Mathematik 24). What is left is fitted by least squares
+like everything else.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -19,24 +23,39 @@ from numpy import ndarray
 from scipy.linalg import eigh
 
 from oed.diagnosis.fit.linear_fit import LinearFit, gram_and_moment
-from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.free_form import Coordinate, FreeForm, VaryingInertia
 from oed.diagnosis.terms.trials import Trial
 
-# Standard deviations that a function of the residual's size must measure, from what noise alone
-# asks for to what a motion that leaves much of the range unvisited does.
-KNOWN = (2.0, 6.0, 20.0, 60.0)
-# Weight of a coefficient's square against that of its difference from the next; None for no
-# differences at all.
-FLATNESS: tuple[float | None, ...] = (None, 0.03)
+# Standard deviations that a combination of the expected size must measure, from what noise
+# alone asks for to what a motion that leaves much of the range unvisited does.
+KNOWN = (1.0, 3.0, 10.0, 30.0)
+LENGTHS = (0.06, 0.1, 0.17, 0.28, 0.47, 0.8)  # of a coordinate's range
+START = 2  # of the lengths, where the climb begins
+MOST_ROUNDS = 2
+# Squared sizes of the expected function, over the noise of the combination known best.
+SIZES = np.geomspace(1e-2, 1e8, 41)
+NUGGET = 1e-6  # of a coefficient's variance, for the rounding of a factor
 
 
-def restrained(trial: Trial, fit: LinearFit, size: float) -> Iterator[Trial]:
+@dataclass(frozen=True)
+class Expectation:
+    """What a term's coefficients are expected to be before they are fitted.
+
+    Attributes:
+        root: (f, f) factor of their covariance [N m].
+        evidence: Log of the likelihood of the data, up to a constant.
+    """
+
+    root: Float[ndarray, "functions functions"]
+    evidence: float
+
+
+def restrained(trial: Trial, fit: LinearFit) -> Iterator[Trial]:
     """The term with its determined combinations alone, ever fewer of them.
 
     Args:
         trial: A free-form term, its group on the rows of the fit.
         fit: Of the model before it.
-        size: Of what is to be explained [N m].
 
     Raises:
         TypeError: If the trial is no free-form term.
@@ -44,36 +63,74 @@ def restrained(trial: Trial, fit: LinearFit, size: float) -> Iterator[Trial]:
     effect = trial.effect
     if not isinstance(effect, FreeForm):
         raise TypeError(f"{trial.name} is no free-form term")
-    (gram, _), _ = gram_and_moment(fit.projection, fit.residual, trial.group)
-    for flatness in FLATNESS:
-        expected = expectation(effect, flatness)
-        values, vectors = eigh(gram, expected)
-        for known in KNOWN:
-            kept = values * size**2 > known**2
-            if not kept.any():
-                break
-            mixing = vectors[:, kept]
-            group = {joint: block @ mixing for joint, block in trial.group.items()}
-            yield dataclasses.replace(
-                trial, effect=dataclasses.replace(effect, mixing=mixing), group=group
-            )
+    (gram, _), moment = gram_and_moment(fit.projection, fit.residual, trial.group)
+    root = likeliest(effect, gram, moment).root
+    values, vectors = eigh(root.T @ gram @ root)
+    for known in KNOWN:
+        kept = values > known**2
+        if not kept.any():
+            break
+        mixing = root @ vectors[:, kept]
+        group = {joint: block @ mixing for joint, block in trial.group.items()}
+        yield dataclasses.replace(
+            trial, effect=dataclasses.replace(effect, mixing=mixing), group=group
+        )
 
 
-def expectation(effect: FreeForm, flatness: float | None) -> Float[ndarray, "functions functions"]:
-    """Inverse covariance of the coefficients of a unit function that is expected.
+def likeliest(
+    effect: FreeForm,
+    gram: Float[ndarray, "functions functions"],
+    moment: Float[ndarray, " functions"],
+) -> Expectation:
+    """The expectation with the largest evidence, one length after another climbed.
 
     Args:
-        effect: Splines in one or two coordinates, or a loop.
-        flatness: As in `FLATNESS`.
+        effect: Its coordinates give the functions.
+        gram: Of the white columns, beside the model.
+        moment: Of the white residual with them.
     """
+    smooth = [isinstance(c, Coordinate | VaryingInertia) for c in effect.coordinates]
     counts = [c.functions for c in effect.coordinates]
-    size = int(np.prod(counts))
-    if flatness is None or effect.remembers:
-        return np.eye(size)
-    inverse = flatness * np.eye(size)
-    for axis, count in enumerate(counts):
-        steps = np.diff(np.eye(count), axis=0)
-        before, after = (int(np.prod(part)) for part in (counts[:axis], counts[axis + 1 :]))
-        along = np.kron(np.kron(np.eye(before), steps), np.eye(after))
-        inverse += along.T @ along
-    return inverse * float(np.mean(np.diag(np.linalg.inv(inverse))))
+    tried: dict[tuple[int, ...], Expectation] = {}
+
+    def at(place: tuple[int, ...]) -> Expectation:
+        if place not in tried:
+            root = np.ones((1, 1))
+            for count, is_smooth, k in zip(counts, smooth, place, strict=True):
+                factor = _smooth_root(count, LENGTHS[k]) if is_smooth else np.eye(count)
+                root = np.kron(root, factor)
+            tried[place] = _sized(root, gram, moment)
+        return tried[place]
+
+    here = (START,) * len(counts)
+    for _ in range(MOST_ROUNDS):
+        before = here
+        for axis in (k for k, is_smooth in enumerate(smooth) if is_smooth):
+            line = [(*here[:axis], k, *here[axis + 1 :]) for k in range(len(LENGTHS))]
+            here = max(line, key=lambda place: at(place).evidence)
+        if here == before:
+            break
+    return at(here)
+
+
+def _smooth_root(count: int, length: float) -> Float[ndarray, "functions functions"]:
+    """Cholesky factor of a squared exponential over the places of a spline's functions."""
+    places = np.linspace(0.0, 1.0, count)
+    distance = (places[:, None] - places[None, :]) / length
+    return np.linalg.cholesky(np.exp(-(distance**2) / 2) + NUGGET * np.eye(count))
+
+
+def _sized(
+    root: Float[ndarray, "functions functions"],
+    gram: Float[ndarray, "functions functions"],
+    moment: Float[ndarray, " functions"],
+) -> Expectation:
+    """A factor of unit size, brought to the size with the largest evidence."""
+    values, vectors = eigh(root.T @ gram @ root)
+    values = np.maximum(values, 0.0)
+    squares = (vectors.T @ (root.T @ moment)) ** 2
+    sizes = SIZES[:, None] / max(float(values[-1]), 1e-300)
+    scaled = 1 + sizes * values
+    evidence = np.sum(sizes * squares / scaled - np.log(scaled), axis=1) / 2
+    best = int(np.argmax(evidence))
+    return Expectation(float(np.sqrt(sizes[best, 0])) * root, float(evidence[best]))
