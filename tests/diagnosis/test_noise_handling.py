@@ -12,7 +12,7 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import Coordinate, FreeForm
-from oed.diagnosis.terms.restraint import likeliest, restrained
+from oed.diagnosis.terms.restraint import Left, likeliest, restrained
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis import arm
@@ -123,7 +123,8 @@ def test_the_likeliest_expectation_is_that_of_the_function_at_hand(length):
     for _ in range(20):
         drawn = rng.multivariate_normal(np.zeros(39), covariance)
         noisy = columns @ drawn + rng.standard_normal(len(columns))
-        found = likeliest(term, columns.T @ columns, columns.T @ noisy).root
+        left = Left(float(noisy @ noisy), float(len(noisy)))
+        found = likeliest(term, columns.T @ columns, columns.T @ noisy, left).root
         expected = found @ found.T
         sizes.append(expected[0, 0])
         correlations.append(expected[0, round(length * 38)] / expected[0, 0])

@@ -20,11 +20,14 @@ from numpy import ndarray
 from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.fit.linear_fit import Projection, project
 from oed.diagnosis.search.scan import block_numbers
-from oed.diagnosis.search.workbench import SHAPE_STEP, Augmented, Layout, dense, moved, secants
+from oed.diagnosis.search.workbench import Augmented, Layout, dense, moved, secants
 from oed.diagnosis.search.workshop import Workshop
 
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
 STEPS = (1e-5, 0.25)
+# Where the steps begin: teeth that strike have a steep slope over any small step as well, and
+# the widest secant that agrees with its own standard deviation is the one that counts.
+FIRST_STEP = 0.1
 ALIKE = 1.2  # ratio of two steps up to which a secant is taken for settled
 MOST_ROUNDS = 8
 
@@ -37,7 +40,7 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
         found: A fit on the rows of `shop.layout_for` of its additions.
     """
     layout = shop.layout_for(found.chosen)
-    steps = [np.full(len(t.values), SHAPE_STEP) for t in found.chosen]
+    steps = [np.full(len(t.values), FIRST_STEP) for t in found.chosen]
     for _ in range(MOST_ROUNDS):
         columns, target = _columns(shop, found, layout, steps)
         projection = project(columns)

@@ -28,7 +28,7 @@ from oed.diagnosis.terms.trials import Trial
 
 # Standard deviations that a combination of the expected size must measure, from what noise
 # alone asks for to what a motion that leaves much of the range unvisited does.
-KNOWN = (1.0, 3.0, 10.0, 30.0)
+KNOWN = (1.0, 3.0, 10.0, 30.0, 100.0)
 LENGTHS = (0.06, 0.1, 0.17, 0.28, 0.47, 0.8)  # of a coordinate's range
 START = 2  # of the lengths, where the climb begins
 MOST_ROUNDS = 2
@@ -38,11 +38,24 @@ NUGGET = 1e-6  # of a coefficient's variance, for the rounding of a factor
 
 
 @dataclass(frozen=True)
+class Left:
+    """What a model leaves of the joints that a term acts on.
+
+    Attributes:
+        squares: Sum of the white residual's squares.
+        freedom: Degrees of freedom.
+    """
+
+    squares: float
+    freedom: float
+
+
+@dataclass(frozen=True)
 class Expectation:
     """What a term's coefficients are expected to be before they are fitted.
 
     Attributes:
-        root: (f, f) factor of their covariance [N m].
+        root: (f, f) factor of their covariance, over the noise's standard deviation.
         evidence: Log of the likelihood of the data, up to a constant.
     """
 
@@ -64,7 +77,10 @@ def restrained(trial: Trial, fit: LinearFit) -> Iterator[Trial]:
     if not isinstance(effect, FreeForm):
         raise TypeError(f"{trial.name} is no free-form term")
     (gram, _), moment = gram_and_moment(fit.projection, fit.residual, trial.group)
-    root = likeliest(effect, gram, moment).root
+    joints = list(trial.group)
+    freedom = np.sum(fit.rows.weights**2, axis=0) - fit.projection.shares()
+    left = Left(float(np.sum(fit.residual[joints] ** 2)), max(float(np.sum(freedom[joints])), 1.0))
+    root = likeliest(effect, gram, moment, left).root
     values, vectors = eigh(root.T @ gram @ root)
     for known in KNOWN:
         kept = values > known**2
@@ -81,6 +97,7 @@ def likeliest(
     effect: FreeForm,
     gram: Float[ndarray, "functions functions"],
     moment: Float[ndarray, " functions"],
+    left: Left,
 ) -> Expectation:
     """The expectation with the largest evidence, one length after another climbed.
 
@@ -88,6 +105,7 @@ def likeliest(
         effect: Its coordinates give the functions.
         gram: Of the white columns, beside the model.
         moment: Of the white residual with them.
+        left: That residual's size.
     """
     smooth = [isinstance(c, Coordinate | VaryingInertia) for c in effect.coordinates]
     counts = [c.functions for c in effect.coordinates]
@@ -99,7 +117,7 @@ def likeliest(
             for count, is_smooth, k in zip(counts, smooth, place, strict=True):
                 factor = _smooth_root(count, LENGTHS[k]) if is_smooth else np.eye(count)
                 root = np.kron(root, factor)
-            tried[place] = _sized(root, gram, moment)
+            tried[place] = _sized(root, gram, moment, left)
         return tried[place]
 
     here = (START,) * len(counts)
@@ -124,13 +142,20 @@ def _sized(
     root: Float[ndarray, "functions functions"],
     gram: Float[ndarray, "functions functions"],
     moment: Float[ndarray, " functions"],
+    left: Left,
 ) -> Expectation:
-    """A factor of unit size, brought to the size with the largest evidence."""
+    """A factor of unit size, brought to the size with the largest evidence.
+
+    What the term cannot follow counts as noise, which is no smaller than it is stated.
+    """
     values, vectors = eigh(root.T @ gram @ root)
     values = np.maximum(values, 0.0)
     squares = (vectors.T @ (root.T @ moment)) ** 2
     sizes = SIZES[:, None] / max(float(values[-1]), 1e-300)
     scaled = 1 + sizes * values
-    evidence = np.sum(sizes * squares / scaled - np.log(scaled), axis=1) / 2
+    rest = left.squares - np.sum(sizes * squares / scaled, axis=1)
+    variance = np.maximum(rest / left.freedom, 1.0)
+    fit = left.freedom * np.log(variance) + rest / variance
+    evidence = -(fit + np.sum(np.log(scaled), axis=1)) / 2
     best = int(np.argmax(evidence))
     return Expectation(float(np.sqrt(sizes[best, 0])) * root, float(evidence[best]))
