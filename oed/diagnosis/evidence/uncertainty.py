@@ -25,8 +25,6 @@ from oed.diagnosis.search.workshop import Workshop
 
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
 STEPS = (1e-5, 0.25)
-# Where the steps begin: teeth that strike have a steep slope over any small step as well, and
-# the widest secant that agrees with its own standard deviation is the one that counts.
 FIRST_STEP = 0.1
 ALIKE = 1.2  # ratio of two steps up to which a secant is taken for settled
 MOST_ROUNDS = 8
@@ -41,6 +39,7 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
     """
     layout = shop.layout_for(found.chosen)
     steps = [np.full(len(t.values), FIRST_STEP) for t in found.chosen]
+    widest = np.zeros(0)
     for _ in range(MOST_ROUNDS):
         columns, target = _columns(shop, found, layout, steps)
         projection = project(columns)
@@ -48,14 +47,20 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
             projection, projection.residual(target), layout.rows.weights, block_numbers(layout.rows)
         )
         places = _places(found, layout)
+        deviations = np.sqrt(np.diag(covariance))
+        widest = np.maximum(deviations, widest) if widest.size else deviations
         wanted = [
-            np.clip(np.sqrt(np.diag(covariance)[p][len(covariance[p]) - len(s) :]), *STEPS)
+            np.clip(deviations[p][p.stop - p.start - len(s) :], *STEPS)
             for p, s in zip(places, steps, strict=True)
         ]
         pairs = zip(wanted, steps, strict=True)
         if all(np.all(np.abs(np.log(w / s)) < np.log(ALIKE)) for w, s in pairs):
             break
         steps = wanted
+    else:
+        # Teeth that strike have no slope that settles: the flattest secant is the one to trust.
+        scale = widest / np.where(deviations > 0, deviations, np.inf)
+        covariance = covariance * np.outer(scale, scale)
     if layout is shop.mean:
         bias = noise_bias(
             shop,

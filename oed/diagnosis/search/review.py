@@ -49,13 +49,21 @@ def review_names(
 def drop_superfluous(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused]
 ) -> list[Accepted]:
-    """Drop names that gain nothing beside the others, or nothing that was not fitted to."""
+    """Drop names that gain nothing beside the others, or nothing that was not fitted to.
+
+    A free-form term of its joint, which may follow anything, is no reason against a name that
+    the review has kept.
+    """
     kept = list(accepted)
     for item in accepted:
         if item.trial.is_free_form:
             continue
         layout = shop.layout_for([a.trial for a in kept])
-        standing = [a for a in kept if a.stands_in]
+        standing = [
+            a
+            for a in kept
+            if a.stands_in and not (a.trial.is_free_form and a.trial.joint in item.trial.group)
+        ]
         whole, without = (
             shop.fit([a.trial for a in standing if a is not left_out], layout)
             for left_out in (None, item)
