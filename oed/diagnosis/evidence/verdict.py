@@ -257,7 +257,7 @@ def _rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, 
         fit.residual,
     )
     rivals = []
-    for found in ranked(shop, shop.physical, others, RIVALS):
+    for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS):
         if found.trial.key == own.trial.key or len(rivals) == RIVALS:
             continue
         behind = here.evidence(rows) - found.evidence(rows)

@@ -92,7 +92,7 @@ def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
     fit = shop.fit(others, layout).fit
     own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
     here = score(own, fit.projection, fit.residual).evidence(rows)
-    for rival in ranked(shop, shop.physical, others, 1):
+    for rival in ranked(shop, shop.in_place_of(item.trial), others, 1):
         same = rival.trial.key == item.trial.key
         if not same and rival.evidence(rows) > here + shop.settings.decisive:
             return f"{rival.trial.name} would explain more beside what has no name"

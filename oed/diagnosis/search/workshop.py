@@ -178,6 +178,10 @@ class Workshop:
                 ]
         return tuple(trials)
 
+    def in_place_of(self, trial: Trial) -> list[Trial]:
+        """Candidates that act on a joint on which an addition acts."""
+        return [t for t in self.physical if not set(t.group).isdisjoint(trial.group)]
+
     @cached_property
     def smooth(self) -> tuple[Trial, ...]:
         """Free-form terms in one coordinate."""
