@@ -10,14 +10,18 @@ from oed.diagnosis.search.scan import inflation_of
 from oed.diagnosis.search.turning import NAME, far_turned, moment_fault, squares_under
 from oed.diagnosis.search.workshop import Workshop
 
+# Mean squared white residual up to which a model leaves nothing for a rival to explain.
+COMPLETE = 1.2
+
 
 def far_tilt(shop: Workshop) -> Workshop | None:
     """The tables under a far direction of gravity, if nothing of the catalogue does as well."""
     found = far_turned(shop)
     if found is None:
         return None
-    turned_squares = squares_under(shop, found.baseline.model)
-    gain = shop.fit(()).fit.squares - turned_squares
+    if inflation_of(found.before.fit).mean() < COMPLETE:
+        return found
+    gain = shop.fit(()).fit.squares - squares_under(shop, found.baseline.model)
     best = max((s.gain for s in ranked(shop, shop.physical, (), 1)), default=0.0)
     return found if gain > best else None
 
@@ -25,9 +29,9 @@ def far_tilt(shop: Workshop) -> Workshop | None:
 def tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
     """Why turned tables are no better than declared ones beside the other additions."""
     upright = shop.on(shop.baseline.standing_as(shop.declared))
-    at_home = [at_home(upright, a).trial for a in standing]
+    levelled = [at_home(upright, a).trial for a in standing]
     trials = [a.trial for a in standing]
-    old = upright.fit(at_home, upright.layout_for(at_home))
+    old = upright.fit(levelled, upright.layout_for(levelled))
     new = shop.fit(trials, shop.layout_for(trials))
     fault = moment_fault(shop, new.fit)
     if fault is not None:
@@ -44,8 +48,10 @@ def tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
         and np.mean((errors[1] / errors[0]) ** 2) >= 1
     ):
         return "beside the other additions it does not lower the validation error"
+    if chance < COMPLETE:
+        return None
     rows = shop.full.rows.count
-    for rival in ranked(upright, upright.physical, at_home, 1):
+    for rival in ranked(upright, upright.physical, levelled, 1):
         if rival.trial.name != NAME and rival.evidence(rows) / chance > (
             gain - cost + shop.settings.decisive
         ):

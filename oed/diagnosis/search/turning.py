@@ -18,8 +18,9 @@ from numpy import ndarray
 from oed.diagnosis.fit.linear_fit import LinearFit, project, reversal_nuisances, whitened_regressor
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis.terms.trials import Trial, catalogue_trial
 from oed.dynamics.effects import RigidBody
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.gravity import tilt_between, tilt_directions, tilted
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
@@ -39,7 +40,7 @@ CLEARLY_BETTER = 0.5  # share of the squares that a far direction may leave
 
 def gravity_trial(shop: Workshop) -> Trial:
     """The tilt's columns at the direction that the tables have."""
-    return next(t for t in shop.physical if t.name == NAME)
+    return catalogue_trial(CATALOGUE[NAME], shop.context, None, (), shop.mean.rows)
 
 
 def far_turned(shop: Workshop) -> Workshop | None:
