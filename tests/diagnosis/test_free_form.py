@@ -75,7 +75,7 @@ def test_a_spline_stays_at_its_edge(motion):
 def test_crowded_pieces_are_denser_about_zero():
     even = Coordinate("dq", 0, -2.0, 2.0, 10)
     speeds = np.linspace(-2.0, 2.0, 2001)
-    state = State(speeds, *([speeds],) * 3)
+    state = State(speeds, [speeds], [speeds], [speeds])
     # The steepest spline tells how narrow the pieces are.
     about_zero = np.abs(speeds[1:]) < 0.3
     ratios = []

@@ -34,9 +34,9 @@ def uncertain_direction(recording: Prepared, joint: int) -> Bool[ndarray, " samp
     reach = 2 * int(np.ceil(band.rate / band.smoothing)) + 1
     leap = maximum_filter1d(acceleration, reach) - minimum_filter1d(acceleration, reach)
     sigma = np.hypot(recording.sign_noise[joint], RIPPLE * leap / band.smoothing)
-    uncertain = np.abs(velocity) < SIGMAS * np.maximum(sigma, 1e-12)
     slow = np.abs(velocity) < SLOW * np.sqrt(np.mean(velocity**2))
-    uncertain |= binary_opening(slow, np.ones(int(np.ceil(LINGERING * band.rate))))
+    lingers = binary_opening(slow, np.ones(int(np.ceil(LINGERING * band.rate))))
+    uncertain = (np.abs(velocity) < SIGMAS * np.maximum(sigma, 1e-12)) | lingers.astype(bool)
     # The crossing itself lies somewhere between two samples.
     turns = np.flatnonzero(np.signbit(velocity[1:]) != np.signbit(velocity[:-1]))
     uncertain[turns] = uncertain[turns + 1] = True

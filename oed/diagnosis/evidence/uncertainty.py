@@ -38,17 +38,12 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
         found: A fit on the rows of `shop.layout_for` of its additions.
     """
     layout = shop.layout_for(found.chosen)
+    places = _places(found, layout)
     steps = [np.full(len(t.values), FIRST_STEP) for t in found.chosen]
-    widest = np.zeros(0)
+    projection, target, covariance = _linearised(shop, found, layout, steps)
+    widest = np.sqrt(np.diag(covariance))
     for _ in range(MOST_ROUNDS):
-        columns, target = _columns(shop, found, layout, steps)
-        projection = project(columns)
-        covariance = robust_covariance(
-            projection, projection.residual(target), layout.rows.weights, block_numbers(layout.rows)
-        )
-        places = _places(found, layout)
         deviations = np.sqrt(np.diag(covariance))
-        widest = np.maximum(deviations, widest) if widest.size else deviations
         wanted = [
             np.clip(deviations[p][p.stop - p.start - len(s) :], *STEPS)
             for p, s in zip(places, steps, strict=True)
@@ -57,9 +52,12 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
         if all(np.all(np.abs(np.log(w / s)) < np.log(ALIKE)) for w, s in pairs):
             break
         steps = wanted
+        projection, target, covariance = _linearised(shop, found, layout, steps)
+        widest = np.maximum(widest, np.sqrt(np.diag(covariance)))
     else:
         # Teeth that strike have no slope that settles: the flattest secant is the one to trust.
-        scale = widest / np.where(deviations > 0, deviations, np.inf)
+        last = np.sqrt(np.diag(covariance))
+        scale = widest / np.where(last > 0, last, np.inf)
         covariance = covariance * np.outer(scale, scale)
     if layout is shop.mean:
         bias = noise_bias(
@@ -68,8 +66,20 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
             projection.inverse @ projection.coordinates(target),
             projection,
         )
-        covariance += np.outer(bias, bias)
+        covariance = covariance + np.outer(bias, bias)
     return dataclasses.replace(found, covariances=tuple(covariance[p, p] for p in places))
+
+
+def _linearised(
+    shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " shapes"]]
+) -> tuple[Projection, Float[ndarray, "joints rows"], Float[ndarray, "columns columns"]]:
+    """Projection on the columns with secants over these steps, the target, the covariance."""
+    columns, target = _columns(shop, found, layout, steps)
+    projection = project(columns)
+    covariance = robust_covariance(
+        projection, projection.residual(target), layout.rows.weights, block_numbers(layout.rows)
+    )
+    return projection, target, covariance
 
 
 def _columns(

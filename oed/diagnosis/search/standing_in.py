@@ -145,11 +145,10 @@ def _refined(shop: Workshop, trials: Sequence[Trial], *, crowded: bool = True) -
             continue
         count = sum(not isinstance(c, Factor) for c in effect.coordinates)
         fine = tuple(c.refined(PIECES[count]) for c in effect.coordinates)
-        crowded = tuple(
+        denser = tuple(
             c.crowded() if isinstance(c, Coordinate) and c.kind == "dq" else c for c in fine
         )
-        terms += [
-            dataclasses.replace(effect, coordinates=c) for c in dict.fromkeys((fine, crowded))
-        ]
+        kinds = dict.fromkeys((fine, denser) if crowded else (fine,))
+        terms += [dataclasses.replace(effect, coordinates=c) for c in kinds]
     first = trials[0]
     return free_form_trials(terms, shop.layout(first).rows, contrast=first.contrast)
