@@ -47,6 +47,11 @@ def another_joint(arm: Arm, joint: int, rng: np.random.Generator) -> int:
     return int(rng.choice([i for i in (joint - 1, joint + 1) if 0 <= i < n]))
 
 
+def middle(arm: Arm, joint: int) -> float:
+    """Of a joint's range [rad]."""
+    return float(arm.robot.limits.position[joint].mean())
+
+
 def named(*coordinates: str) -> tuple[str, ...]:
     """Coordinates with joints counted from 0, as reports count them: from 1."""
     return tuple(sorted(_counted_from_one(coordinate) for coordinate in coordinates))

@@ -13,7 +13,7 @@ from oed.dynamics.newton_euler import inverse_dynamics
 from oed.dynamics.scalars import Scalar, cos, power
 from oed.robot.inertia import parameters_from_pseudo_inertia
 from studies.bench.arm import Arm
-from studies.bench.injection import Injected, either_sign, wave_in_catalogue
+from studies.bench.injection import Injected, either_sign, middle, wave_in_catalogue
 
 # With or without repetitions, the first recording has ended or is about half over by then.
 PAYLOAD_MOMENT = 42.0  # [s]
@@ -58,7 +58,7 @@ def ripple_with_overtone(arm: Arm, joint: int, size: float, rng: np.random.Gener
 def spring(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
     """A linear spring about some rest position."""
     stiffness = 0.8 * size * arm.coulomb[joint] * rng.uniform(0.7, 1.3)
-    rest = _middle(arm, joint) + rng.uniform(-0.4, 0.4)
+    rest = middle(arm, joint) + rng.uniform(-0.4, 0.4)
 
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
         del rigid
@@ -71,7 +71,7 @@ def spring(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injec
 def tightening_cable(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
     """A spring that stiffens as the cable goes taut."""
     stiffness = 0.6 * size * arm.coulomb[joint] * rng.uniform(0.7, 1.3)
-    rest = _middle(arm, joint) + rng.uniform(-0.4, 0.4)
+    rest = middle(arm, joint) + rng.uniform(-0.4, 0.4)
 
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
         del rigid
@@ -122,7 +122,3 @@ def payload_from_then_on(arm: Arm, joint: int, size: float, rng: np.random.Gener
     return Injected(
         dataclasses.replace(arm.add(torque), session=True), {"mass": (mass, "kg")}, values
     )
-
-
-def _middle(arm: Arm, joint: int) -> float:
-    return float(arm.robot.limits.position[joint].mean())

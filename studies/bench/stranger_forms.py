@@ -12,7 +12,7 @@ from oed.dynamics.effects import State
 from oed.dynamics.scalars import Scalar, cos, power, sin, tanh
 from oed.experiment.friction_memory import MemoryTorque
 from studies.bench.arm import Arm, direction, mass_matrices
-from studies.bench.injection import Injected, another_joint, either_sign, named
+from studies.bench.injection import Injected, another_joint, either_sign, middle, named
 
 KINK = 0.03  # [rad] over which a tether or strap goes taut
 # Cycles a second of a brake's three rhythms: together they do not come back within a session.
@@ -25,7 +25,7 @@ def pumped_balancer(arm: Arm, joint: int, size: float, rng: np.random.Generator)
     """Oil that the neighbour pumps pushes on a lever that passes its dead centre."""
     other = another_joint(arm, joint, rng)
     push = 0.6 * size * arm.coulomb[joint] * either_sign(rng)
-    centre = _middle(arm, joint) + rng.uniform(-0.2, 0.2)
+    centre = middle(arm, joint) + rng.uniform(-0.2, 0.2)
 
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
         del rigid
@@ -103,7 +103,7 @@ def slack_tether(arm: Arm, joint: int, size: float, rng: np.random.Generator) ->
 
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
         del rigid
-        own, far = state.q[joint] - _middle(arm, joint), state.q[other] - _middle(arm, other)
+        own, far = state.q[joint] - middle(arm, joint), state.q[other] - middle(arm, other)
         stretch = own + ratio * far - slack
         return {joint: 0.5 * stiffness * (stretch + power(stretch * stretch + KINK**2, 0.5))}
 
@@ -113,9 +113,9 @@ def slack_tether(arm: Arm, joint: int, size: float, rng: np.random.Generator) ->
 def creeping_strap(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
     """A strap that the neighbour stretches either way; half of the stretch creeps out of it."""
     other = another_joint(arm, joint, rng)
-    middle, reach = _middle(arm, other) + rng.uniform(-0.2, 0.2), _reach(arm, other)
+    centre, reach = middle(arm, other) + rng.uniform(-0.2, 0.2), _reach(arm, other)
     pull = 1.7 * size * arm.coulomb[joint] / reach * either_sign(rng)
-    strap = CreepingStrap(joint, other, pull, rng.uniform(1.0, 3.0), middle, 0.25 * reach)
+    strap = CreepingStrap(joint, other, pull, rng.uniform(1.0, 3.0), centre, 0.25 * reach)
     changed = dataclasses.replace(arm, memory=(*arm.memory, strap))
     # The crept part lags, so that the speed adds a little to what the position says.
     either = (named(f"q_{other}"), named(f"q_{other}", f"dq_{other}"))
@@ -166,10 +166,6 @@ def _in_time(coordinate: str) -> tuple[tuple[str, ...], ...]:
     """What depends on the clock and on one coordinate, or just on the clock, as shaking does."""
     clock = ("time", "repetition")
     return (*(named(coordinate, word) for word in clock), *((word,) for word in clock))
-
-
-def _middle(arm: Arm, joint: int) -> float:
-    return float(arm.robot.limits.position[joint].mean())
 
 
 def _reach(arm: Arm, joint: int) -> float:
