@@ -1,0 +1,120 @@
+"""What a name must still stand up to once it has been found."""
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.evidence.verdict import doubtful_name
+from oed.diagnosis.search.scan import at_rest, implausible, scan, score
+from oed.diagnosis.search.turning import HEAVIEST, moment_fault
+from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.trials import catalogue_trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
+
+THINNED = 0.2  # [rad/s] at which grease thins
+
+
+def thinning(q, dq, ddq):
+    """Eyring's law in the place of part of the viscous friction of the first joint."""
+    eased = 3.0 * (0.5 * np.arcsinh(dq[:, 0] / THINNED) - dq[:, 0])
+    return np.stack([eased, np.zeros(len(q))], axis=1)
+
+
+@cache
+def shop_of(extra=None):
+    dataset = data_set(3, extra=extra)
+    settings = DiagnosisSettings()
+    prepared = prepare(dataset.recordings, settings)
+    own = tuple(p for p in prepared if p.role == "estimation")
+    baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
+    return Workshop(baseline, own, (), settings, gear_ratio=None)
+
+
+def trial_of(shop, name, joint, values=()):
+    return catalogue_trial(CATALOGUE[name], shop.context, joint, values, shop.mean.rows)
+
+
+def test_shapes_stay_where_the_name_can_be_meant():
+    """Near the straight line a bend explains most, by the difference of two huge frictions."""
+    shop = shop_of(thinning)
+    fit = shop.before.fit
+    pool = [t for t in shop.physical if t.key == ("nonlinear_viscous", 0)]
+    best = max((score(t, fit.projection, fit.residual) for t in pool), key=lambda s: s.gain)
+    (found,) = scan(pool, fit, shop.context)
+    refined = at_rest(found, fit, shop.context)
+    assert implausible(refined, shop.context) is None
+    assert refined.gain >= found.gain
+    # It costs next to nothing of what is explained.
+    assert refined.gain > 0.95 * best.gain
+    assert refined.evidence(shop.full.rows.count) > 100
+
+
+@pytest.mark.parametrize(("deviations", "doubted"), [(2.0, True), (12.0, False)])
+def test_a_name_whose_own_interval_holds_zero_is_doubted(deviations, doubted):
+    shop = shop_of()
+    trial = trial_of(shop, "rotor_inertia", 0)
+    found = Augmented(
+        (trial,),
+        (np.array([0.1]),),
+        shop.before.fit,
+        (np.zeros(0),),
+        (np.array([[(0.1 / deviations) ** 2]]),),
+    )
+    assert (doubtful_name(shop, found) is trial) is doubted
+
+
+def test_an_uncertain_shape_does_not_make_a_size_doubtful():
+    shop = shop_of()
+    trial = trial_of(shop, "torque_ripple", 0, (7.0,))
+    # At the shape that it has the size is known to 0.01; over all shapes only to 0.1.
+    size, shape = 0.01**2, 1.0
+    slope = np.array([0.1, 0.0])
+    covariance = np.block(
+        [
+            [size * np.eye(2) + np.outer(slope, slope), slope[:, None]],
+            [slope[None], shape * np.eye(1)],
+        ]
+    )
+    found = Augmented(
+        (trial,), (np.array([0.2, 0.0]),), shop.before.fit, (np.zeros(1),), (covariance,)
+    )
+    assert doubtful_name(shop, found) is None
+
+
+def test_a_tilt_of_nothing_with_a_first_moment_of_anything_is_refused():
+    shop = shop_of()
+    # A level arm shows neither first moment of its first link; a tilted one does.
+    columns = np.array([1, 2, 9])
+    seen = dataclasses.replace(shop.baseline, columns=columns)
+    level = dataclasses.replace(shop.baseline, columns=np.array([9]))
+    tilted = _Turned(seen, level)
+    inertia = 2.5
+    heaviest = np.sqrt(HEAVIEST * inertia)
+    for moment, refused in ((0.9 * heaviest, False), (1.1 * heaviest, True)):
+        parameters = np.array([moment, 0.0, inertia])
+        fit = dataclasses.replace(shop.before.fit, parameters=parameters)
+        assert (moment_fault(tilted, fit) is not None) is refused
+
+
+class _Turned(Workshop):
+    """Tables of which only the two baselines matter."""
+
+    def __init__(self, baseline, declared):
+        self.baseline, self.declared = baseline, declared
+
+
+def test_rivals_act_on_the_same_joint():
+    shop = shop_of()
+    trial = trial_of(shop, "rotor_inertia", 0)
+    targets = {(t.name, t.joint) for t in shop.in_place_of(trial)}
+    assert ("stribeck", 0) in targets
+    assert ("time_delay", None) in targets
+    assert ("stribeck", 1) not in targets
