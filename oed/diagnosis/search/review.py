@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from oed.diagnosis.search.judgement import Accepted, Refused, refusal, share_needed
+from oed.diagnosis.search.judgement import COVERED, Accepted, Refused, refusal, share_needed
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of, score
 from oed.diagnosis.search.workbench import moved
@@ -87,13 +87,18 @@ def drop_superfluous(
 
 
 def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
-    """Whether another name would now explain more: then none of them is what is there."""
+    """Whether another name would now explain more: then none of them is what is there.
+
+    Not what is left over where a free-form term follows all that the name stands for.
+    """
     rows, layout = shop.full.rows.count, shop.layout(item.trial)
     fit = shop.fit(others, layout).fit
     own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
     here = score(own, fit.projection, fit.residual).evidence(rows)
     for rival in ranked(shop, shop.in_place_of(item.trial), others, 1):
         same = rival.trial.key == item.trial.key
+        if rival.gain < COVERED * item.gain:
+            continue
         if not same and rival.evidence(rows) > here + shop.settings.decisive:
             return f"{rival.trial.name} would explain more beside what has no name"
     return None
