@@ -45,9 +45,10 @@ $(STAMP): environment.txt
 	$(PYTHON) -m pip install --quiet --disable-pip-version-check --require-hashes -r environment.txt; \
 	sha256sum environment.txt > $@
 
-# A file stays on one worker: its tests share what is costly to make.
+# A file stays on one worker: its tests share what is costly to make. Files keep their order, in
+# which the longest do not come last.
 test: setup
-	$(PYTHON) -m pytest -n $(WORKERS) --dist loadfile
+	$(PYTHON) -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 paper: setup
 	$(PYTHON) -m studies.paper $(if $(DATA),--data "$(DATA)")
