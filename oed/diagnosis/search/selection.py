@@ -241,7 +241,8 @@ def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> A
     here = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)
-    for rival in ranked(shop, shop.in_place_of(current.trial), others, 2):
+    # Of any joint: what is better by far elsewhere may be why this one looked needed.
+    for rival in ranked(shop, shop.physical, others, 2):
         if rival.evidence(rows) <= here.evidence(rows) + shop.settings.decisive:
             break
         if rival.trial.key == here.trial.key:
