@@ -92,6 +92,11 @@ class LinearFit:
         """Sum of squared white residuals: -2 log likelihood but for a constant."""
         return float(np.sum(self.residual**2))
 
+    def freedom(self) -> Float[ndarray, " joints"]:
+        """(n,) rows of each joint that count, less its share of the fitted columns; at least one."""
+        rows = np.sum(self.rows.weights**2, axis=0)
+        return np.maximum(rows - self.projection.shares(), 1.0)
+
     def full_parameters(self) -> Float[ndarray, " all_parameters"]:
         """Parameters of every column of the model, regrouped ones at zero."""
         full = np.zeros(len(self.model.parameters))

@@ -97,8 +97,7 @@ def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
     here = score(own, fit.projection, fit.residual).evidence(rows)
     for rival in ranked(shop, shop.in_place_of(item.trial), others, 1):
         same = rival.trial.key == item.trial.key
-        if rival.gain < COVERED * item.gain:
-            continue
-        if not same and rival.evidence(rows) > here + shop.settings.decisive:
+        tells = rival.gain >= COVERED * item.gain
+        if not same and tells and rival.evidence(rows) > here + shop.settings.decisive:
             return f"{rival.trial.name} would explain more beside what has no name"
     return None

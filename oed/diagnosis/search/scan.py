@@ -71,8 +71,7 @@ def minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[nda
 
 def inflation_of(fit: LinearFit) -> Float[ndarray, " joints"]:
     """(n,) mean squared white residual where it exceeds one: what the model lacks is noise too."""
-    weight = np.sum(fit.rows.weights**2, axis=0) - fit.projection.shares()
-    return np.maximum(1.0, np.sum(fit.residual**2, axis=1) / np.maximum(weight, 1.0))
+    return np.maximum(1.0, np.sum(fit.residual**2, axis=1) / fit.freedom())
 
 
 def score(trial: Trial, projection: Projection, residual: Float[ndarray, "joints rows"]) -> Score:

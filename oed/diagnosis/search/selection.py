@@ -64,16 +64,17 @@ class Selection:
 def search(shop: Workshop) -> tuple[Workshop, Selection]:
     """Add, exchange and drop until nothing passes all tests; the tables may be made anew."""
     refused: list[Refused] = []
-    turned_shop, accepted, p_value = _added(shop, refused, upright=False)
-    if turned_shop.is_turned:
-        tilt = accepted_tilt(turned_shop, shop, p_value)
-        fault = tilt_fault(turned_shop, [a for a in accepted if a.stands_in])
+    found, accepted, p_value = _added(shop, refused, upright=False)
+    tilts = []
+    if found.is_turned:
+        tilt = accepted_tilt(found, shop, p_value)
+        fault = tilt_fault(found, [a for a in accepted if a.stands_in])
         if fault is None:
-            return _concluded(turned_shop, accepted, refused, [tilt])
-        refused.append(refusal(tilt, fault))
-        shop, accepted, _ = _added(shop, refused, upright=True)
-        return _concluded(shop, accepted, refused, [])
-    return _concluded(turned_shop, accepted, refused, [])
+            tilts = [tilt]
+        else:
+            refused.append(refusal(tilt, fault))
+            found, accepted, _ = _added(shop, refused, upright=True)
+    return _concluded(found, accepted, refused, tilts)
 
 
 def _added(
@@ -124,9 +125,9 @@ def _with_free_forms(
 
 
 def _concluded(
-    shop: Workshop, accepted: list[Accepted], refused: list[Refused], tilt: list[Accepted]
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused], tilts: list[Accepted]
 ) -> tuple[Workshop, Selection]:
-    accepted = _rested(shop, [*tilt, *drop_superfluous(shop, accepted, refused)])
+    accepted = _rested(shop, [*tilts, *drop_superfluous(shop, accepted, refused)])
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))

@@ -78,8 +78,7 @@ def restrained(trial: Trial, fit: LinearFit) -> Iterator[Trial]:
         raise TypeError(f"{trial.name} is no free-form term")
     (gram, _), moment = gram_and_moment(fit.projection, fit.residual, trial.group)
     joints = list(trial.group)
-    freedom = np.sum(fit.rows.weights**2, axis=0) - fit.projection.shares()
-    left = Left(float(np.sum(fit.residual[joints] ** 2)), max(float(np.sum(freedom[joints])), 1.0))
+    left = Left(float(np.sum(fit.residual[joints] ** 2)), float(np.sum(fit.freedom()[joints])))
     root = likeliest(effect, gram, moment, left).root
     values, vectors = eigh(root.T @ gram @ root)
     for known in KNOWN:
