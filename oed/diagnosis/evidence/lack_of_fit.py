@@ -41,8 +41,7 @@ def lack_of_fit(
         rounding: (n,) mean square of what encoder steps add to white residuals. They repeat
             with the motion, so repetitions do not show them as pure error.
     """
-    weight = np.sum(fit.rows.weights**2, axis=0)
-    freedom = np.maximum(weight - fit.projection.shares(), 1.0)
+    freedom = fit.freedom()
     mean_square = np.sum(fit.residual**2, axis=1) / freedom / (1 + rounding)
     p_value = f_distribution.sf(mean_square, freedom, max(noise_freedom, 1.0))
     return LackOfFit(np.sqrt(mean_square), p_value, freedom)

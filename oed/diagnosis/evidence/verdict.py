@@ -10,14 +10,13 @@ import numpy as np
 from scipy.stats import chi2
 
 from oed.diagnosis.baseline.noise_floor import NoiseSource
+from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
-from oed.diagnosis.search.judgement import Accepted, held_out_fault, is_own
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import Score, implausible, score
+from oed.diagnosis.search.judgement import is_own
 from oed.diagnosis.search.selection import Selection
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import total_tilt
-from oed.diagnosis.search.workbench import Augmented, moved
+from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
@@ -27,13 +26,8 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.gravity import tilt_directions
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
-RIVALS = 5
 # Ratio of residual to floor above which a lack of fit without a located cause is stated.
 CLEAR_LACK = {"repetitions": 1.4, "free-form fit": 1.4}
-# Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
-# err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
-SYSTEMATIC = 0.01
-SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
 
 
 @dataclass(frozen=True)
@@ -44,27 +38,6 @@ class Estimated:
     value: float
     std: float
     unit: str
-
-
-@dataclass(frozen=True)
-class Rival:
-    """Another effect in the place of one that was found.
-
-    Attributes:
-        name: Of the catalogue.
-        joint: Index, None for the whole arm.
-        evidence: By how much the found one is better, in -2 log likelihood less Schwarz's
-            penalty.
-        trial: Its columns, for the design that will tell.
-        contender: Whether that difference is too small to tell, and it passes all tests that
-            the found one passed.
-    """
-
-    name: str
-    joint: int | None
-    evidence: float
-    trial: Trial
-    contender: bool
 
 
 @dataclass(frozen=True)
@@ -163,7 +136,7 @@ def describe_effects(
                 ),
                 p_value=own.p_value,
                 validation_gain=shop.validation_gain(selection.trials, trial),
-                rivals=_rivals(shop, own, others),
+                rivals=find_rivals(shop, own, others),
                 trial=trial,
             )
         )
@@ -244,60 +217,3 @@ def _estimates(
         spread = (shape.upper - shape.lower) / np.sqrt(12)
         estimates.append(Estimated(shape.name, value, min(std, float(spread)), shape.unit))
     return tuple(estimates)
-
-
-def _rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, ...]:
-    rows = shop.full.rows.count
-    layout = shop.layout(own.trial)
-    fit = shop.fit(others, layout).fit
-    contrast = own.trial.between_repetitions and shop.full is not shop.mean
-    here = score(
-        moved(own.trial, layout.rows, shop.context, contrast=contrast),
-        fit.projection,
-        fit.residual,
-    )
-    rivals = []
-    for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS):
-        if found.trial.key == own.trial.key or len(rivals) == RIVALS:
-            continue
-        behind = here.evidence(rows) - found.evidence(rows)
-        decisive = shop.settings.decisive
-        if _is_of_kind(found.trial, own.trial):
-            decisive = max(decisive, SYSTEMATIC * here.gain)
-        contender = bool(behind < decisive) and _contends(shop, found, here, others, fit)
-        rivals.append(
-            Rival(found.trial.name, found.trial.joint, float(behind), found.trial, contender)
-        )
-    return tuple(rivals)
-
-
-def _is_of_kind(one: Trial, other: Trial) -> bool:
-    """Whether two effects of one family are attached to the same joint, or to the arm."""
-    families = (set(CATALOGUE[t.name].families) for t in (one, other))
-    return one.joint == other.joint and bool(set.intersection(*families))
-
-
-def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial], fit) -> bool:
-    """Whether a rival passes the tests, and is not the same effect under another name."""
-    if implausible(rival, shop.context) is not None:
-        return False
-    if held_out_fault(shop, others, rival.trial) is not None:
-        return False
-    if rival.trial.name != own.trial.name:
-        return True
-    return _likeness(rival, own, fit) < SAME_COLUMNS
-
-
-def _likeness(a: Score, b: Score, fit) -> float:
-    """Cosine between two fitted additions outside the model's span."""
-    joints, rows = fit.residual.shape
-    vectors = []
-    for item in (a, b):
-        torque = np.zeros((joints, rows))
-        if any(block.shape[0] != rows for block in item.trial.group.values()):
-            return 0.0
-        for joint, block in item.trial.group.items():
-            torque[joint] = block @ item.coefficients
-        vectors.append(fit.projection.residual(torque).ravel())
-    lengths = [float(np.linalg.norm(v)) for v in vectors]
-    return abs(float(vectors[0] @ vectors[1])) / max(lengths[0] * lengths[1], 1e-300)

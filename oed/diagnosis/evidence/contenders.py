@@ -1,0 +1,103 @@
+"""What else could have been named in the place of an effect that was found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.judgement import Accepted, held_out_fault
+from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.scan import Score, implausible, score
+from oed.diagnosis.search.workbench import moved
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+RIVALS = 5
+# Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
+# err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
+SYSTEMATIC = 0.01
+SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another effect in the place of one that was found.
+
+    Attributes:
+        name: Of the catalogue.
+        joint: Index, None for the whole arm.
+        evidence: By how much the found one is better, in -2 log likelihood less Schwarz's
+            penalty.
+        trial: Its columns, for the design that will tell.
+        contender: Whether that difference is too small to tell, and it passes all tests that
+            the found one passed.
+    """
+
+    name: str
+    joint: int | None
+    evidence: float
+    trial: Trial
+    contender: bool
+
+
+def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, ...]:
+    """The best other candidates for the place of an addition, beside the rest."""
+    rows = shop.full.rows.count
+    layout = shop.layout(own.trial)
+    fit = shop.fit(others, layout).fit
+    contrast = own.trial.between_repetitions and shop.full is not shop.mean
+    here = score(
+        moved(own.trial, layout.rows, shop.context, contrast=contrast),
+        fit.projection,
+        fit.residual,
+    )
+    rivals = []
+    for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS):
+        if found.trial.key == own.trial.key or len(rivals) == RIVALS:
+            continue
+        behind = here.evidence(rows) - found.evidence(rows)
+        decisive = shop.settings.decisive
+        if _is_of_kind(found.trial, own.trial):
+            decisive = max(decisive, SYSTEMATIC * here.gain)
+        contender = bool(behind < decisive) and _contends(shop, found, here, others, fit)
+        rivals.append(
+            Rival(found.trial.name, found.trial.joint, float(behind), found.trial, contender)
+        )
+    return tuple(rivals)
+
+
+def _is_of_kind(one: Trial, other: Trial) -> bool:
+    """Whether two effects of one family are attached to the same joint, or to the arm."""
+    families = (set(CATALOGUE[t.name].families) for t in (one, other))
+    return one.joint == other.joint and bool(set.intersection(*families))
+
+
+def _contends(
+    shop: Workshop, rival: Score, own: Score, others: list[Trial], fit: LinearFit
+) -> bool:
+    """Whether a rival passes the tests, and is not the same effect under another name."""
+    if implausible(rival, shop.context) is not None:
+        return False
+    if held_out_fault(shop, others, rival.trial) is not None:
+        return False
+    if rival.trial.name != own.trial.name:
+        return True
+    return _likeness(rival, own, fit) < SAME_COLUMNS
+
+
+def _likeness(a: Score, b: Score, fit: LinearFit) -> float:
+    """Cosine between two fitted additions outside the model's span."""
+    joints, rows = fit.residual.shape
+    vectors = []
+    for item in (a, b):
+        torque = np.zeros((joints, rows))
+        if any(block.shape[0] != rows for block in item.trial.group.values()):
+            return 0.0
+        for joint, block in item.trial.group.items():
+            torque[joint] = block @ item.coefficients
+        vectors.append(fit.projection.residual(torque).ravel())
+    lengths = [float(np.linalg.norm(v)) for v in vectors]
+    return abs(float(vectors[0] @ vectors[1])) / max(lengths[0] * lengths[1], 1e-300)
