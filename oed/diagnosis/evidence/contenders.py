@@ -10,6 +10,7 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.judgement import Accepted, held_out_fault
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, implausible, score
+from oed.diagnosis.search.telling import telling
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -29,8 +30,8 @@ class Rival:
     Attributes:
         name: Of the catalogue.
         joint: Index, None for the whole arm.
-        evidence: By how much the found one is better, in -2 log likelihood less Schwarz's
-            penalty.
+        evidence: By how much the found one is better, on the estimation and the validation
+            recordings: -2 log likelihood less Schwarz's penalty, in units of the misfit.
         trial: Its columns, for the design that will tell.
         contender: Whether that difference is too small to tell, and it passes all tests that
             the found one passed.
@@ -45,7 +46,6 @@ class Rival:
 
 def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, ...]:
     """The best other candidates for the place of an addition, beside the rest."""
-    rows = shop.full.rows.count
     layout = shop.layout(own.trial)
     fit = shop.fit(others, layout).fit
     contrast = own.trial.between_repetitions and shop.full is not shop.mean
@@ -54,11 +54,15 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
         fit.projection,
         fit.residual,
     )
+    candidates = [
+        found
+        for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS)
+        if found.trial.key != own.trial.key
+    ][:RIVALS]
+    said, *others_said = telling(shop, others, [here, *candidates])
     rivals = []
-    for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS):
-        if found.trial.key == own.trial.key or len(rivals) == RIVALS:
-            continue
-        behind = here.evidence(rows) - found.evidence(rows)
+    for found, value in zip(candidates, others_said, strict=True):
+        behind = said - value
         decisive = shop.settings.decisive
         if _is_of_kind(found.trial, own.trial):
             decisive = max(decisive, SYSTEMATIC * here.gain)

@@ -20,7 +20,7 @@ def prediction_errors(
     prepared: Sequence[Prepared],
     base_torque: Sequence[Float[ndarray, "_ n base"]],
 ) -> list[Float[ndarray, "_ joints"]]:
-    """Torque less prediction in the analysis band [N m], one array a recording.
+    """Torque less prediction in the analysis band [N m], all rows, one array a recording.
 
     Args:
         found: Fitted to other recordings.
@@ -34,7 +34,7 @@ def prediction_errors(
         error = recording.torque - columns @ base
         for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
             error = error - addition_torque(trial, coefficients, recording)
-        errors.append(error[recording.valid])
+        errors.append(error)
     return errors
 
 

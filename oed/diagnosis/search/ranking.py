@@ -55,13 +55,3 @@ def ranked(
             for s in refined
         ]
     return sorted(found, key=lambda s: -s.evidence(rows))
-
-
-def simplest_first(shop: Workshop, candidates: list[Score]) -> list[Score]:
-    """Where the evidence does not decide, the one that cancels least against the model first."""
-    if not candidates:
-        return []
-    rows = shop.full.rows.count
-    best = candidates[0].evidence(rows)
-    level = [c for c in candidates if c.evidence(rows) > best - shop.settings.decisive]
-    return [*sorted(level, key=lambda c: c.cancelled), *candidates[len(level) :]]

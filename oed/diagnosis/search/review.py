@@ -7,6 +7,7 @@ import numpy as np
 from oed.diagnosis.search.judgement import COVERED, Accepted, Refused, refusal, share_needed
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of, score
+from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -18,7 +19,8 @@ def review_names(
     """Drop names that a free-form term of their joint makes superfluous.
 
     A name stays where it explains nearly all that name and free form explain together (the
-    same physics in a slightly other formula), or where nothing else can do its part.
+    same physics in a slightly other formula), where it foretells more than they do, or where
+    nothing else can do its part.
     """
     free = [a for a in accepted if a.trial.is_free_form]
     kept = list(accepted)
@@ -37,6 +39,10 @@ def review_names(
             together = without_both - whole
             alone = without_both - without_free
             needed = without_name - whole
+            standing = [a.trial for a in free if a.trial.joint == joint and a.stands_in]
+            others = [a.trial for a in kept if a.stands_in and a.trial in bare]
+            if foretells_most(shop, others, item.trial, standing):
+                continue
             if alone < share * together and needed < (
                 0.1 * together + shop.settings.free_form_margin
             ):

@@ -20,7 +20,7 @@ from oed.diagnosis.search.judgement import (
     share_needed,
     too_little,
 )
-from oed.diagnosis.search.ranking import ranked, simplest_first
+from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.review import drop_superfluous, review_names
 from oed.diagnosis.search.scan import (
     AT_REST,
@@ -31,11 +31,13 @@ from oed.diagnosis.search.scan import (
     score,
 )
 from oed.diagnosis.search.standing_in import next_free_form
+from oed.diagnosis.search.telling import foretells_most, most_telling_first, telling
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import accepted_tilt, turned
 from oed.diagnosis.search.workbench import Augmented, moved
 from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial
 
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
@@ -138,11 +140,12 @@ def _next_physical(
 ) -> Accepted | None:
     others = [a.trial for a in accepted]
     pool = [t for t in shop.physical if not (upright and t.name == GRAVITY)]
-    candidates = simplest_first(shop, ranked(shop, pool, others, shop.settings.refined, ripe=True))
+    found = ranked(shop, pool, others, shop.settings.refined, ripe=True)
+    candidates = most_telling_first(shop, found, others)
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= 0:
-            break
+            continue
         better = _outdone_by(shop, candidate, rivals, others)
         if better is not None:
             reason = (
@@ -167,7 +170,14 @@ def _outdone_by(
         share = share_needed([rival.trial], candidate.trial, shop.settings)
         if candidate.gain > share * rival.gain:
             continue
-        if candidate.trial.joint == rival.trial.joint or _covered(shop, candidate, rival, others):
+        apart = candidate.trial.joint != rival.trial.joint
+        if apart and not _covered(shop, candidate, rival, others):
+            continue
+        fit = shop.fit(others, shop.layout(rival.trial)).fit
+        if not all(
+            foretells_most(shop, others, candidate.trial, [term])
+            for term in restrained(rival.trial, fit)
+        ):
             return rival
     return None
 
@@ -248,8 +258,10 @@ def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> A
             break
         if rival.trial.key == here.trial.key:
             continue
+        said, better = telling(shop, others, [here, rival])
         if (
-            too_little(shop, rival, rest) is None
+            better > said + shop.settings.decisive
+            and too_little(shop, rival, rest) is None
             and implausible(rival, shop.context) is None
             and held_out_fault(shop, others, rival.trial) is None
         ):

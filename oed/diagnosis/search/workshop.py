@@ -60,6 +60,7 @@ class Workshop:
         self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
         self._validation_columns = base_columns(self.before.fit, validation)
         self._validation_weights = baseline.certainty(validation)
+        self._validation_rows = baseline.rows(validation) if validation else self.full.rows
 
     def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
         """The tables anew, with signs and a noise floor read off beside these additions.
@@ -141,7 +142,26 @@ class Workshop:
         if not self.validation:
             return None
         errors = prediction_errors(found, self.validation, self._validation_columns)
-        return rms(errors, self._validation_weights)
+        valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
+        return rms(valid, self._validation_weights)
+
+    @property
+    def rows_foretold(self) -> Float[ndarray, " joints"]:
+        """(n,) validation rows of each joint that count, at least one."""
+        return np.maximum(np.sum(self._validation_rows.weights**2, axis=0), 1.0)
+
+    def foretold(self, found: Augmented) -> Float[ndarray, " joints"]:
+        """(n,) squares that a fit leaves of the white validation rows; zeros without any."""
+        joints = self.context.n
+        if not self.validation:
+            return np.zeros(joints)
+        errors = prediction_errors(found, self.validation, self._validation_columns)
+        return np.array(
+            [
+                np.sum(self._validation_rows.whiten([e[:, [j]] for e in errors], j) ** 2)
+                for j in range(joints)
+            ]
+        )
 
     def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
         """Share by which one of some additions lowers the held-out error of its joints.

@@ -22,7 +22,7 @@ from oed.dynamics.torque_model import TorqueModel
 
 # Share of the samples up to which speed and torque count: beyond lie starts and gaps of the log.
 HIGHEST = 0.995
-WITHIN_WRIST = 2  # joints apart: drives that share a gear lie in one wrist
+WRIST = 3  # last joints of an arm of six or more, whose drives may share a gear
 # What an effect is attached to: a joint, a joint and another one, or the whole arm (None).
 Target = int | tuple[int, int] | None
 
@@ -232,13 +232,19 @@ class CatalogueEntry:
     install: Install | None = None
 
     def targets(self, context: Context) -> tuple[Target, ...]:
-        """All targets on an arm: joints, ordered pairs of joints within a wrist, or the arm."""
+        """All targets on an arm: joints, ordered pairs of neighbours or within a wrist, or the arm."""
         joints = range(context.n)
         if self.scope == "arm":
             return (None,)
         if self.scope == "joint":
             return tuple(joints)
-        return tuple((i, j) for i in joints for j in joints if 0 < abs(i - j) <= WITHIN_WRIST)
+        wrist = range(context.n - WRIST, context.n) if context.n >= 2 * WRIST else range(0)
+        return tuple(
+            (i, j)
+            for i in joints
+            for j in joints
+            if abs(i - j) == 1 or (i != j and i in wrist and j in wrist)
+        )
 
     def shapes_for(self, context: Context, target: Target) -> tuple[Shape, ...]:
         """The nonlinear parameters with ranges that the data at hand can tell apart."""

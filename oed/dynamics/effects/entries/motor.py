@@ -62,18 +62,21 @@ def _coupling(
 
 
 def _coupling_plausible(
-    _context: Context,
-    _target: Target,
+    context: Context,
+    target: Target,
     values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
     if abs(values[0]) < ONE_WAY:
         return finite(estimates)
     inertia, viscous, coulomb = (float(x) for x in estimates)
+    joint, other = pair_of(target)
+    speed = float(context.top_speed[joint] + abs(values[0]) * context.top_speed[other])
     return first_reason(
         [
             finite(estimates),
-            positive(max(inertia, viscous, coulomb), "inertia and friction of the motor", "SI"),
+            positive(inertia, "the motor's inertia", "kg m^2"),
+            positive(viscous * speed + coulomb, "the motor's friction at top speed", "N m"),
         ]
     )
 
