@@ -22,7 +22,6 @@ from oed.diagnosis.fit.linear_fit import (
     reversal_nuisances,
     whitened_regressor,
 )
-from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.effects import Coulomb
 from oed.dynamics.torque_model import TorqueModel
@@ -61,7 +60,8 @@ def with_fitted_sign(
         if not isinstance(effect, Coulomb) or not own.size:
             continue
         projection = project(np.delete(regressor, own[0], axis=2))
-        width = _best_width(effect, rows, projection, projection.residual(torque))
+        alone = dataclasses.replace(model, effects=(effect,))
+        width = _best_width(alone, rows, projection, projection.residual(torque))
         effects[place] = dataclasses.replace(effect, width=width)
     return dataclasses.replace(model, effects=tuple(effects))
 
@@ -82,14 +82,17 @@ def with_widths(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:
 
 
 def _best_width(
-    effect: Coulomb, rows: Rows, projection: Projection, residual: Float[ndarray, "joints rows"]
+    alone: TorqueModel, rows: Rows, projection: Projection, residual: Float[ndarray, "joints rows"]
 ) -> float:
-    """The width with the largest gain, or the effect's own."""
+    """The width with the largest gain, or its own, of a model of one Coulomb term."""
+    (effect,) = alone.effects
+    if not isinstance(effect, Coulomb):
+        raise TypeError(f"{effect.name} has no sign whose width could be fitted")
     joint = effect.joint
 
     def gain(width: float) -> float:
-        tried = dataclasses.replace(effect, width=width)
-        fine = [effect_columns(tried, p.motion, 0.0)[joint] for p in rows.prepared]
+        tried = dataclasses.replace(alone, effects=(dataclasses.replace(effect, width=width),))
+        fine = [tried.columns(p.motion)[:, joint] for p in rows.prepared]
         return addition(projection, residual, {joint: rows.whiten_fine(fine, joint)}).gain
 
     velocity = np.concatenate([p.motion.dq[:, joint] for p in rows.prepared])

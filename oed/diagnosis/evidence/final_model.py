@@ -47,7 +47,7 @@ def install(baseline: Baseline, found: Augmented, context: Context) -> TorqueMod
         if trial.is_free_form:
             model = model.with_effects(trial.effect)
         else:
-            here = dataclasses.replace(context, model=model, parameters=parameters)
+            here = dataclasses.replace(context, model=model, parameters=parameters, beside=())
             entry = CATALOGUE[trial.name]
             model = entry.apply(here, trial.target, trial.values, coefficients)
         added = len(model.parameters) - before

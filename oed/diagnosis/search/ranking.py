@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from oed.diagnosis.search.ripening import is_unripe, ripened
+from oed.diagnosis.search.ripening import is_late, is_unripe, ripened
 from oed.diagnosis.search.scan import Score, refine, scan
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.workshop import Workshop
@@ -28,7 +28,8 @@ def ranked(
         pool: Candidates, over the grids of their shapes.
         others: Additions.
         most: Candidates that are refined.
-        ripe: Whether those that act on the torque itself are evaluated on what they leave.
+        ripe: Whether those that act on a joint's own torque are evaluated on what they leave;
+            a delay and a lag always are, since little else tells them apart.
     """
     keys = {t.key for t in others}
     if shop.is_turned:
@@ -50,7 +51,9 @@ def ranked(
         promising = UNRIPE_SHARE * max(s.gain for s in refined)
         found += [
             ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
-            if ripe and is_unripe(s.trial) and s.gain > promising and s.evidence(rows) > 0
+            if (is_late(s.trial) or (ripe and is_unripe(s.trial)))
+            and s.gain > promising
+            and s.evidence(rows) > 0
             else s
             for s in refined
         ]

@@ -21,6 +21,8 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 STARTS = 3  # parts of the first shape's range that are each searched
 TRIES = 2  # rounds of every start, after which the best goes on alone
 ROUNDS = 4
+MOST_ROUNDS = 8
+SETTLED = 0.3  # gain of a round, far below what decides between two names
 WORTH = 1.01  # ratio by which a round must raise the gain to be followed by another
 
 
@@ -28,6 +30,13 @@ def is_unripe(trial: Trial) -> bool:
     """Whether a trial's columns stand on the reference torque alone, and bend it much."""
     return not trial.is_free_form and (
         CATALOGUE[trial.name].unit_coefficient and trial.joint is not None
+    )
+
+
+def is_late(trial: Trial) -> bool:
+    """Whether a trial makes the torque of the whole arm late."""
+    return (
+        not trial.is_free_form and "lag" in CATALOGUE[trial.name].families and (trial.joint is None)
     )
 
 
@@ -43,6 +52,8 @@ def ripened(
         fit: With these others, without it.
     """
     scores = [score(t, fit.projection, fit.residual) for t in trials]
+    if is_late(trials[0]):
+        return _at_rest(shop, max(scores, key=lambda s: s.gain), others, fit)
     tried = [
         _round(shop, _round(shop, refine(s, fit, shop.context), others, fit), others, fit)
         for s in starts(scores)
@@ -57,11 +68,25 @@ def ripened(
     return best
 
 
+def _at_rest(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
+    """A delay or a lag evaluated until it gains nothing that could tell one from the other."""
+    best = _round(shop, refine(found, fit, shop.context), others, fit)
+    for _ in range(MOST_ROUNDS):
+        again = _round(shop, best, others, fit)
+        settled = again.gain < best.gain + SETTLED
+        best = max(best, again, key=lambda s: s.gain)
+        if settled:
+            break
+    return best
+
+
 def _round(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
     """The candidate on the reference torque of a fit with it."""
     layout = shop.layout(found.trial)
     whole = shop.fit([*others, found.trial], layout, bend=False)
-    context = context_of(whole.fit, shop.full.rows, shop.gear_ratio)
+    context = context_of(
+        whole.fit, shop.full.rows, shop.gear_ratio, whole.chosen, whole.coefficients
+    )
     trial = moved(found.trial, layout.rows, context, contrast=found.trial.contrast)
     return refine(score(trial, fit.projection, fit.residual), fit, context)
 

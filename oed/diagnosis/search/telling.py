@@ -37,13 +37,14 @@ def telling(
     left, foretold, errors = [], [], []
     for rival in rivals:
         layout = shop.layout(rival.trial)
-        before = shop.foretold(shop.fit(others, layout, bend=False))
+        unseen = shop.unseen_by([*others, rival.trial])
+        before = unseen.left(shop.fit(others, layout, bend=False))
         found = shop.fit([*others, rival.trial], layout, bend=False)
-        after = shop.foretold(found)
+        after = unseen.left(found)
         foretold.append(before - after)
-        errors.append(after)
+        errors.append(after / unseen.counted)
         left.append(float(inflation_of(found.fit)[acting].mean()))
-    unit = np.maximum(np.min(errors, axis=0) / shop.rows_foretold, 1.0)
+    unit = np.maximum(np.min(errors, axis=0), 1.0)
     rows = shop.full.rows.count
     explained = np.array([r.gain for r in rivals]) / min(left)
     costs = np.array([r.gain - r.evidence(rows) for r in rivals])
@@ -85,11 +86,12 @@ def foretold_share(
 ) -> float:
     """Share of the validation squares beyond noise that additions remove from some joints."""
     layout = shop.layout_for([*others, *added])
+    unseen = shop.unseen_by([*others, *added])
     before, after = (
-        shop.foretold(shop.fit(chosen, layout, bend=False))[list(joints)].sum()
+        unseen.left(shop.fit(chosen, layout, bend=False))[list(joints)].sum()
         for chosen in (others, [*others, *added])
     )
-    excess = before - shop.rows_foretold[list(joints)].sum()
+    excess = before - unseen.counted[list(joints)].sum()
     return float((before - after) / excess) if excess > 0 else 0.0
 
 

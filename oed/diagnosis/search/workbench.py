@@ -23,7 +23,11 @@ from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, white_group
+from oed.dynamics.effects import MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.delay import FilterLag, TimeDelay
+from oed.dynamics.effects.torque_change import TorqueChange
+from oed.dynamics.torque_model import TorqueModel
 
 SHAPE_STEP = 0.01  # of a shape's range, for derivatives
 
@@ -66,14 +70,16 @@ class Augmented:
 
 def lay_out(baseline: Baseline, prepared: tuple[Prepared, ...], *, mean: bool) -> Layout:
     """Rows of recordings, of their mean repetitions if asked for."""
-    if mean:
-        pairs = [mean_of_repetitions(p) for p in prepared]
-        scales = tuple(float(1 / np.sqrt(count)) for _, count in pairs)
-        rows = baseline.rows(tuple(p for p, _ in pairs), scales)
-    else:
-        rows = baseline.rows(prepared)
+    rows = mean_rows(baseline, prepared) if mean else baseline.rows(prepared)
     regressor = whitened_regressor(baseline.model, baseline.columns, rows)
     return Layout(rows, regressor, reversal_nuisances(rows), rows.torque())
+
+
+def mean_rows(baseline: Baseline, prepared: tuple[Prepared, ...]) -> Rows:
+    """White rows of the mean repetitions of recordings."""
+    pairs = [mean_of_repetitions(p) for p in prepared]
+    scales = tuple(float(1 / np.sqrt(count)) for _, count in pairs)
+    return baseline.rows(tuple(p for p, _ in pairs), scales)
 
 
 def moved(trial: Trial, rows: Rows, context: Context, *, contrast: bool = False) -> Trial:
@@ -129,13 +135,34 @@ def fit_with(
 def added_columns(
     found: Augmented, layout: Layout, context: Context
 ) -> Float[ndarray, "joints rows columns"]:
-    """White columns of the additions of a fit, and of the derivatives by their shapes."""
+    """White columns of the additions of a fit, and of the derivatives by their shapes.
+
+    Of a late torque only the derivatives: the other columns are as late as it makes them.
+    """
     joints, rows, _ = layout.regressor.shape
     blocks = [np.zeros((joints, rows, 0))]
+    late = lags_of(found.chosen)
     for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
-        blocks.append(dense(trial, joints, rows))
+        if late and not trial.fixed:
+            alone = TorqueModel(context.model.robot, (trial.effect,), late)
+            every = np.arange(len(alone.parameters))
+            blocks.append(whitened_regressor(alone, every, layout.rows))
+        elif _lag_of(trial) is None:
+            blocks.append(dense(trial, joints, rows))
         blocks.append(shape_derivatives(trial, coefficients, layout.rows, context))
     return np.concatenate(blocks, axis=2)
+
+
+def lags_of(chosen: Sequence[Trial]) -> tuple[MeasurementEffect, ...]:
+    """What makes the torque of the whole arm late, among some additions."""
+    return tuple(lag for lag in map(_lag_of, chosen) if lag is not None)
+
+
+def _lag_of(trial: Trial) -> MeasurementEffect | None:
+    effect = trial.effect
+    if not isinstance(effect, TorqueChange) or effect.joint is not None:
+        return None
+    return effect.measurement if isinstance(effect.measurement, TimeDelay | FilterLag) else None
 
 
 def secants(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -14,11 +15,13 @@ from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign, with_
 from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.search.predict import addition_torque, base_columns, prediction_errors, rms
+from oed.diagnosis.search.unseen import Unseen
 from oed.diagnosis.search.workbench import (
     Augmented,
     Layout,
     added_columns,
     fit_with,
+    lags_of,
     lay_out,
     moved,
 )
@@ -60,7 +63,6 @@ class Workshop:
         self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
         self._validation_columns = base_columns(self.before.fit, validation)
         self._validation_weights = baseline.certainty(validation)
-        self._validation_rows = baseline.rows(validation) if validation else self.full.rows
 
     def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
         """The tables anew, with signs and a noise floor read off beside these additions.
@@ -71,12 +73,14 @@ class Workshop:
         layout = self.mean
         found = self.fit(chosen, layout)
         # From the sharpest on: a width that stood in for what is now added must come back.
-        model = with_fitted_sign(
-            with_widths(self.baseline.model, self.baseline.least_widths),
+        sharpest = with_widths(self.baseline.model, self.baseline.least_widths)
+        late = with_fitted_sign(
+            sharpest.with_measurement(*lags_of(found.chosen)),
             self.baseline.columns,
             layout.rows,
             added_columns(found, layout, self.context),
         )
+        model = dataclasses.replace(late, measurement=sharpest.measurement)
         known = [
             sum(
                 (
@@ -131,7 +135,9 @@ class Workshop:
 
     def update_context(self, found: Augmented) -> None:
         """Take the reference torque of load-dependent effects from a better fit."""
-        self.context = context_of(found.fit, self.full.rows, self.gear_ratio)
+        self.context = context_of(
+            found.fit, self.full.rows, self.gear_ratio, found.chosen, found.coefficients
+        )
 
     def layout_for(self, chosen: Sequence[Trial]) -> Layout:
         """Mean repetitions, or all of them if an addition makes them differ."""
@@ -145,23 +151,21 @@ class Workshop:
         valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
         return rms(valid, self._validation_weights)
 
-    @property
-    def rows_foretold(self) -> Float[ndarray, " joints"]:
-        """(n,) validation rows of each joint that count, at least one."""
-        return np.maximum(np.sum(self._validation_rows.weights**2, axis=0), 1.0)
+    @cached_property
+    def unseen(self) -> Unseen:
+        """The validation recordings, of their mean repetitions."""
+        return Unseen.of(self.baseline, self.before.fit, self.validation, mean=True)
 
-    def foretold(self, found: Augmented) -> Float[ndarray, " joints"]:
-        """(n,) squares that a fit leaves of the white validation rows; zeros without any."""
-        joints = self.context.n
-        if not self.validation:
-            return np.zeros(joints)
-        errors = prediction_errors(found, self.validation, self._validation_columns)
-        return np.array(
-            [
-                np.sum(self._validation_rows.whiten([e[:, [j]] for e in errors], j) ** 2)
-                for j in range(joints)
-            ]
-        )
+    @cached_property
+    def unseen_full(self) -> Unseen:
+        """The same with every repetition."""
+        if self.full is self.mean:
+            return self.unseen
+        return Unseen.of(self.baseline, self.before.fit, self.validation, mean=False)
+
+    def unseen_by(self, chosen: Sequence[Trial]) -> Unseen:
+        """Mean repetitions, or all of them if an addition makes them differ."""
+        return self.unseen_full if any(t.between_repetitions for t in chosen) else self.unseen
 
     def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
         """Share by which one of some additions lowers the held-out error of its joints.

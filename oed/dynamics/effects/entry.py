@@ -85,6 +85,9 @@ class EffectPage:
     exposed_by: str
 
 
+Known = tuple[tuple[Effect, Float[ndarray, " columns"]], ...]
+
+
 @dataclass(frozen=True)
 class Context:
     """What is known when an effect is tried: the model so far and what the data cover.
@@ -99,6 +102,8 @@ class Context:
         gear_ratio: Motor turns a joint turn, None where unknown.
         session: First and last time of recordings that one clock timed, one after another [s];
             None for a single recording, or if every one starts its own clock.
+        beside: Effects found so far, each with its coefficients: delay, gain and load feel
+            their torque too.
     """
 
     model: TorqueModel
@@ -109,6 +114,7 @@ class Context:
     peak_torque: Float[ndarray, " joints"]
     gear_ratio: tuple[float, ...] | None = None
     session: tuple[float, float] | None = None
+    beside: Known = ()
 
     @classmethod
     def of(
@@ -117,11 +123,12 @@ class Context:
         parameters: Float[ndarray, " parameters"],
         motions: Sequence[Motion],
         gear_ratio: tuple[float, ...] | None = None,
+        beside: Known = (),
     ) -> Context:
         """The context of recordings, one motion each."""
         if not motions:
             raise ValueError("a context needs at least one motion to say what is covered")
-        reference = ReferenceTorque.of(model.robot, model.effects, parameters)
+        reference = _reference(model, parameters, beside)
         q, dq = (np.concatenate([getattr(m, x) for m in motions]) for x in ("q", "dq"))
         torque = np.concatenate([reference.parts(motion).sum(axis=2) for motion in motions])
         return cls(
@@ -133,6 +140,7 @@ class Context:
             peak_torque=np.quantile(np.abs(torque), HIGHEST, axis=0),
             gear_ratio=gear_ratio,
             session=_session(motions),
+            beside=beside,
         )
 
     @property
@@ -142,8 +150,8 @@ class Context:
 
     @cached_property
     def reference(self) -> ReferenceTorque:
-        """The model with the current estimate put in."""
-        return ReferenceTorque.of(self.model.robot, self.model.effects, self.parameters)
+        """The model with the current estimate put in, and the effects found so far."""
+        return _reference(self.model, self.parameters, self.beside)
 
     def sign_width(self, joint: int) -> float:
         """Width over which the model's own Coulomb friction turns its sign [rad/s]."""
@@ -176,6 +184,14 @@ class Context:
                 found += float(self.parameters[start])
             start += len(effect.parameters)
         return found
+
+
+def _reference(
+    model: TorqueModel, parameters: Float[ndarray, " parameters"], beside: Known
+) -> ReferenceTorque:
+    effects = (*model.effects, *(effect for effect, _ in beside))
+    values = np.concatenate([parameters, *(coefficients for _, coefficients in beside)])
+    return ReferenceTorque.of(model.robot, effects, values)
 
 
 def _session(motions: Sequence[Motion]) -> tuple[float, float] | None:

@@ -1,0 +1,69 @@
+"""White rows of recordings that no fit has seen, and what a fit leaves of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline.baseline import Baseline
+from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.search.predict import base_columns, prediction_errors
+from oed.diagnosis.search.workbench import Augmented, mean_rows
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """Recordings that are predicted, never fitted.
+
+    Attributes:
+        rows: Their white rows; None without recordings.
+        columns: Their filtered base columns.
+        joints: Of the arm.
+    """
+
+    rows: Rows | None
+    columns: list[Float[ndarray, "_ joints base"]]
+    joints: int
+
+    @classmethod
+    def of(
+        cls, baseline: Baseline, fit: LinearFit, prepared: tuple[Prepared, ...], *, mean: bool
+    ) -> Unseen:
+        """Lay out recordings.
+
+        Args:
+            baseline: Its noise whitens the rows.
+            fit: Whose base columns predict.
+            prepared: The recordings.
+            mean: Whether repetitions are averaged. Encoder noise drives a prediction; a mean has
+                less of it, so that a model is not preferred for being dull.
+        """
+        joints = baseline.model.robot.n
+        if not prepared:
+            return cls(None, [], joints)
+        rows = mean_rows(baseline, prepared) if mean else baseline.rows(prepared)
+        return cls(rows, base_columns(fit, rows.prepared), joints)
+
+    @property
+    def counted(self) -> Float[ndarray, " joints"]:
+        """(n,) rows of each joint that count, at least one."""
+        if self.rows is None:
+            return np.ones(self.joints)
+        return np.maximum(np.sum(self.rows.weights**2, axis=0), 1.0)
+
+    def left(self, found: Augmented) -> Float[ndarray, " joints"]:
+        """(n,) squares that a fit leaves of each joint's white rows."""
+        if self.rows is None:
+            return np.zeros(self.joints)
+        errors = prediction_errors(found, self.rows.prepared, self.columns)
+        return np.array(
+            [
+                np.sum(self.rows.whiten([e[:, [j]] for e in errors], j) ** 2)
+                for j in range(self.joints)
+            ]
+        )
