@@ -17,7 +17,7 @@ from oed.diagnosis.baseline.noise_floor import (
     repetition_samples,
     repetition_series,
 )
-from oed.diagnosis.baseline.rich_fit import rich_fit
+from oed.diagnosis.baseline.rich_fit import model_columns, rich_fit
 from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign
 from oed.diagnosis.data.direction import certainty, trusted_samples
 from oed.diagnosis.data.prepare import Prepared
@@ -172,14 +172,23 @@ def _free_form_floor(
     joints = fit.model.robot.n
     coulomb = coulomb_of(fit)
     torque = np.concatenate([p.torque - k for p, k in zip(prepared, known, strict=True)])
-    own = [p.band.apply(fit.model.columns(p.motion)[:, :, fit.columns]) for p in prepared]
-    rough = torque - np.concatenate(own) @ fit.parameters[: len(fit.columns)]
+    own = model_columns(fit, prepared)
+    base = len(fit.columns)
+    rough = torque - own[:, :, :base] @ fit.parameters[:base]
     deviation = np.std(rough, axis=0)
     # A badly timed reversal stands out ever more clearly as the fit improves.
     for enriched in (False, True):
         trusted = np.concatenate([_trusted_rows(p, coulomb, deviation) for p in prepared])
         found = [
-            rich_fit(fit, prepared, j, torque[:, j], trusted[:, j], enriched=enriched)
+            rich_fit(
+                fit,
+                prepared,
+                j,
+                own=own[:, j],
+                torque=torque[:, j],
+                trusted=trusted[:, j],
+                enriched=enriched,
+            )
             for j in range(joints)
         ]
         residual = np.stack([f.residual for f in found], axis=1)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -26,6 +27,7 @@ LEAST_ROWS_PER_COLUMN = 4  # and after the enrichment
 # Least ratio of what a column of a further term explains to what one of correlated noise would.
 CONVINCING = 3.0
 MOST_FURTHER = 4
+REMEMBERED = 16  # joints whose further columns are kept
 
 
 @dataclass(frozen=True)
@@ -46,9 +48,10 @@ def rich_fit(
     fit: LinearFit,
     prepared: Sequence[Prepared],
     joint: int,
+    *,
+    own: Float[ndarray, "rows columns"],
     torque: Float[ndarray, " rows"],
     trusted: Bool[ndarray, " rows"],
-    *,
     enriched: bool = True,
 ) -> RichFit:
     """Fit base columns and free-form terms to one joint's torque.
@@ -57,22 +60,17 @@ def rich_fit(
         fit: Of the base model.
         prepared: The recordings.
         joint: Index.
+        own: Filtered columns of the joint that its model brings.
         torque: Of the rows, less what is known to come from elsewhere [N m].
         trusted: Rows where the direction of motion is certain; the others are not fitted.
         enriched: Whether products and fine splines may join.
     """
     rows = int(trusted.sum())
     most = max(10, rows // ROWS_PER_FREE_COLUMN - len(fit.columns) // fit.model.robot.n)
-    first = [
-        np.concatenate([_own(fit, p, joint) for p in prepared]),
-        _filtered(_first_terms(fit, prepared, joint, most), prepared, joint),
-        _rates(fit, prepared, joint),
-    ]
+    first = [own, _filtered(_first_terms(fit, prepared, joint, most), prepared, joint)]
     span = _basis(np.concatenate(first, axis=1)[trusted], np.zeros((rows, 0)))
     left = torque[trusted] - span @ (span.T @ torque[trusted])
-    blocks = [
-        _filtered([t], prepared, joint)[trusted] for t in _further_terms(fit, prepared, joint)
-    ]
+    blocks = [block[trusted] for block in _further(tuple(prepared), joint)] if enriched else []
     for _ in range(MOST_FURTHER if enriched else 0):
         tried = [_basis(block, span) for block in blocks]
         ratios = [_convincing(left, basis, trusted, rows - span.shape[1]) for basis in tried]
@@ -127,10 +125,6 @@ def _convincing(
     return float(moments @ moments) / added / max(noise, 1e-300)
 
 
-def _own(fit: LinearFit, p: Prepared, joint: int) -> Float[ndarray, "rows base"]:
-    return p.band.apply(fit.model.columns(p.motion)[:, joint][:, fit.columns])
-
-
 def _filtered(
     terms: Sequence[FreeForm], prepared: Sequence[Prepared], joint: int
 ) -> Float[ndarray, "rows columns"]:
@@ -164,28 +158,42 @@ def _first_terms(
     return terms
 
 
-def _further_terms(fit: LinearFit, prepared: Sequence[Prepared], joint: int) -> list[FreeForm]:
+@lru_cache(maxsize=REMEMBERED)
+def _further(
+    prepared: tuple[Prepared, ...], joint: int
+) -> tuple[Float[ndarray, "rows columns"], ...]:
+    """Filtered columns of products and fine splines; the same for every fit of a data set."""
+    joints = range(prepared[0].torque.shape[1])
     fine = coordinate(prepared, "q", joint, PIECES_FINE)
-    together = terms_together(prepared, fit.model.robot.n, [joint])
+    together = terms_together(prepared, len(joints), [joint])
     steady = [t for t in together if "time" not in t.depends_on]
-    others = [i for i in range(fit.model.robot.n) if i != joint]
+    others = [i for i in joints if i != joint]
     turned = [FreeForm(joint, (coordinate(prepared, "q", i),), direction=i) for i in others]
-    return [
+    terms = [
         FreeForm(joint, (fine,)),
         FreeForm(joint, (fine,), direction=joint),
-        *(FreeForm(joint, (loop(prepared, i),)) for i in range(fit.model.robot.n)),
+        *(FreeForm(joint, (loop(prepared, i),)) for i in joints),
         *turned,
         *steady,
     ]
+    return tuple(_filtered([t], prepared, joint) for t in terms)
 
 
-def _rates(fit: LinearFit, prepared: Sequence[Prepared], joint: int) -> Float[ndarray, "rows 2"]:
-    """The rate of the model torque, which a delay would leave, and its size with the direction."""
-    width = max(WIDTH_PER_SIGMA * float(prepared[0].sign_noise[joint]), 1e-9)
-    blocks = []
+def model_columns(
+    fit: LinearFit, prepared: Sequence[Prepared]
+) -> Float[ndarray, "rows joints columns"]:
+    """Filtered columns that a model brings to each joint of a rich fit.
+
+    Its own; the rate of its torque, which a delay would leave; and that torque's size with the
+    direction.
+    """
+    widths = np.maximum(WIDTH_PER_SIGMA * prepared[0].sign_noise, 1e-9)
+    full, blocks = fit.full_parameters(), []
     for p in prepared:
-        torque = fit.model.torque(fit.full_parameters(), p.motion)[:, joint]
-        rate = np.gradient(torque, 1 / p.band.rate)
-        loaded = np.abs(torque) * np.tanh(p.motion.dq[:, joint] / width)
-        blocks.append(p.band.apply(np.stack([rate, loaded], axis=1)))
+        columns = fit.model.columns(p.motion)
+        torque = columns @ full
+        rate = np.gradient(torque, 1 / p.band.rate, axis=0)
+        loaded = np.abs(torque) * np.tanh(p.motion.dq / widths)
+        further = np.stack([rate, loaded], axis=2)
+        blocks.append(p.band.apply(np.concatenate([columns[:, :, fit.columns], further], axis=2)))
     return np.concatenate(blocks)

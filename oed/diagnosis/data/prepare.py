@@ -27,9 +27,9 @@ LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prepared:
-    """One recording, ready to be compared with a model.
+    """One recording, ready to be compared with a model; equal to itself alone.
 
     Attributes:
         name: Of the recording.

@@ -163,13 +163,23 @@ def _families(item: Accepted | Score) -> set[str]:
 def _p_value(
     shop: Workshop, candidate: Score, others: Sequence[Trial], pool: Sequence[Trial]
 ) -> float:
-    """Family-wise p-value; chance is what the model with the candidate leaves."""
-    between = candidate.trial.between_repetitions
-    layout = shop.layout(candidate.trial)
-    after = shop.fit([*others, candidate.trial], layout).fit
-    kin = [t for t in pool if t.between_repetitions == between]
+    """Family-wise p-value; chance is what the model with the candidate leaves of its joints.
+
+    A search through its joints, and Bonferroni's factor for the others: what they lack, and how
+    slowly that changes, says nothing of chance here.
+    """
+    own = candidate.trial
+    layout = shop.layout(own)
+    after = shop.fit([*others, own], layout).fit
+    kin = [
+        t
+        for t in pool
+        if t.between_repetitions == own.between_repetitions
+        and not set(t.group).isdisjoint(own.group)
+    ]
     null = surrogate_surprise(kin, after, shop.settings.surrogates, shop.rng)
-    return family_p_value(candidate.surprise(inflation_of(after)), null)
+    places = shop.context.n / len(own.group)
+    return min(1.0, places * family_p_value(candidate.surprise(inflation_of(after)), null))
 
 
 def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:

@@ -10,6 +10,7 @@ from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
+OF_EACH = 2  # candidates of every joint that are refined in any case
 UNRIPE_SHARE = 0.2  # of the best gain, from which on a candidate is worth evaluating anew
 
 
@@ -20,6 +21,7 @@ def ranked(
     most: int,
     *,
     ripe: bool = False,
+    everywhere: bool = False,
 ) -> list[Score]:
     """Refined candidates beside some additions, best evidence first.
 
@@ -30,6 +32,8 @@ def ranked(
         most: Candidates that are refined.
         ripe: Whether those that act on a joint's own torque are evaluated on what they leave;
             a delay and a lag always are, since little else tells them apart.
+        everywhere: Whether the best ones of every joint are among those refined: what one joint
+            lacks may outshine all that the others do.
     """
     keys = {t.key for t in others}
     if shop.is_turned:
@@ -47,6 +51,8 @@ def ranked(
         # makes its joint's residual loud.
         leading = {s.trial.key: s for s in scores[:most]}
         leading |= {s.trial.key: s for s in sorted(scores, key=lambda s: -s.gain)[:most]}
+        if everywhere:
+            leading |= _best_of_each_joint(scores)
         refined = [refine(s, fit, shop.context) for s in leading.values()]
         promising = UNRIPE_SHARE * max(s.gain for s in refined)
         found += [
@@ -58,3 +64,11 @@ def ranked(
             for s in refined
         ]
     return sorted(found, key=lambda s: -s.evidence(rows))
+
+
+def _best_of_each_joint(scores: Sequence[Score]) -> dict[tuple[str, object], Score]:
+    """The first few of every joint, in the order in which they come."""
+    found: dict[int | None, list[Score]] = {}
+    for s in scores:
+        found.setdefault(s.trial.joint, []).append(s)
+    return {s.trial.key: s for own in found.values() for s in own[:OF_EACH]}

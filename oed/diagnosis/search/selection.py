@@ -140,7 +140,7 @@ def _next_physical(
 ) -> Accepted | None:
     others = [a.trial for a in accepted]
     pool = [t for t in shop.physical if not (upright and t.name == GRAVITY)]
-    found = ranked(shop, pool, others, shop.settings.refined, ripe=True)
+    found = ranked(shop, pool, others, shop.settings.refined, ripe=True, everywhere=True)
     candidates = most_telling_first(shop, found, others)
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
