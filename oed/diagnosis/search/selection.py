@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
@@ -82,48 +82,90 @@ def search(shop: Workshop) -> tuple[Workshop, Selection]:
 def _added(
     shop: Workshop, refused: list[Refused], *, upright: bool
 ) -> tuple[Workshop, list[Accepted], float]:
-    """Named effects, then free-form terms; with the p-value of a tilt if the tables are turned."""
-    accepted: list[Accepted] = []
-    p_value = 0.0
-    shop = shop if upright else (far_tilt(shop) or shop)
-    while len(accepted) + shop.is_turned < shop.settings.max_effects:
-        pick = _next_physical(shop, accepted, refused, upright=upright)
-        if pick is None:
+    """Named effects, then free-form terms; with the p-value of a tilt if the tables are turned.
+
+    Where a free-form term makes a name superfluous, others that it kept out have their turn.
+    """
+    state = _State(shop if upright else (far_tilt(shop) or shop), refused, upright=upright)
+    while True:
+        state.add_names()
+        whole = _with_free_forms(state.shop, state.accepted, refused)
+        names = [a for a in whole if not a.trial.is_free_form]
+        fallen = {a.trial.key for a in state.accepted} - {a.trial.key for a in names}
+        if not fallen:
             break
-        if pick.trial.name == GRAVITY:
-            shop, p_value = turned(shop, [a.trial for a in accepted]), pick.p_value
-            if not shop.is_turned:
-                break
-        else:
-            accepted.append(pick)
-        accepted = _settle(shop, [at_home(shop, a) for a in accepted])
-        sharper = shop.sharpened([a.trial for a in accepted])
-        if sharper is not None:
-            shop = sharper
-            accepted = _settle(shop, [at_home(shop, a) for a in accepted])
-    accepted = _with_free_forms(shop, accepted, refused)
+        state.accepted = names
+        state.barred |= fallen
+    shop = state.shop
     if shop.is_turned:
-        shop = turned(shop, [a.trial for a in accepted if a.stands_in])
-        accepted = [at_home(shop, a) for a in accepted]
-    return shop, accepted, p_value
+        shop = turned(shop, [a.trial for a in whole if a.stands_in])
+        whole = [at_home(shop, a) for a in whole]
+    return shop, whole, state.p_value
+
+
+@dataclass
+class _State:
+    """A search on its way.
+
+    Attributes:
+        shop: The tables, made anew now and then.
+        refused: What was turned down so far.
+        upright: Whether no tilt may be named.
+        accepted: Names so far.
+        barred: Keys of names that fell, and may not come back.
+        p_value: Of a tilt, if the tables are turned.
+    """
+
+    shop: Workshop
+    refused: list[Refused]
+    upright: bool
+    accepted: list[Accepted] = field(default_factory=list)
+    barred: set[tuple[str, object]] = field(default_factory=set)
+    p_value: float = 0.0
+
+    def add_names(self) -> None:
+        """Add, exchange and drop names until none passes all tests."""
+        most = self.shop.settings.most_effects(self.shop.context.n)
+        while len(self.accepted) + self.shop.is_turned < most:
+            pick = _next_physical(self.shop, self.accepted, self.refused, self._pool())
+            if pick is None:
+                break
+            if pick.trial.name == GRAVITY:
+                self.p_value = pick.p_value
+                self.shop = turned(self.shop, [a.trial for a in self.accepted])
+                if not self.shop.is_turned:
+                    break
+            else:
+                self.accepted.append(pick)
+            self._settle()
+            sharper = self.shop.sharpened([a.trial for a in self.accepted])
+            if sharper is not None:
+                self.shop = sharper
+                self._settle()
+
+    def _settle(self) -> None:
+        accepted = [at_home(self.shop, a) for a in self.accepted]
+        self.accepted = _settle(self.shop, accepted, self._pool())
+
+    def _pool(self) -> list[Trial]:
+        return [
+            t
+            for t in self.shop.physical
+            if t.key not in self.barred and not (self.upright and t.name == GRAVITY)
+        ]
 
 
 def _with_free_forms(
     shop: Workshop, names: list[Accepted], refused: list[Refused]
 ) -> list[Accepted]:
-    """Names, and what stands in for the rest; found anew where it makes a name superfluous."""
-    while True:
-        accepted = list(names)
-        for _ in range(shop.settings.max_effects):
-            pick = next_free_form(shop, accepted, refused)
-            if pick is None:
-                break
-            accepted.append(pick)
-        kept = review_names(shop, accepted, refused)
-        still = [a for a in kept if not a.trial.is_free_form]
-        if len(still) == len(names):
-            return kept
-        names = still
+    """Names that hold their own beside what stands in for the rest, and that."""
+    accepted = list(names)
+    for _ in range(shop.settings.most_effects(shop.context.n)):
+        pick = next_free_form(shop, accepted, refused)
+        if pick is None:
+            break
+        accepted.append(pick)
+    return review_names(shop, accepted, refused)
 
 
 def _concluded(
@@ -136,10 +178,9 @@ def _concluded(
 
 
 def _next_physical(
-    shop: Workshop, accepted: list[Accepted], refused: list[Refused], *, upright: bool
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused], pool: Sequence[Trial]
 ) -> Accepted | None:
     others = [a.trial for a in accepted]
-    pool = [t for t in shop.physical if not (upright and t.name == GRAVITY)]
     found = ranked(shop, pool, others, shop.settings.refined, ripe=True, everywhere=True)
     candidates = most_telling_first(shop, found, others)
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
@@ -211,7 +252,7 @@ def _rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
     return kept
 
 
-def _settle(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
+def _settle(shop: Workshop, accepted: list[Accepted], pool: Sequence[Trial]) -> list[Accepted]:
     """Refit, re-examine each addition beside the others, exchange or drop it."""
     for _ in range(MOST_EXCHANGES):
         trials = [a.trial for a in accepted]
@@ -219,7 +260,7 @@ def _settle(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
         changed = False
         for k in range(len(accepted)):
             rest = [a for i, a in enumerate(accepted) if i != k]
-            best = _best_in_place(shop, accepted[k], rest)
+            best = _best_in_place(shop, accepted[k], rest, pool)
             changed |= best.trial.key != accepted[k].trial.key
             accepted = [*accepted[:k], best, *accepted[k + 1 :]]
         if not changed:
@@ -242,7 +283,9 @@ def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
     return best
 
 
-def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> Accepted:
+def _best_in_place(
+    shop: Workshop, current: Accepted, rest: list[Accepted], pool: Sequence[Trial]
+) -> Accepted:
     """The addition with its shape refined, or a better one for its place."""
     others = [a.trial for a in rest]
     rows = shop.full.rows.count
@@ -253,7 +296,7 @@ def _best_in_place(shop: Workshop, current: Accepted, rest: list[Accepted]) -> A
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)
     # Of any joint: what is better by far elsewhere may be why this one looked needed.
-    for rival in ranked(shop, shop.physical, others, 2):
+    for rival in ranked(shop, pool, others, 2):
         if rival.evidence(rows) <= here.evidence(rows) + shop.settings.decisive:
             break
         if rival.trial.key == here.trial.key:

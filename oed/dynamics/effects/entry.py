@@ -88,7 +88,7 @@ class EffectPage:
 Known = tuple[tuple[Effect, Float[ndarray, " columns"]], ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Context:
     """What is known when an effect is tried: the model so far and what the data cover.
 
@@ -164,11 +164,11 @@ class Context:
 
     def coulomb(self, joint: int) -> float:
         """Current estimate of Coulomb friction [N m]; 0 if the model has none."""
-        return self._estimate(Coulomb, joint)
+        return self._friction[Coulomb].get(joint, 0.0)
 
     def viscous(self, joint: int) -> float:
         """Current estimate of viscous friction [N m s/rad]; 0 if the model has none."""
-        return self._estimate(Viscous, joint)
+        return self._friction[Viscous].get(joint, 0.0)
 
     def has_offset(self, joint: int) -> bool:
         """Whether the model already has a constant torque on the joint."""
@@ -177,11 +177,16 @@ class Context:
             for effect in self.model.effects
         )
 
-    def _estimate(self, kind: type[Coulomb] | type[Viscous], joint: int) -> float:
-        start, found = 0, 0.0
+    @cached_property
+    def _friction(self) -> dict[type[Coulomb] | type[Viscous], dict[int, float]]:
+        """Current estimates by kind and joint; several terms of one kind add up."""
+        found: dict[type[Coulomb] | type[Viscous], dict[int, float]] = {Coulomb: {}, Viscous: {}}
+        start = 0
         for effect in self.model.effects:
-            if isinstance(effect, kind) and effect.joint == joint:
-                found += float(self.parameters[start])
+            for kind, by_joint in found.items():
+                if isinstance(effect, kind):
+                    before = by_joint.get(effect.joint, 0.0)
+                    by_joint[effect.joint] = before + float(self.parameters[start])
             start += len(effect.parameters)
         return found
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -166,7 +167,7 @@ def _moments(context: Context, _target: Target, shapes: tuple[Shape, ...]) -> tu
 def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> PayloadChange:
     robot = context.model.robot
     last = robot.outward[-1]
-    kept = visible_load_parameters(robot, last)
+    kept = _visible(context)
     start = _start(context, values[1])
     return PayloadChange(robot, last, values[0], kept, start, context.reference)
 
@@ -189,14 +190,20 @@ def visible_load_parameters(robot: Robot, link: int) -> tuple[int, ...]:
     return tuple(sorted(int(column) for column in base.columns))
 
 
+@lru_cache(maxsize=8)
+def _visible(context: Context) -> tuple[int, ...]:
+    """Of a load at the last link."""
+    robot = context.model.robot
+    return visible_load_parameters(robot, robot.outward[-1])
+
+
 def _payload_plausible(
     context: Context,
     _target: Target,
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    robot = context.model.robot
-    kept = visible_load_parameters(robot, robot.outward[-1])
+    kept = _visible(context)
     reasons = [finite(estimates)]
     if 0 in kept:
         mass = float(estimates[kept.index(0)])
