@@ -10,16 +10,12 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.judgement import Accepted, held_out_fault
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, implausible, score
-from oed.diagnosis.search.telling import telling
+from oed.diagnosis.search.telling import decisive_between, telling
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVALS = 5
-# Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
-# err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
-SYSTEMATIC = 0.01
 SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
 
 
@@ -63,20 +59,13 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     rivals = []
     for found, value in zip(candidates, others_said, strict=True):
         behind = said - value
-        decisive = shop.settings.decisive
-        if _is_of_kind(found.trial, own.trial):
-            decisive = max(decisive, SYSTEMATIC * here.gain)
-        contender = bool(behind < decisive) and _contends(shop, found, here, others, fit)
+        contender = bool(behind < decisive_between(shop, here, found)) and _contends(
+            shop, found, here, others, fit
+        )
         rivals.append(
             Rival(found.trial.name, found.trial.joint, float(behind), found.trial, contender)
         )
     return tuple(rivals)
-
-
-def _is_of_kind(one: Trial, other: Trial) -> bool:
-    """Whether two effects of one family are attached to the same joint, or to the arm."""
-    families = (set(CATALOGUE[t.name].families) for t in (one, other))
-    return one.joint == other.joint and bool(set.intersection(*families))
 
 
 def _contends(

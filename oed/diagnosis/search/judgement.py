@@ -95,7 +95,7 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
     for earlier in accepted:
         if not set(earlier.trial.group) & set(candidate.trial.group):
             continue
-        share = candidate.gain / max(earlier.gain, 1e-300)
+        share = candidate.gain / max(_gain_at(shop, accepted, earlier, candidate.trial), 1e-300)
         if share < shop.settings.mop_up_floor:
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
@@ -110,6 +110,21 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
     if share < shop.settings.least_share:
         return f"removes {share:.2%} of the residual's variance"
     return None
+
+
+def _gain_at(shop: Workshop, accepted: list[Accepted], earlier: Accepted, trial: Trial) -> float:
+    """What an earlier addition gains beside the others, at the joints on which a trial acts.
+
+    No more than at its acceptance: others may have taken its place meanwhile.
+    """
+    if set(earlier.trial.group) <= set(trial.group):
+        return earlier.gain
+    joints, layout = list(trial.group), shop.layout(trial)
+    left = [
+        float(np.sum(shop.fit([a.trial for a in chosen], layout).fit.residual[joints] ** 2))
+        for chosen in ([a for a in accepted if a is not earlier], accepted)
+    ]
+    return min(earlier.gain, max(left[0] - left[1], 0.0))
 
 
 def _mended_by(

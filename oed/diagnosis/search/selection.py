@@ -31,7 +31,12 @@ from oed.diagnosis.search.scan import (
     score,
 )
 from oed.diagnosis.search.standing_in import next_free_form
-from oed.diagnosis.search.telling import foretells_most, most_telling_first, telling
+from oed.diagnosis.search.telling import (
+    foretells_most,
+    may_replace,
+    most_telling_first,
+    replaces,
+)
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import accepted_tilt, turned
@@ -288,7 +293,6 @@ def _best_in_place(
 ) -> Accepted:
     """The addition with its shape refined, or a better one for its place."""
     others = [a.trial for a in rest]
-    rows = shop.full.rows.count
     layout = shop.layout(current.trial)
     fit = shop.fit(others, layout).fit
     own = moved(current.trial, layout.rows, shop.context, contrast=current.trial.contrast)
@@ -297,13 +301,10 @@ def _best_in_place(
         return Accepted(here.trial, here.gain, current.p_value)
     # Of any joint: what is better by far elsewhere may be why this one looked needed.
     for rival in ranked(shop, pool, others, 2):
-        if rival.evidence(rows) <= here.evidence(rows) + shop.settings.decisive:
-            break
-        if rival.trial.key == here.trial.key:
+        if rival.trial.key == here.trial.key or not may_replace(shop, here, rival):
             continue
-        said, better = telling(shop, others, [here, rival])
         if (
-            better > said + shop.settings.decisive
+            replaces(shop, others, here, rival)
             and too_little(shop, rival, rest) is None
             and implausible(rival, shop.context) is None
             and held_out_fault(shop, others, rival.trial) is None

@@ -18,8 +18,13 @@ from numpy import ndarray
 from oed.diagnosis.search.scan import Score, inflation_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be the one that is meant
+# Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
+# err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
+SYSTEMATIC = 0.01
+FAR_MORE = 1.5  # ratio of gains
 MOST = 0.5  # share of the validation squares beyond noise
 
 
@@ -56,7 +61,8 @@ def most_telling_first(
 ) -> list[Score]:
     """Those that explain about as much as the best one, by what they tell; then the rest.
 
-    Where that does not decide, the one that cancels least against the model comes first.
+    Where that does not decide, the plainest comes first: of one kind the one with the fewest
+    parameters, else the one that cancels least against the model.
 
     Args:
         shop: The laid-out data.
@@ -73,12 +79,63 @@ def most_telling_first(
     ]
     rest = [c for c in candidates if all(c is not r for r in level)]
     values = telling(shop, others, level)
-    tied = values.max() - values < shop.settings.decisive
+    first = level[int(np.argmax(values))]
+    tied = [
+        values.max() - value < decisive_between(shop, first, c)
+        for value, c in zip(values, level, strict=True)
+    ]
     order = sorted(
         range(len(level)),
-        key=lambda i: (not tied[i], level[i].cancelled if tied[i] else -values[i]),
+        key=lambda i: (not tied[i], *(_plainness(level[i], first) if tied[i] else (-values[i],))),
     )
     return [*(level[i] for i in order), *rest]
+
+
+def decisive_between(shop: Workshop, one: Score, other: Score) -> float:
+    """How much more one candidate must tell than another to be the one that is meant."""
+    decisive = shop.settings.decisive
+    if _is_of_kind(one.trial, other.trial):
+        return max(decisive, SYSTEMATIC * max(one.gain, other.gain))
+    return decisive
+
+
+def may_replace(shop: Workshop, here: Score, rival: Score) -> bool:
+    """Whether the evidence leaves it open that a rival replaces an addition.
+
+    Of one kind the less plain one must explain far more: where other things are missing besides,
+    its further parameters find some of them to explain.
+    """
+    if _is_plainer(here, rival) and rival.gain < FAR_MORE * here.gain:
+        return False
+    rows = shop.full.rows.count
+    lead = rival.evidence(rows) - here.evidence(rows)
+    return lead > shop.settings.decisive or _is_plainer(rival, here)
+
+
+def replaces(shop: Workshop, others: Sequence[Trial], here: Score, rival: Score) -> bool:
+    """Whether a rival tells more by far than an addition, or as much and is plainer."""
+    said, better = telling(shop, others, [here, rival])
+    margin = decisive_between(shop, here, rival)
+    return bool(better > said + (-margin if _is_plainer(rival, here) else margin))
+
+
+def _is_plainer(one: Score, other: Score) -> bool:
+    """Whether one of two of a kind has fewer parameters."""
+    return _is_of_kind(one.trial, other.trial) and one.freedom < other.freedom
+
+
+def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
+    """Of two of one kind the one with fewer parameters; else what cancels least."""
+    parameters = tied.freedom if _is_of_kind(tied.trial, first.trial) else first.freedom
+    return (parameters, tied.cancelled)
+
+
+def _is_of_kind(one: Trial, other: Trial) -> bool:
+    """Whether two effects of one family are attached to the same joint, or to the arm."""
+    if one.is_free_form or other.is_free_form:
+        return False
+    families = (set(CATALOGUE[t.name].families) for t in (one, other))
+    return one.joint == other.joint and bool(set.intersection(*families))
 
 
 def foretold_share(
