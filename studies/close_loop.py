@@ -44,7 +44,7 @@ class Config:
         data: Folder of the data set.
         out: Folder to leave results in.
         model: Name of the base model.
-        max_effects: Most effects that may be added; None for four, or one a joint if those are more.
+        max_effects: Most effects that may be added.
         candidates: Names of the catalogue that may be given.
         smoke: Whether to use few surrogates and motions.
         seed: Of surrogates, bootstrap and motions.
@@ -53,7 +53,7 @@ class Config:
     data: Path
     out: Path
     model: str = "standard"
-    max_effects: int | None = None
+    max_effects: int = 4
     candidates: tuple[str, ...] = tuple(CATALOGUE)
     smoke: bool = False
     seed: int = 0
@@ -158,11 +158,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     parser.add_argument("--data", type=Path, required=True, help="folder of the data set")
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--model", default="standard", choices=sorted(MODELS), help="base model")
-    parser.add_argument(
-        "--max-effects",
-        type=int,
-        help="most effects to add; four by default, or one a joint if those are more",
-    )
+    parser.add_argument("--max-effects", type=int, default=4, help="most effects to add")
     parser.add_argument(
         "--candidates",
         nargs="+",

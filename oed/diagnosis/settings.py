@@ -6,15 +6,13 @@ from dataclasses import dataclass
 
 from oed.dynamics.effects.catalogue import CATALOGUE
 
-FEWEST = 4  # effects that may be added to any arm
-
 
 @dataclass(frozen=True)
 class DiagnosisSettings:
     """How carefully to look, and how sure to be before a name is given.
 
     Attributes:
-        max_effects: Most effects that may be added; None for four, or one a joint if those are more.
+        max_effects: Most effects that may be added.
         level: Family-wise error of a search over all candidates.
         mop_up_floor: Least gain of a further effect as a share of the first one's.
         family_floor: The same where an earlier one has the candidate's family: it is more
@@ -42,7 +40,7 @@ class DiagnosisSettings:
             cannot be there.
     """
 
-    max_effects: int | None = None
+    max_effects: int = 4
     level: float = 0.01
     mop_up_floor: float = 0.01
     family_floor: float = 0.1
@@ -62,10 +60,6 @@ class DiagnosisSettings:
     bootstrap: int = 200
     seed: int = 0
     candidates: tuple[str, ...] = tuple(CATALOGUE)
-
-    def most_effects(self, joints: int) -> int:
-        """Most effects that may be added to an arm of that many joints."""
-        return max(FEWEST, joints) if self.max_effects is None else self.max_effects
 
     def __post_init__(self) -> None:
         unknown = [name for name in self.candidates if name not in CATALOGUE]

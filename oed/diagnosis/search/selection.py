@@ -130,7 +130,7 @@ class _State:
 
     def add_names(self) -> None:
         """Add, exchange and drop names until none passes all tests."""
-        most = self.shop.settings.most_effects(self.shop.context.n)
+        most = self.shop.settings.max_effects
         while len(self.accepted) + self.shop.is_turned < most:
             pick = _next_physical(self.shop, self.accepted, self.refused, self._pool())
             if pick is None:
@@ -165,7 +165,7 @@ def _with_free_forms(
 ) -> list[Accepted]:
     """Names that hold their own beside what stands in for the rest, and that."""
     accepted = list(names)
-    for _ in range(shop.settings.most_effects(shop.context.n)):
+    for _ in range(shop.settings.max_effects):
         pick = next_free_form(shop, accepted, refused)
         if pick is None:
             break
