@@ -69,8 +69,8 @@ def most_telling_first(
         candidates: Refined, best evidence first.
         others: Additions that they stand beside.
     """
-    if not candidates:
-        return []
+    if not candidates or candidates[0].gain <= 0:
+        return list(candidates)
     best = candidates[0]
     level = [
         c
@@ -127,7 +127,7 @@ def _is_plainer(one: Score, other: Score) -> bool:
 def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
     """Of two of one kind the one with fewer parameters; else what cancels least."""
     parameters = tied.freedom if _is_of_kind(tied.trial, first.trial) else first.freedom
-    return (parameters, tied.cancelled)
+    return (float(parameters), tied.cancelled)
 
 
 def _is_of_kind(one: Trial, other: Trial) -> bool:

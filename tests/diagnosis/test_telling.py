@@ -1,0 +1,103 @@
+"""What decides between two names: what they explain, and what they foretell."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.baseline.sign_width import widths_of
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.scan import score
+from oed.diagnosis.search.selection import search
+from oed.diagnosis.search.telling import foretells_most, most_telling_first, telling
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import RATE, data_set
+
+OFFSET = 0.8  # [N m] in every recording
+RIPPLE, HARMONIC = 1.5, 5.0  # [N m] in those that are fitted alone, and waves a turn
+SPRING = 1.0  # [N m/rad]
+LATE = 4  # samples by which a torque comes late
+
+
+def shop_of(dataset, **settings):
+    chosen = DiagnosisSettings(**settings)
+    prepared = prepare(dataset.recordings, chosen)
+    own, held = (tuple(p for p in prepared if p.role == r) for r in ("estimation", "validation"))
+    baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
+    return Workshop(baseline, own, held, chosen, gear_ratio=None)
+
+
+def pulled(*, ripple=0.0, stiffness=0.0):
+    def torque(q, dq, ddq):
+        along = stiffness * q[:, 0] + ripple * np.cos(HARMONIC * q[:, 0])
+        return np.stack([OFFSET + along, np.zeros(len(q))], axis=1)
+
+    return torque
+
+
+@pytest.fixture(scope="module")
+def accident():
+    """A ripple that is there only while the fitted motions run, beside an offset that stays."""
+    fitted, held = data_set(5, extra=pulled(ripple=RIPPLE)), data_set(5, extra=pulled())
+    recordings = tuple(
+        a if a.role == "estimation" else b
+        for a, b in zip(fitted.recordings, held.recordings, strict=True)
+    )
+    return dataclasses.replace(fitted, recordings=recordings)
+
+
+def of_first_joint(shop, name):
+    fit = shop.before.fit
+    trials = [t for t in shop.physical if t.key == (name, 0)]
+    return max((score(t, fit.projection, fit.residual) for t in trials), key=lambda s: s.gain)
+
+
+def test_what_does_not_come_again_tells_less(accident):
+    shop = shop_of(accident)
+    ripple, offset = (of_first_joint(shop, name) for name in ("torque_ripple", "torque_offset"))
+    assert ripple.gain > offset.gain
+    here, there = telling(shop, (), [ripple, offset])
+    assert there > here
+    assert foretells_most(shop, (), offset.trial, [])
+    assert not foretells_most(shop, (), ripple.trial, [])
+
+
+def test_without_validation_what_is_explained_decides(accident):
+    own = tuple(r for r in accident.recordings if r.role == "estimation")
+    shop = shop_of(dataclasses.replace(accident, recordings=own))
+    ripple, offset = (of_first_joint(shop, name) for name in ("torque_ripple", "torque_offset"))
+    here, there = telling(shop, (), [ripple, offset])
+    assert here > there
+    assert not foretells_most(shop, (), offset.trial, [])
+
+
+def test_the_true_one_of_many_comes_first():
+    shop = shop_of(data_set(5, extra=pulled(stiffness=SPRING)))
+    offset = next(t for t in shop.physical if t.key == ("torque_offset", 0))
+    order = most_telling_first(shop, ranked(shop, shop.physical, [offset], 6), [offset])
+    assert order[0].trial.key == ("joint_spring", 0)
+
+
+@pytest.fixture(scope="module")
+def late():
+    """Every torque recorded a few samples late: the motion is periodic, so that it wraps."""
+    dataset = data_set(7)
+    recordings = tuple(
+        dataclasses.replace(r, tau=np.roll(r.tau, LATE, axis=0)) for r in dataset.recordings
+    )
+    return dataclasses.replace(dataset, recordings=recordings)
+
+
+def test_a_late_sign_does_not_pass_for_a_slow_one(late):
+    """Friction turns at once, a little late: the width that fits must not grow for that."""
+    shop, selection = search(shop_of(late, candidates=("time_delay", "filter_lag")))
+    (found,) = selection.accepted
+    assert found.trial.name == "time_delay"
+    # The noise of the torque leaves some tenths of a millisecond.
+    assert found.trial.values[0] == pytest.approx(LATE / RATE, abs=3e-4)
+    widths, least = widths_of(shop.baseline.model), shop.baseline.least_widths
+    assert widths == pytest.approx(least, rel=1e-6)

@@ -1,0 +1,35 @@
+"""Where effects of the catalogue may sit, and what they know of one another."""
+
+import numpy as np
+
+from oed.dynamics.effects import State, TorqueOffset
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.entry import Context
+from oed.dynamics.newton_euler import joint_components
+from oed.dynamics.torque_model import TorqueModel
+from oed.robot import imi_scara
+from tests.dynamics.effects.arms import panda, smooth_motion
+
+
+def context_of(robot, beside=()):
+    model = TorqueModel.standard(robot)
+    parameters = np.zeros(len(model.parameters))
+    return Context.of(model, parameters, [smooth_motion(robot)], beside=beside)
+
+
+def test_a_motor_couples_neighbours_or_joints_of_a_wrist():
+    coupling = CATALOGUE["motor_coupling"]
+    assert set(coupling.targets(context_of(imi_scara()))) == {(0, 1), (1, 0)}
+    targets = set(coupling.targets(context_of(panda())))
+    neighbours = {(i, j) for i in range(7) for j in range(7) if abs(i - j) == 1}
+    assert targets == neighbours | {(4, 6), (6, 4)}
+
+
+def test_the_torque_of_reference_holds_what_was_found_so_far():
+    robot = imi_scara()
+    offset = (TorqueOffset(1), np.array([0.7]))
+    motion = smooth_motion(robot)
+    state = State(motion.t, *joint_components(motion))
+    bare, known = (context_of(robot, b).reference.total(state) for b in ((), (offset,)))
+    assert np.allclose(np.asarray(known[1]) - np.asarray(bare[1]), 0.7, atol=1e-12)
+    assert np.allclose(np.asarray(known[0]), np.asarray(bare[0]), atol=1e-12)
