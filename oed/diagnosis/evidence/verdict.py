@@ -91,13 +91,14 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
 
     A search believes the noise to be what repetitions show. Where it is not, the covariance that
     lets each block of rows err as it does is the wider one, and has the last word (Wald's test,
-    Bonferroni's level for a choice among all candidates).
+    Bonferroni's level for a choice among all candidates). A free form of the same coordinate that
+    mends a name can follow it whole, and says nothing against it.
     """
     level = shop.settings.level / len({t.key for t in shop.physical})
     for trial, coefficients, covariance in zip(
         whole.chosen, whole.coefficients, whole.covariances, strict=True
     ):
-        if trial.is_free_form or trial.fixed:
+        if trial.is_free_form or trial.fixed or _is_mended(trial, whole.chosen):
             continue
         count = len(coefficients)
         given = covariance[:count, count:] @ np.linalg.pinv(covariance[count:, count:])
@@ -181,6 +182,11 @@ def decide(
     if strange or np.any(significant):
         return "unexplained"
     return "explained" if effects else "nothing found"
+
+
+def _is_mended(trial: Trial, chosen: Sequence[Trial]) -> bool:
+    """Whether a freer form of an effect stands beside it."""
+    return any(t.is_free_form and t.joint == trial.joint and is_own(t, trial) for t in chosen)
 
 
 def _mends(term: Unexplained, effect: FoundEffect) -> bool:
