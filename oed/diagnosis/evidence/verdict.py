@@ -127,7 +127,7 @@ def describe_effects(
         if trial.is_free_form:
             continue
         own = next(a for a in selection.accepted if a.trial.key == trial.key)
-        others = [t for t in selection.trials if t.key != trial.key]
+        others = [t for t in selection.trials if t.key != trial.key and not _mended_by(t, trial)]
         found.append(
             FoundEffect(
                 name=trial.name,
@@ -136,7 +136,7 @@ def describe_effects(
                     shop, trial, _from_declared(shop, trial, coefficients), covariance
                 ),
                 p_value=own.p_value,
-                validation_gain=shop.validation_gain(selection.trials, trial),
+                validation_gain=shop.validation_gain([*others, trial], trial),
                 rivals=find_rivals(shop, own, others),
                 trial=trial,
             )
@@ -186,14 +186,19 @@ def decide(
 
 def _is_mended(trial: Trial, chosen: Sequence[Trial]) -> bool:
     """Whether a freer form of an effect stands beside it."""
-    return any(t.is_free_form and t.joint == trial.joint and is_own(t, trial) for t in chosen)
+    return any(_mended_by(other, trial) for other in chosen)
+
+
+def _mended_by(other: Trial, trial: Trial) -> bool:
+    """Whether another addition is a freer form of an effect."""
+    return other.is_free_form and other.joint == trial.joint and is_own(other, trial)
 
 
 def _mends(term: Unexplained, effect: FoundEffect) -> bool:
     """Whether a free-form term is but a freer form of the effect."""
     if term.trial is None:
         return False
-    return term.joint == effect.joint and is_own(term.trial, effect.trial)
+    return _mended_by(term.trial, effect.trial)
 
 
 def _from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np.ndarray:
