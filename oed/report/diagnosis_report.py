@@ -312,7 +312,8 @@ def _effect_blocks(found: Diagnosis) -> list[Text | Table | Picture]:
                         for r in effect.rivals
                     ],
                     "What else could have been named, and by how much it is worse "
-                    "(-2 log likelihood less penalty)",
+                    "on the estimation and the validation recordings (-2 log likelihood less "
+                    "penalty, in units of the misfit)",
                 )
             )
         blocks.append(Text(f"Signature: {page.signature}. Exposed by: {page.exposed_by}."))

@@ -89,6 +89,28 @@ def test_an_uncertain_shape_does_not_make_a_size_doubtful():
     assert doubtful_name(shop, found) is None
 
 
+def test_what_mends_a_name_does_not_make_it_doubtful():
+    """A free form of the same coordinate can follow the name whole: neither is determined alone."""
+    shop = shop_of()
+    trial = trial_of(shop, "position_dependent_friction", 0, (1.0,))
+    free = {t.key[0]: t for t in (*shop.smooth, *shop.smooth_pairs) if t.joint == 0}
+
+    def is_doubtful(label):
+        chosen = (trial, free[label])
+        counts = [len(t.effect.parameters) for t in chosen]
+        found = Augmented(
+            chosen,
+            tuple(np.full(count, 0.1) for count in counts),
+            shop.before.fit,
+            (np.zeros(1), np.zeros(0)),
+            (np.eye(counts[0] + 1), np.eye(counts[1])),
+        )
+        return doubtful_name(shop, found) is trial
+
+    assert not is_doubtful("f(q_1) sgn(dq_1)")
+    assert is_doubtful("f(q_2)")
+
+
 def test_a_tilt_of_nothing_with_a_first_moment_of_anything_is_refused():
     shop = shop_of()
     # A level arm shows neither first moment of its first link; a tilted one does.
