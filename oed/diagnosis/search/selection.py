@@ -2,50 +2,37 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import combinations
 
-import numpy as np
-
+from oed.diagnosis.search.exchange import rested, settled
 from oed.diagnosis.search.judgement import (
     COVERED,
     Accepted,
     Refused,
     at_home,
-    held_out_fault,
     judge,
     refusal,
     share_needed,
-    too_little,
 )
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.review import drop_superfluous, review_names
 from oed.diagnosis.search.scan import (
-    AT_REST,
-    MOST_ROUNDS,
     Score,
-    at_rest,
-    implausible,
     score,
 )
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.telling import (
     foretells_most,
-    may_replace,
     most_telling_first,
-    replaces,
 )
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import accepted_tilt, turned
-from oed.diagnosis.search.workbench import Augmented, moved
+from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial
-
-MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 
 
 @dataclass(frozen=True)
@@ -150,7 +137,7 @@ class _State:
 
     def _settle(self) -> None:
         accepted = [at_home(self.shop, a) for a in self.accepted]
-        self.accepted = _settle(self.shop, accepted, self._pool())
+        self.accepted = settled(self.shop, accepted, self._pool())
 
     def _pool(self) -> list[Trial]:
         return [
@@ -176,7 +163,7 @@ def _with_free_forms(
 def _concluded(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused], tilts: list[Accepted]
 ) -> tuple[Workshop, Selection]:
-    accepted = _rested(shop, [*tilts, *drop_superfluous(shop, accepted, refused)])
+    accepted = rested(shop, [*tilts, *drop_superfluous(shop, accepted, refused)])
     trials = [a.trial for a in accepted if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))
     return shop, Selection(tuple(accepted), found, tuple(refused))
@@ -233,81 +220,3 @@ def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Tr
     layout = shop.layout(candidate.trial)
     fit = shop.fit([*others, rival.trial], layout).fit
     return score(candidate.trial, fit.projection, fit.residual).gain < COVERED * candidate.gain
-
-
-def _rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
-    """Shapes and reference torque brought to where neither moves the other: what is reported."""
-    kept = list(accepted)
-    before = np.inf
-    for _ in range(MOST_ROUNDS):
-        trials = [a.trial for a in kept if a.stands_in]
-        found = shop.fit(trials, shop.layout_for(trials), bend=False)
-        if found.fit.squares > before - AT_REST:
-            break
-        before = found.fit.squares
-        shop.update_context(found)
-        for k, item in enumerate(kept):
-            if not item.stands_in or item.trial.is_free_form:
-                continue
-            layout = shop.layout(item.trial)
-            fit = shop.fit([a.trial for a in kept if a.stands_in and a is not item], layout).fit
-            own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
-            best = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
-            kept[k] = dataclasses.replace(item, trial=best.trial)
-    return kept
-
-
-def _settle(shop: Workshop, accepted: list[Accepted], pool: Sequence[Trial]) -> list[Accepted]:
-    """Refit, re-examine each addition beside the others, exchange or drop it."""
-    for _ in range(MOST_EXCHANGES):
-        trials = [a.trial for a in accepted]
-        shop.update_context(shop.fit(trials, shop.layout_for(trials)))
-        changed = False
-        for k in range(len(accepted)):
-            rest = [a for i, a in enumerate(accepted) if i != k]
-            best = _best_in_place(shop, accepted[k], rest, pool)
-            changed |= best.trial.key != accepted[k].trial.key
-            accepted = [*accepted[:k], best, *accepted[k + 1 :]]
-        if not changed:
-            break
-    return _best_subset(shop, accepted)
-
-
-def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
-    """The subset of the additions with the best evidence: two that cancel both go."""
-    best, best_value = accepted, np.inf
-    layout = shop.layout_for([a.trial for a in accepted])
-    penalty = np.log(shop.full.rows.count)
-    for size in range(1, len(accepted) + 1):
-        for subset in combinations(accepted, size):
-            found = shop.fit([a.trial for a in subset], layout)
-            value = found.fit.squares + penalty * found.fit.projection.rank
-            # A larger subset must be better by a margin, since it had more chances.
-            if value < best_value - shop.settings.decisive:
-                best, best_value = list(subset), value
-    return best
-
-
-def _best_in_place(
-    shop: Workshop, current: Accepted, rest: list[Accepted], pool: Sequence[Trial]
-) -> Accepted:
-    """The addition with its shape refined, or a better one for its place."""
-    others = [a.trial for a in rest]
-    layout = shop.layout(current.trial)
-    fit = shop.fit(others, layout).fit
-    own = moved(current.trial, layout.rows, shop.context, contrast=current.trial.contrast)
-    here = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
-    if not others or current.trial.is_free_form:
-        return Accepted(here.trial, here.gain, current.p_value)
-    # Of any joint: what is better by far elsewhere may be why this one looked needed.
-    for rival in ranked(shop, pool, others, 2):
-        if rival.trial.key == here.trial.key or not may_replace(shop, here, rival):
-            continue
-        if (
-            replaces(shop, others, here, rival)
-            and too_little(shop, rival, rest) is None
-            and implausible(rival, shop.context) is None
-            and held_out_fault(shop, others, rival.trial) is None
-        ):
-            return Accepted(rival.trial, rival.gain, current.p_value)
-    return Accepted(here.trial, here.gain, current.p_value)
