@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from oed.diagnosis.search.judgement import COVERED, Accepted, Refused, refusal, share_needed
@@ -10,7 +12,9 @@ from oed.diagnosis.search.scan import inflation_of, score
 from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.restraint import restrained
+from oed.diagnosis.terms.trials import Trial, free_form_trials
 
 
 def review_names(
@@ -41,7 +45,7 @@ def review_names(
             needed = without_name - whole
             standing = [a.trial for a in free if a.trial.joint == joint and a.stands_in]
             others = [a.trial for a in kept if a.stands_in and a.trial in bare]
-            if foretells_most(shop, others, item.trial, standing):
+            if _foretells_more(shop, others, item.trial, standing):
                 continue
             if alone < share * together and needed < (
                 0.1 * together + shop.settings.free_form_margin
@@ -50,6 +54,25 @@ def review_names(
                 reason = f"free form explains its part: {alone / together:.0%} of what both do"
                 refused.append(refusal(item, reason))
     return kept
+
+
+def _foretells_more(
+    shop: Workshop, others: list[Trial], named: Trial, standing: list[Trial]
+) -> bool:
+    """Whether a name foretells more than free-form terms that have its place to themselves."""
+    if not foretells_most(shop, others, named, []):
+        return False
+    for trial in standing:
+        effect = trial.effect
+        if not isinstance(effect, FreeForm):
+            continue
+        layout = shop.layout(trial)
+        whole = dataclasses.replace(effect, mixing=None)
+        (alone,) = free_form_trials([whole], layout.rows, contrast=trial.contrast)
+        for term in restrained(alone, shop.fit(others, layout).fit):
+            if not foretells_most(shop, others, named, [term]):
+                return False
+    return True
 
 
 def drop_superfluous(
