@@ -24,6 +24,8 @@ RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be th
 # Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
 # err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
 SYSTEMATIC = 0.01
+# Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling.
+NESTED = frozenset({"lag", "acceleration"})
 FAR_MORE = 1.5  # ratio of gains
 MOST = 0.5  # share of the validation squares beyond noise
 
@@ -61,8 +63,8 @@ def most_telling_first(
 ) -> list[Score]:
     """Those that explain about as much as the best one, by what they tell; then the rest.
 
-    Where that does not decide, the plainest comes first: of one kind the one with the fewest
-    parameters, else the one that cancels least against the model.
+    Where that does not decide, the plainest comes first: the first order of another, else the
+    one that cancels least against the model.
 
     Args:
         shop: The laid-out data.
@@ -81,7 +83,7 @@ def most_telling_first(
     values = telling(shop, others, level)
     first = level[int(np.argmax(values))]
     tied = [
-        values.max() - value < decisive_between(shop, first, c)
+        values.max() - value < _margin(shop, first, c)
         for value, c in zip(values, level, strict=True)
     ]
     order = sorted(
@@ -115,18 +117,30 @@ def may_replace(shop: Workshop, here: Score, rival: Score) -> bool:
 def replaces(shop: Workshop, others: Sequence[Trial], here: Score, rival: Score) -> bool:
     """Whether a rival tells more by far than an addition, or as much and is plainer."""
     said, better = telling(shop, others, [here, rival])
-    margin = decisive_between(shop, here, rival)
+    margin = _margin(shop, here, rival)
     return bool(better > said + (-margin if _is_plainer(rival, here) else margin))
 
 
 def _is_plainer(one: Score, other: Score) -> bool:
-    """Whether one of two of a kind has fewer parameters."""
-    return _is_of_kind(one.trial, other.trial) and one.freedom < other.freedom
+    """Whether one is the other's first order."""
+    return _is_first_order(one.trial, other.trial) and one.freedom < other.freedom
+
+
+def _margin(shop: Workshop, one: Score, other: Score) -> float:
+    """How much more one must tell where the plainer of two may be all that is there."""
+    if _is_first_order(one.trial, other.trial):
+        return decisive_between(shop, one, other)
+    return shop.settings.decisive
+
+
+def _is_first_order(one: Trial, other: Trial) -> bool:
+    """Whether of two of a kind the plainer is the other's first order."""
+    return _is_of_kind(one, other) and bool(NESTED & set(CATALOGUE[one.name].families))
 
 
 def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
     """Of two of one kind the one with fewer parameters; else what cancels least."""
-    parameters = tied.freedom if _is_of_kind(tied.trial, first.trial) else first.freedom
+    parameters = tied.freedom if _is_first_order(tied.trial, first.trial) else first.freedom
     return (float(parameters), tied.cancelled)
 
 
