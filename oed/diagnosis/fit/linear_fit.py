@@ -14,6 +14,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.data.direction import reversal_shapes
+from oed.diagnosis.fit.model_columns import filtered_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.torque_model import TorqueModel
 
@@ -112,7 +113,7 @@ def whitened_regressor(
     model: TorqueModel, columns: Int[ndarray, " parameters"], rows: Rows
 ) -> Float[ndarray, "joints rows parameters"]:
     """White columns of a model, joint by joint."""
-    filtered = [p.band.apply(model.columns(p.motion)[:, :, columns]) for p in rows.prepared]
+    filtered = [filtered_columns(model, p, columns) for p in rows.prepared]
     joints = model.robot.n
     return np.stack([rows.whiten([f[:, j] for f in filtered], j) for j in range(joints)])
 

@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.fit.model_columns import effect_columns
+from oed.diagnosis.fit.model_columns import effect_columns, filtered_columns
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.terms.trials import Trial
 
@@ -40,7 +40,7 @@ def prediction_errors(
 
 def base_columns(fit: LinearFit, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ n base"]]:
     """Filtered base columns of recordings."""
-    return [p.band.apply(fit.model.columns(p.motion)[:, :, fit.columns]) for p in prepared]
+    return [filtered_columns(fit.model, p, fit.columns) for p in prepared]
 
 
 def addition_torque(

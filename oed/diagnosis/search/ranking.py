@@ -20,8 +20,7 @@ def ranked(
     others: Sequence[Trial],
     most: int,
     *,
-    ripe: bool = False,
-    everywhere: bool = False,
+    thorough: bool = False,
 ) -> list[Score]:
     """Refined candidates beside some additions, best evidence first.
 
@@ -30,10 +29,10 @@ def ranked(
         pool: Candidates, over the grids of their shapes.
         others: Additions.
         most: Candidates that are refined.
-        ripe: Whether those that act on a joint's own torque are evaluated on what they leave;
-            a delay and a lag always are, since little else tells them apart.
-        everywhere: Whether the best ones of every joint are among those refined: what one joint
-            lacks may outshine all that the others do.
+        thorough: Whether the best ones of every joint are among those refined, since what one
+            joint lacks may outshine all that the others do, and those that act on a joint's own
+            torque are evaluated on what they leave; a delay and a lag always are, since little
+            else tells them apart.
     """
     keys = {t.key for t in others}
     if shop.is_turned:
@@ -51,13 +50,13 @@ def ranked(
         # makes its joint's residual loud.
         leading = {s.trial.key: s for s in scores[:most]}
         leading |= {s.trial.key: s for s in sorted(scores, key=lambda s: -s.gain)[:most]}
-        if everywhere:
+        if thorough:
             leading |= _best_of_each_joint(scores)
         refined = [refine(s, fit, shop.context) for s in leading.values()]
         promising = UNRIPE_SHARE * max(s.gain for s in refined)
         found += [
             ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
-            if (is_late(s.trial) or (ripe and is_unripe(s.trial)))
+            if (is_late(s.trial) or (thorough and is_unripe(s.trial)))
             and s.gain > promising
             and s.evidence(rows) > 0
             else s

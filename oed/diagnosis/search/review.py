@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -45,7 +46,8 @@ def review_names(
             needed = without_name - whole
             standing = [a.trial for a in free if a.trial.joint == joint and a.stands_in]
             others = [a.trial for a in kept if a.stands_in and a.trial in bare]
-            if _foretells_more(shop, others, item.trial, standing):
+            alternatives = _in_its_place(shop, others, standing)
+            if foretells_most(shop, others, item.trial, alternatives):
                 continue
             if alone < share * together and needed < (
                 0.1 * together + shop.settings.free_form_margin
@@ -56,23 +58,14 @@ def review_names(
     return kept
 
 
-def _foretells_more(
-    shop: Workshop, others: list[Trial], named: Trial, standing: list[Trial]
-) -> bool:
-    """Whether a name foretells more than free-form terms that have its place to themselves."""
-    if not foretells_most(shop, others, named, []):
-        return False
+def _in_its_place(shop: Workshop, others: list[Trial], standing: list[Trial]) -> Iterator[Trial]:
+    """Free-form terms as the data determine them where no name stands beside them."""
     for trial in standing:
-        effect = trial.effect
-        if not isinstance(effect, FreeForm):
-            continue
-        layout = shop.layout(trial)
-        whole = dataclasses.replace(effect, mixing=None)
-        (alone,) = free_form_trials([whole], layout.rows, contrast=trial.contrast)
-        for term in restrained(alone, shop.fit(others, layout).fit):
-            if not foretells_most(shop, others, named, [term]):
-                return False
-    return True
+        effect, layout = trial.effect, shop.layout(trial)
+        if isinstance(effect, FreeForm):
+            whole = dataclasses.replace(effect, mixing=None)
+            (alone,) = free_form_trials([whole], layout.rows, contrast=trial.contrast)
+            yield from restrained(alone, shop.fit(others, layout).fit)
 
 
 def drop_superfluous(

@@ -13,7 +13,7 @@ import numpy as np
 
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.scan import Score, refine, score
-from oed.diagnosis.search.workbench import moved
+from oed.diagnosis.search.workbench import lags_of, moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, context_of
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -35,9 +35,7 @@ def is_unripe(trial: Trial) -> bool:
 
 def is_late(trial: Trial) -> bool:
     """Whether a trial makes the torque of the whole arm late."""
-    return (
-        not trial.is_free_form and "lag" in CATALOGUE[trial.name].families and (trial.joint is None)
-    )
+    return bool(lags_of([trial]))
 
 
 def ripened(

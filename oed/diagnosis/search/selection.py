@@ -17,15 +17,9 @@ from oed.diagnosis.search.judgement import (
 )
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.review import drop_superfluous, review_names
-from oed.diagnosis.search.scan import (
-    Score,
-    score,
-)
+from oed.diagnosis.search.scan import Score, score
 from oed.diagnosis.search.standing_in import next_free_form
-from oed.diagnosis.search.telling import (
-    foretells_most,
-    most_telling_first,
-)
+from oed.diagnosis.search.telling import foretells_most, most_telling_first
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import accepted_tilt, turned
@@ -173,7 +167,7 @@ def _next_physical(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused], pool: Sequence[Trial]
 ) -> Accepted | None:
     others = [a.trial for a in accepted]
-    found = ranked(shop, pool, others, shop.settings.refined, ripe=True, everywhere=True)
+    found = ranked(shop, pool, others, shop.settings.refined, thorough=True)
     candidates = most_telling_first(shop, found, others)
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
@@ -207,10 +201,7 @@ def _outdone_by(
         if apart and not _covered(shop, candidate, rival, others):
             continue
         fit = shop.fit(others, shop.layout(rival.trial)).fit
-        if not all(
-            foretells_most(shop, others, candidate.trial, [term])
-            for term in restrained(rival.trial, fit)
-        ):
+        if not foretells_most(shop, others, candidate.trial, restrained(rival.trial, fit)):
             return rival
     return None
 

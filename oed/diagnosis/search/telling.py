@@ -9,7 +9,7 @@ Anderson 2002, Model Selection and Multimodel Inference, section 2.5).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -42,13 +42,15 @@ def telling(
     """
     acting = sorted({joint for rival in rivals for joint in rival.trial.group})
     left, foretold, errors = [], [], []
+    without: dict[bool, Float[ndarray, " joints"]] = {}
     for rival in rivals:
-        layout = shop.layout(rival.trial)
+        layout, between = shop.layout(rival.trial), rival.trial.between_repetitions
         unseen = shop.unseen_by([*others, rival.trial])
-        before = unseen.left(shop.fit(others, layout, bend=False))
+        if between not in without:
+            without[between] = unseen.left(shop.fit(others, layout, bend=False))
         found = shop.fit([*others, rival.trial], layout, bend=False)
         after = unseen.left(found)
-        foretold.append(before - after)
+        foretold.append(without[between] - after)
         errors.append(after / unseen.counted)
         left.append(float(inflation_of(found.fit)[acting].mean()))
     unit = np.maximum(np.min(errors, axis=0), 1.0)
@@ -152,24 +154,24 @@ def _is_of_kind(one: Trial, other: Trial) -> bool:
     return one.joint == other.joint and bool(set.intersection(*families))
 
 
-def foretold_share(
-    shop: Workshop, others: Sequence[Trial], added: Sequence[Trial], joints: Sequence[int]
+def _foretold_share(
+    shop: Workshop, others: Sequence[Trial], added: Trial, joints: Sequence[int]
 ) -> float:
-    """Share of the validation squares beyond noise that additions remove from some joints."""
-    layout = shop.layout_for([*others, *added])
-    unseen = shop.unseen_by([*others, *added])
+    """Share of the validation squares beyond noise that an addition removes from some joints."""
+    layout = shop.layout_for([*others, added])
+    unseen = shop.unseen_by([*others, added])
     before, after = (
         unseen.left(shop.fit(chosen, layout, bend=False))[list(joints)].sum()
-        for chosen in (others, [*others, *added])
+        for chosen in (others, [*others, added])
     )
     excess = before - unseen.counted[list(joints)].sum()
     return float((before - after) / excess) if excess > 0 else 0.0
 
 
 def foretells_most(
-    shop: Workshop, others: Sequence[Trial], named: Trial, free: Sequence[Trial]
+    shop: Workshop, others: Sequence[Trial], named: Trial, free: Iterable[Trial]
 ) -> bool:
-    """Whether an effect foretells most of what its joints do, and free-form terms no more.
+    """Whether an effect foretells most of what its joints do, and no free-form term more.
 
     A free-form term explains more of the motion that it was fitted to than any physics does,
     where more than one thing is missing. What holds on another motion is no chance.
@@ -178,10 +180,11 @@ def foretells_most(
         shop: The laid-out data.
         others: Additions beside which both stand.
         named: An effect of the catalogue.
-        free: Terms in its place, as far as they stand in.
+        free: Terms that have its place to themselves, one at a time, as far as the data
+            determine them.
     """
     joints = sorted(named.group)
-    share = foretold_share(shop, others, [named], joints)
+    share = _foretold_share(shop, others, named, joints)
     if share < MOST:
         return False
-    return not free or share >= foretold_share(shop, others, free, joints)
+    return all(share >= _foretold_share(shop, others, term, joints) for term in free)

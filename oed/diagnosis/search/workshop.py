@@ -14,7 +14,7 @@ from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign, with_widths
 from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
-from oed.diagnosis.search.predict import addition_torque, base_columns, prediction_errors, rms
+from oed.diagnosis.search.predict import addition_torque, prediction_errors, rms
 from oed.diagnosis.search.unseen import Unseen
 from oed.diagnosis.search.workbench import (
     Augmented,
@@ -61,7 +61,6 @@ class Workshop:
         self.rng = np.random.default_rng(settings.seed)
         self.before = self.fit(())
         self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
-        self._validation_columns = base_columns(self.before.fit, validation)
         self._validation_weights = baseline.certainty(validation)
 
     def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
@@ -147,25 +146,26 @@ class Workshop:
         """Held-out error of each joint [N m]; None without validation recordings."""
         if not self.validation:
             return None
-        errors = prediction_errors(found, self.validation, self._validation_columns)
+        errors = prediction_errors(found, self.validation, self.unseen_full.columns)
         valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
         return rms(valid, self._validation_weights)
 
     @cached_property
     def unseen(self) -> Unseen:
         """The validation recordings, of their mean repetitions."""
+        if all(p.period is None for p in self.validation):
+            return self.unseen_full
         return Unseen.of(self.baseline, self.before.fit, self.validation, mean=True)
 
     @cached_property
     def unseen_full(self) -> Unseen:
         """The same with every repetition."""
-        if self.full is self.mean:
-            return self.unseen
         return Unseen.of(self.baseline, self.before.fit, self.validation, mean=False)
 
     def unseen_by(self, chosen: Sequence[Trial]) -> Unseen:
         """Mean repetitions, or all of them if an addition makes them differ."""
-        return self.unseen_full if any(t.between_repetitions for t in chosen) else self.unseen
+        apart = self.full is not self.mean and any(t.between_repetitions for t in chosen)
+        return self.unseen_full if apart else self.unseen
 
     def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
         """Share by which one of some additions lowers the held-out error of its joints.
