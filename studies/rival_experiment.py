@@ -99,7 +99,7 @@ class Table:
 
     def compare(self, duel: Duel) -> tuple[Score, Score]:
         """Hidden effect and rival, both fitted as the diagnosis fits them."""
-        scores = ranked(self.shop, _pool(self.shop, duel), (), 2, ripe=True)
+        scores = ranked(self.shop, _pool(self.shop, duel), (), 2, thorough=True)
         return _in_order(scores, duel)
 
     def compare_quiet(self, duel: Duel) -> tuple[Score, Score]:
