@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.ripening import is_late, is_unripe, ripened
-from oed.diagnosis.search.scan import Score, refine, scan
+from oed.diagnosis.search.scan import Score, refine, scan, score
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -54,15 +55,30 @@ def ranked(
             leading |= _best_of_each_joint(scores)
         refined = [refine(s, fit, shop.context) for s in leading.values()]
         promising = UNRIPE_SHARE * max(s.gain for s in refined)
+        if thorough:
+            refined += [
+                s
+                for s in _unripe(part, fit)
+                if s.trial.key not in leading and s.promise > promising
+            ]
         found += [
             ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
-            if (is_late(s.trial) or (thorough and is_unripe(s.trial)))
-            and s.gain > promising
-            and s.evidence(rows) > 0
+            if (is_late(s.trial) and s.gain > promising and s.evidence(rows) > 0)
+            or (thorough and is_unripe(s.trial) and s.promise > promising)
             else s
             for s in refined
         ]
     return sorted(found, key=lambda s: -s.evidence(rows))
+
+
+def _unripe(part: Sequence[Trial], fit: LinearFit) -> list[Score]:
+    """The most promising shape of every candidate that acts on a joint's own torque."""
+    best: dict[tuple[str, object], Score] = {}
+    for trial in part:
+        if is_unripe(trial):
+            found = score(trial, fit.projection, fit.residual)
+            best[trial.key] = max(best.get(trial.key, found), found, key=lambda s: s.promise)
+    return list(best.values())
 
 
 def _best_of_each_joint(scores: Sequence[Score]) -> dict[tuple[str, object], Score]:

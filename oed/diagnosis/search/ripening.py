@@ -10,17 +10,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.optimize import differential_evolution
 
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.scan import Score, refine, score
+from oed.diagnosis.search.scan import Score, implausible, refine, score
 from oed.diagnosis.search.workbench import lags_of, moved
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial, context_of
-from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.diagnosis.terms.shape_axes import from_axis
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, context_of
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
-STARTS = 3  # parts of the first shape's range that are each searched
-TRIES = 2  # rounds of every start, after which the best goes on alone
-ROUNDS = 4
+STARTS = 6  # parts of the first shape's range that are each searched
+KEPT = 2  # of these that are evaluated anew
+FEW_SHAPES = 3  # more are searched for by a population
+POPULATION = 12  # shapes for each of them
+GENERATIONS = 22
+PROMISED = 1e-3  # of what a free size would gain counts where a fixed one gains nothing
+SEED = 1  # of the population
+ROUNDS = 4  # of the best of them
 MOST_ROUNDS = 8
 SETTLED = 0.3  # gain of a round, far below what decides between two names
 WORTH = 1.01  # ratio by which a round must raise the gain to be followed by another
@@ -52,18 +61,54 @@ def ripened(
     scores = [score(t, fit.projection, fit.residual) for t in trials]
     if is_late(trials[0]):
         return _at_rest(shop, max(scores, key=lambda s: s.gain), others, fit)
-    tried = [
-        _round(shop, _round(shop, refine(s, fit, shop.context), others, fit), others, fit)
-        for s in starts(scores)
-    ]
-    best = max(tried, key=lambda s: s.gain)
-    for _ in range(ROUNDS - TRIES):
+    if trials[0].shapes > FEW_SHAPES:
+        tried = [_searched(trials[0], fit, shop.context)]
+    else:
+        refined = (refine(s, fit, shop.context) for s in starts(scores))
+        tried = sorted(refined, key=lambda s: -s.gain)[:KEPT]
+    best = max((_round(shop, s, others, fit) for s in tried), key=lambda s: s.gain)
+    for _ in range(ROUNDS):
         again = _round(shop, best, others, fit)
         is_last = again.gain < WORTH * best.gain
         best = max(best, again, key=lambda s: s.gain)
         if is_last:
             break
     return best
+
+
+def _searched(trial: Trial, fit: LinearFit, context: Context) -> Score:
+    """The best of many shapes, by differential evolution.
+
+    Whether a gap is crossed here or a little later hangs on every shape at once: a simplex stops
+    on one of the many crests.
+    """
+    entry = CATALOGUE[trial.name]
+    shapes = entry.shapes_for(context, trial.target)
+
+    def scored(x: Float[ndarray, " shapes"]) -> Score:
+        values = tuple(from_axis(float(v), s) for v, s in zip(x, shapes, strict=True))
+        tried = catalogue_trial(
+            entry, context, trial.target, values, fit.rows, contrast=trial.contrast
+        )
+        return score(tried, fit.projection, fit.residual)
+
+    def loss(x: Float[ndarray, " shapes"]) -> float:
+        found = scored(x)
+        if implausible(found, context) is not None:
+            return 0.0
+        return -found.gain if found.gain > 0 else -PROMISED * found.promise
+
+    found = differential_evolution(
+        loss,
+        [(0.0, 1.0)] * len(shapes),
+        popsize=POPULATION,
+        maxiter=GENERATIONS,
+        init="sobol",
+        strategy="currenttobest1bin",  # misses the best crest least often of those tried
+        polish=False,
+        rng=np.random.default_rng(SEED),
+    )
+    return scored(found.x)
 
 
 def _at_rest(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:

@@ -37,6 +37,8 @@ class Score:
         coefficients: Of its columns.
         cancelled: Its own squares over its gain: large where it trades places with the model,
             and explains by the difference of two large torques.
+        promise: What it would gain if its size were free: a fixed size that is wrong, or wrong
+            only because another shape is, makes an error of what points the right way.
     """
 
     trial: Trial
@@ -44,6 +46,7 @@ class Score:
     freedom: int
     coefficients: Float[ndarray, " columns"]
     cancelled: float = 1.0
+    promise: float = 0.0
 
     def evidence(self, rows: int) -> float:
         """Gain less Schwarz's penalty and Occam's factor of a size far beyond what it explains.
@@ -78,16 +81,18 @@ def score(trial: Trial, projection: Projection, residual: Float[ndarray, "joints
     """Judge one trial beside a model."""
     (gram, lengths), moment = gram_and_moment(projection, residual, trial.group)
     if trial.fixed:
-        gain = float(2 * moment.sum() - gram.sum())
-        absorbed = np.trace(gram) < 1e-6 * lengths.sum()
+        towards, size = float(moment.sum()), float(gram.sum())
         ones = np.ones(len(lengths))
-        return Score(trial, 0.0 if absorbed else gain, trial.shapes, ones)
+        if np.trace(gram) < 1e-6 * lengths.sum():  # the model has it all
+            return Score(trial, 0.0, trial.shapes, ones)
+        promise = max(towards, 0.0) ** 2 / size
+        return Score(trial, 2 * towards - size, trial.shapes, ones, promise=promise)
     ridge = FREE_FORM_RIDGE if trial.is_free_form else 0.0
     found = solve_addition(gram, lengths, moment, ridge)
     freedom = found.rank + trial.shapes if found.rank else 0
     own = sum(float(np.sum((b @ found.coefficients) ** 2)) for b in trial.group.values())
     cancelled = own / found.gain if found.gain > 0 else 1.0
-    return Score(trial, found.gain, freedom, found.coefficients, cancelled)
+    return Score(trial, found.gain, freedom, found.coefficients, cancelled, found.gain)
 
 
 def scan(trials: Sequence[Trial], fit: LinearFit, context: Context) -> list[Score]:

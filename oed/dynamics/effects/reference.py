@@ -113,6 +113,23 @@ class ReferenceTorque:
             self._inertias[key] = float(self._inertia(state, joint)[0])
         return self._inertias[key]
 
+    def rotor(self, state: State, joint: int) -> list[Scalar]:
+        """Torque of every joint for a rotor of unit inertia that turns with a joint's body.
+
+        A slider's rotor is turned by the slide alone: unit mass at its own joint.
+        """
+        return self._remembered(
+            f"rotor {joint}", state, lambda: self._rotor(joint, state.q, state.dq, state.ddq)
+        )
+
+    def rotor_inertia(self, state: State, joint: int) -> list[Scalar]:
+        """The same for unit acceleration of that joint, all others at rest."""
+        rest = [0.0] * self.robot.n
+        ddq = [1.0 if j == joint else 0.0 for j in range(self.robot.n)]
+        return self._remembered(
+            f"rotor inertia {joint}", state, lambda: self._rotor(joint, state.q, rest, ddq)
+        )
+
     def slopes(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
         """Derivatives of every joint's rigid torque by q, dq and ddq of one joint.
 
@@ -123,6 +140,16 @@ class ReferenceTorque:
     def beside_rigid(self, state: State) -> list[Scalar]:
         """Torque of all other effects of every joint [N m]."""
         return self._remembered("rest", state, lambda: self._beside_rigid(state))
+
+    def single_columns(self) -> list[tuple[Effect, float]]:
+        """Other effects of one parameter each, with its value."""
+        found, start = [], 0
+        for effect in self.others:
+            count = len(effect.parameters)
+            if count == 1:
+                found.append((effect, self.coefficients[start]))
+            start += count
+        return found
 
     def total(self, state: State) -> list[Scalar]:
         """Torque of every joint [N m]."""
@@ -137,6 +164,19 @@ class ReferenceTorque:
             for joint, torque in enumerate(torques):
                 result[:, joint, part] = torque
         return result
+
+    def _rotor(
+        self, joint: int, q: Sequence[Scalar], dq: Sequence[Scalar], ddq: Sequence[Scalar]
+    ) -> list[Scalar]:
+        body = self.robot.joints[joint]
+        if body.kind == "prismatic":
+            return [ddq[joint] if i == joint else 0.0 for i in range(self.robot.n)]
+        parameters = np.zeros(10 * self.robot.n)
+        parameters[10 * joint + 4 : 10 * joint + 10] = np.outer(body.axis, body.axis)[
+            np.triu_indices(3)
+        ]
+        rotor = self.robot.with_parameters(parameters).with_gravity(np.zeros(3))
+        return inverse_dynamics(rotor, q, dq, ddq)
 
     def _inertia(self, state: State, joint: int) -> list[Scalar]:
         rest = [0.0] * self.robot.n

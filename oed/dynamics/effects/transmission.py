@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import no_type_check
 
-import numba
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.deflection import deflect
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
+from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, with_joint
 from oed.dynamics.newton_euler import joint_components
@@ -20,6 +20,7 @@ from oed.dynamics.scalars import Scalar
 # Of the inertia where it was declared: an estimated inertia may come out too small or negative
 # in some posture, and the spring would throw the links out.
 LEAST_INERTIA = 0.1
+LEAST_WIDTH = 1e-6  # [rad/s] of the sign of Coulomb friction behind a gear
 
 
 @dataclass(frozen=True)
@@ -38,19 +39,40 @@ class Bend:
 
 
 @dataclass(frozen=True)
+class Rubbing:
+    """Friction as a function of speed.
+
+    Attributes:
+        coulomb: [N m].
+        width: Speed over which its sign turns [rad/s].
+        viscous: [N m s/rad].
+    """
+
+    coulomb: float
+    width: float
+    viscous: float
+
+    def torque(self, speed: Float[ndarray, " samples"]) -> Float[ndarray, " samples"]:
+        """At some speeds [N m]."""
+        return self.coulomb * np.tanh(speed / self.width) + self.viscous * speed
+
+
+@dataclass(frozen=True)
 class Transmission(MeasurementEffect):
     """The rigid body at the links' position q - delta, delta what a joint's gear gives way.
 
     The two masses of Spong (1987) on the dead zone of Nordin and Gutman (2002), the position
     measured at the motor. On a flank the gear pushes with K (delta -+ gap/2) + D delta', within
-    the gap not at all; it pushes what the links need, H(q - delta)_j less the rotor's share J q''
+    the gap not at all; it pushes what the links need, H(q - delta)_j less the rotor's own torque R
     and with the friction of their own bearing. With the inertia M_jj of the rigid model, in
     which the rotor is counted with the link, to first order in delta
 
-        push(delta, delta') + (M_jj - J) delta'' = H(q)_j - J q'' + bearing friction_j,
+        push(delta, delta') + (M_jj - J) delta'' = H(q)_j - R(q)_j + bearing friction_j(q' - delta'),
 
     solved in time along the recording. *All* joints then feel the links where they are, and
-    the rotor, which does not give way, adds J delta'' at its own.
+    the rotor, a body on the joint's axis that does not give way, adds what J delta'' is to it. Coulomb and viscous friction
+    behind the gear brake the links' own motion: while these cross a gap they may stand still,
+    and the blow at its end depends on that.
 
     Attributes:
         joint: Index of the joint.
@@ -90,13 +112,17 @@ class Transmission(MeasurementEffect):
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns with the rigid body where the links are."""
         result, rigid = np.array(columns(motion)), slice(self.rigid_columns)
-        bend = self.bend(State(motion.t, *joint_components(motion)))
-        result[:, :, rigid] = columns(with_joint(motion, self.joint, self._behind(motion, bend)))[
-            :, :, rigid
-        ]
+        state = State(motion.t, *joint_components(motion))
+        bend = self.bend(state)
+        behind = columns(with_joint(motion, self.joint, self._behind(motion, bend)))
+        result[:, :, rigid] = behind[:, :, rigid]
+        beside = slice(self.rigid_columns, None)
+        step = behind[:, self.joint, beside] - result[:, self.joint, beside]
+        result[:, self.joint, beside] += self.bearing * step
         at_rest, moving = columns(self._probe(0.0)), columns(self._probe(1.0))
         rotor = self.rotor_share * (moving - at_rest)[0, self.joint, rigid]
-        result[:, self.joint, rigid] += bend.ddd[:, None] * rotor
+        for joint, moved in enumerate(self.reference.rotor_inertia(state, self.joint)):
+            result[:, joint, rigid] += (bend.ddd * moved)[:, None] * rotor
         return result
 
     def bend(self, state: State) -> Bend:
@@ -110,13 +136,34 @@ class Transmission(MeasurementEffect):
         whole = self.declared_inertia
         rotor, links = self.rotor_share * whole, (1 - self.rotor_share) * whole
         omega = 2 * np.pi * self.frequency
-        load = self.reference.rigid(state)[self.joint] - rotor * state.ddq[self.joint] + zeros
+        speed = state.dq[self.joint] + zeros
+        rubbing = self.rubbing
+        load = self.reference.rigid(state)[self.joint] + zeros
+        if rotor > 0:
+            load = load - rotor * self.reference.rotor(state, self.joint)[self.joint]
         if self.bearing > 0:
-            load = load + self.bearing * self.reference.beside_rigid(state)[self.joint]
+            other = self.reference.beside_rigid(state)[self.joint]
+            load = load + self.bearing * other - rubbing.torque(speed)
         inertia = self.reference.inertia(state, self.joint) - rotor + zeros
         inertia = np.maximum(inertia, LEAST_INERTIA * links)
         stiffness, damping = omega**2 * links, 2 * self.damping * omega * links
-        return Bend(*deflect(t, load, inertia, (stiffness, damping, self.gap / 2)))
+        gear = (stiffness, damping, self.gap / 2)
+        brake = (speed, rubbing.coulomb, rubbing.width, rubbing.viscous)
+        return Bend(*deflect(t, load, inertia, gear, brake))
+
+    @property
+    def rubbing(self) -> Rubbing:
+        """Coulomb and viscous friction behind the gear, which the links' speed decides."""
+        found = {Coulomb: 0.0, Viscous: 0.0}
+        width = LEAST_WIDTH
+        if self.bearing > 0:
+            for effect, coefficient in self.reference.single_columns():
+                if isinstance(effect, Coulomb | Viscous) and effect.joint == self.joint:
+                    # A spring's equation needs friction that brakes.
+                    found[type(effect)] += max(self.bearing * coefficient, 0.0)
+                if isinstance(effect, Coulomb) and effect.joint == self.joint:
+                    width = max(width, effect.width)
+        return Rubbing(found[Coulomb], width, found[Viscous])
 
     @property
     def declared_inertia(self) -> float:
@@ -194,45 +241,10 @@ class TransmissionChange(Effect):
             for i, (by_q, by_dq, by_ddq) in enumerate(slopes)
         }
         rotor = gear.rotor_share * gear.declared_inertia
-        change[gear.joint] = change[gear.joint] + rotor * bend.ddd
+        if rotor > 0:
+            for i, moved in enumerate(gear.reference.rotor_inertia(state, gear.joint)):
+                change[i] = change[i] + rotor * moved * bend.ddd
+        speed, rubbing = state.dq[gear.joint], gear.rubbing
+        own = rubbing.torque(speed - bend.dd) - rubbing.torque(speed)
+        change[gear.joint] = change[gear.joint] + own
         return [change]
-
-
-@numba.njit
-@no_type_check  # compiled: the tests' type checker must not wrap it
-def deflect(t, load, inertia, gear):
-    """Solve push(d, d') + M(t) d'' = load by the trapezoidal rule.
-
-    The gear follows the load slowly at first, as on an arm that has been moving.
-
-    Args:
-        t: (samples,) time [s].
-        load: (samples,) torque that the links need [N m].
-        inertia: (samples,) M of the links, positive [kg m^2].
-        gear: K [N m/rad], D on a flank [N m s/rad], half the gap [rad].
-
-    Returns:
-        (samples,) d [rad], d' and d''.
-    """
-    stiffness, damping, half = gear
-    d, v, a = np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
-    d[0] = load[0] / stiffness + half * np.sign(load[0])
-    few = min(len(t) - 1, 10)
-    if few > 0:
-        v[0] = (load[few] - load[0]) / (t[few] - t[0]) / stiffness
-    for k in range(1, len(t)):
-        h = (t[k] - t[k - 1]) / 2
-        speed = v[k - 1] + h * a[k - 1]
-        place = d[k - 1] + h * (v[k - 1] + speed)
-        free = load[k] / inertia[k]
-        landing = place + h * h * free
-        if abs(landing) <= half and half > 0.0:
-            a[k] = free
-        else:
-            flank = half if landing > 0 else -half
-            a[k] = (load[k] - damping * speed - stiffness * (place - flank)) / (
-                inertia[k] + h * damping + h * h * stiffness
-            )
-        v[k] = speed + h * a[k]
-        d[k] = place + h * h * a[k]
-    return d, v, a

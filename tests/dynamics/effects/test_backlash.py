@@ -1,4 +1,4 @@
-"""Crossing a gap: time and momentum in closed form, on stiff flanks."""
+"""Crossing a gap: in closed form on stiff flanks, and against a two-mass arm's full equations."""
 
 import dataclasses
 
@@ -6,10 +6,19 @@ import numpy as np
 import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.effects.deflection import deflect
+from oed.dynamics.effects.entry import Context, evaluate
 from oed.dynamics.effects.reference import ReferenceTorque
-from oed.dynamics.effects.transmission import Backlash, deflect
-from tests.dynamics.effects.arms import context_of, scara, smooth_motion, vertical_arm
+from oed.dynamics.effects.transmission import Backlash
+from oed.dynamics.torque_model import TorqueModel
+from tests.dynamics.effects.arms import (
+    context_of,
+    parameters_of,
+    scara,
+    smooth_motion,
+    vertical_arm,
+)
+from tests.dynamics.effects.two_mass import Gear, two_mass_torque
 
 STEP = 1e-4
 SLOPE = 10.0  # [N m/s] of the load through zero
@@ -17,12 +26,13 @@ INERTIA = 1.5  # [kg m^2]
 HALF = 5e-4  # [rad]
 RATE = 2 * np.pi * 100.0  # [rad/s] on a flank: far above the crossing
 FLANK = (INERTIA * RATE**2, INERTIA * RATE, HALF)
+SMOOTH = (0.0, 1.0, 0.0)  # a bearing without friction
 
 
 def _crossing() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     t = np.arange(-0.2, 0.3, STEP)
     load = SLOPE * t
-    d, _, ddd = deflect(t, load, np.full(len(t), INERTIA), FLANK)
+    d, _, ddd = deflect(t, load, np.full(len(t), INERTIA), FLANK, (np.zeros(len(t)), *SMOOTH))
     return t, load, d, load - INERTIA * ddd
 
 
@@ -50,7 +60,8 @@ def test_the_far_flank_gives_back_the_lost_momentum() -> None:
 
 def test_load_of_one_sign_stays_on_its_flank() -> None:
     t = np.arange(0, 1, 1e-3)
-    d, _, _ = deflect(t, 5 + np.sin(20 * t), np.full(len(t), INERTIA), FLANK)
+    load, inertia, still = 5 + np.sin(20 * t), np.full(len(t), INERTIA), np.zeros(len(t))
+    d, _, _ = deflect(t, load, inertia, FLANK, (still, *SMOOTH))
     assert (d >= HALF).all()
 
 
@@ -68,6 +79,44 @@ def test_what_is_felt_changes_where_the_load_changes_sides() -> None:
     assert (np.abs(change[after, :, 0]).max(axis=0) > 0.02).all()
     energy = np.sum(change[:, :, 0] ** 2, axis=0)
     assert (np.sum(change[after, :, 0] ** 2, axis=0) > 0.9 * energy).all()
+
+
+def test_links_that_stick_stay_while_the_motor_crosses_the_gap() -> None:
+    t = np.arange(0.0, 0.4, STEP)
+    speed = np.where(t < 0.1, -0.004, 0.004)  # [rad/s]
+    # Friction of 2 N m holds the links against a load of 1 N m.
+    load, inertia = np.full(len(t), -1.0), np.full(len(t), INERTIA)
+    d, v, _ = deflect(t, load, inertia, FLANK, (speed, 2.0, 1e-6, 0.0))
+    inside = np.abs(d) < 0.99 * HALF
+    assert t[inside].max() - t[inside].min() == pytest.approx(2 * HALF / 0.004, rel=0.02)
+    # What speed they had when the flank let go is braked away in a few steps.
+    assert v[inside][50:] == pytest.approx(speed[inside][50:], rel=1e-3)
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_every_joint_feels_the_gap_of_a_braked_arm(joint: int) -> None:
+    robot, hertz, damping, rotor, bearing = vertical_arm(), 20.0, 0.6, 0.3, 0.6
+    motion = smooth_motion(robot, duration=3.0, step=1e-3)
+    model = TorqueModel.standard(robot, sign_width=0.01)
+    parameters = parameters_of(model)
+    context = Context.of(model, parameters, [motion])
+    friction = model.torque(parameters, motion) - model.torque(
+        np.concatenate([robot.parameters, np.zeros(4)]), motion
+    )
+    gear = Gear(hertz, damping, rotor, 2e-3, 2.0 * bearing, 0.01, 1.0 * bearing)
+    true = two_mass_torque(robot, motion, joint, gear) + friction
+    true[:, joint] -= bearing * friction[:, joint]
+    entry, values = CATALOGUE["backlash"], (2e-3, hertz, damping, rotor, bearing)
+    seen = entry.apply(context, joint, values, np.ones(1)).torque(parameters, motion)
+    rigid = model.torque(parameters, motion)
+    # A blow's edge falls between two samples: what counts is its momentum.
+    mean = np.ones(20) / 20
+    error, change = (
+        np.stack([np.convolve(x, mean)[200:] for x in (seen - other).T], axis=1)
+        for other in (true, rigid)
+    )
+    # Of second order in a bend of some mrad.
+    assert (np.linalg.norm(error, axis=0) < 0.01 * np.linalg.norm(change, axis=0)).all()
 
 
 def test_friction_behind_the_gear_keeps_the_links_on_a_flank() -> None:

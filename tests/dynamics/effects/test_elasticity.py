@@ -7,14 +7,15 @@ import pytest
 from numpy import ndarray
 
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.deflection import deflect
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.rigid_body import RigidBody
-from oed.dynamics.effects.transmission import JointElasticity, deflect
+from oed.dynamics.effects.transmission import JointElasticity
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot
 from tests.dynamics.effects.arms import context_of, scara, smooth_motion, vertical_arm
-from tests.dynamics.effects.two_mass import two_mass_torque
+from tests.dynamics.effects.two_mass import Gear, two_mass_torque
 
 FREQUENCY, DAMPING = 8.0, 0.1
 
@@ -30,11 +31,11 @@ def _seen(robot: Robot, motion: Motion, joint: int, rotor: float) -> tuple[ndarr
     return model.torque(robot.parameters, motion), sprung.torque(robot.parameters, motion)
 
 
-@pytest.mark.parametrize(("joint", "rotor"), [(0, 0.0), (0, 0.15), (1, 0.0)])
+@pytest.mark.parametrize(("joint", "rotor"), [(0, 0.0), (0, 0.15), (1, 0.0), (1, 0.3)])
 def test_every_joint_feels_the_links_on_the_spring(joint: int, rotor: float) -> None:
     robot = vertical_arm()
     motion = smooth_motion(robot, duration=2.2, step=1e-3)
-    true = two_mass_torque(robot, motion, joint, (FREQUENCY, DAMPING, rotor))
+    true = two_mass_torque(robot, motion, joint, Gear(FREQUENCY, DAMPING, rotor))
     rigid, seen = _seen(robot, motion, joint, rotor)
     settled = motion.t > 1.4  # the start, at speed, rings on an arm that began at rest
     error, change = (seen - true)[settled], (rigid - true)[settled]
@@ -47,7 +48,8 @@ def test_deflection_is_that_of_an_oscillator(hertz: float) -> None:
     mass, omega, w = 1.5, 2 * np.pi * FREQUENCY, 2 * np.pi * hertz
     t = np.arange(0, 6, 5e-4)
     stiffness, damper = mass * omega**2, 2 * DAMPING * omega * mass
-    found = deflect(t, np.sin(w * t), np.full(len(t), mass), (stiffness, damper, 0.0))
+    load, inertia, still = np.sin(w * t), np.full(len(t), mass), np.zeros(len(t))
+    found = deflect(t, load, inertia, (stiffness, damper, 0.0), (still, 0.0, 1.0, 0.0))
     phasor = 1 / (stiffness - mass * w**2 + 1j * w * damper)
     expected = [np.imag(phasor * (1j * w) ** k * np.exp(1j * w * t)) for k in range(3)]
     late = t > 3

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
+import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -27,6 +28,8 @@ from oed.dynamics.effects.transmission import (
 )
 from oed.dynamics.torque_model import TorqueModel
 
+LEAST_PLAY = 0.03  # of the gear's bend between the largest torques of both signs
+
 
 def _gear(
     kind: Callable[..., Transmission], context: Context, target: Target, *values: float
@@ -45,6 +48,22 @@ def _spring(context: Context, target: Target, values: tuple[float, ...]) -> Tran
 def _play(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
     gap, frequency, damping, rotor_share, bearing = values
     return _gear(Backlash, context, target, frequency, damping, rotor_share, gap, bearing)
+
+
+def _has_play(
+    context: Context,
+    target: Target,
+    values: tuple[float, ...],
+    _estimates: Float[ndarray, " columns"],
+) -> str | None:
+    """A gap far below what the gear gives way under load is no gap that torque could tell."""
+    gear = _play(context, target, values)
+    links = (1 - gear.rotor_share) * gear.declared_inertia
+    stiffness = (2 * np.pi * gear.frequency) ** 2 * links
+    bend = 2 * float(context.peak_torque[gear.joint]) / stiffness
+    if gear.gap >= LEAST_PLAY * bend:
+        return None
+    return f"the gap, {gear.gap:.2g} rad, is {gear.gap / bend:.2g} of what the gear gives way"
 
 
 def _change_by(gear: Callable[[Context, Target, tuple[float, ...]], Transmission]) -> Build:
@@ -78,7 +97,8 @@ JOINT_ELASTICITY = CatalogueEntry(
     install=_with_gear(_spring),
     unit_coefficient=True,
     page=EffectPage(
-        equation="τ = H(q - δ e_j) + J δ'' e_j, K δ + D δ' + (M_jj - J) δ'' = H_j(q) - J q''; "
+        equation="τ = H(q - δ e_j) + R(q) - R(q - δ e_j), K δ + D δ' + (M_jj - J) δ'' = H_j(q) - R_j(q), "
+        "R the torque of the rotor, a body of inertia J that the rigid arm counts with link j; "
         "ω² = K / (M_jj - J)",
         source="Spong 1987, J. Dynamic Systems, Measurement, and Control 109(4), 310-318; Pham, "
         "Gautier, Poignet 2001, IEEE Int. Conf. Robotics and Automation",
@@ -96,19 +116,19 @@ BACKLASH = CatalogueEntry(
     families=("reversal", "compliance"),
     scope="joint",
     shapes=(
-        Shape("gap", "rad", 1e-4, 0.02, "log", 7, 1e-3),
+        Shape("gap", "rad", 1e-4, 0.01, "log", 6, 1e-3),
         Shape("frequency", "Hz", 5.0, 80.0, "log", 3, 20.0),
         Shape("damping", "1", 0.05, 1.0, "log", 1, 0.3),
         Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4),
-        Shape("bearing", "1", 0.0, 1.0, "linear", 2, 0.5),
+        Shape("bearing", "1", 0.0, 1.0, "linear", 3, 0.5),
     ),
     build=_change_by(_play),
-    plausible=by_construction,
+    plausible=_has_play,
     install=_with_gear(_play),
     unit_coefficient=True,
     page=EffectPage(
         equation="τ as for joint_elasticity, with K (δ ∓ gap/2) + D δ' on a flank and nothing within "
-        "the gap, and a share of the joint's friction behind it",
+        "the gap, and a share of the joint's friction behind it, at the links' speed q' - δ'",
         source="Nordin and Gutman 2002, Automatica 38(10), 1633-1649",
         parameters="gap 0.1 to 8 mrad; ω/2π of the arm on a flank, and its ζ; the rotor's share of "
         "the inertia; the share of friction behind the gear",

@@ -1,0 +1,98 @@
+"""A deflection in time: a spring with or without play behind a motor, links that rub."""
+
+from typing import no_type_check
+
+import numba
+import numpy as np
+
+MOST_STEPS = 40  # of the equation of a step in time: each halves its bracket at least
+EXACT = 1e-3  # of the sign's width: speeds closer than this are one
+
+
+@numba.njit
+@no_type_check  # compiled: the tests' type checker must not wrap it
+def deflect(t, load, inertia, gear, brake):
+    """Solve push(d, d') + M(t) d'' = load + friction(speed - d') by the trapezoidal rule.
+
+    The gear follows the load slowly at first, as on an arm that has been moving. Links that
+    stick stay where they are: each step is solved with the friction at its end.
+
+    Args:
+        t: (samples,) time [s].
+        load: (samples,) torque that the links need without that friction [N m].
+        inertia: (samples,) M of the links, positive [kg m^2].
+        gear: K [N m/rad], D on a flank [N m s/rad], half the gap [rad].
+        brake: (samples,) speed of the motor [rad/s]; Coulomb friction [N m], width of its sign
+            [rad/s] and viscous friction [N m s/rad], none of them negative.
+
+    Returns:
+        (samples,) d [rad], d' and d''.
+    """
+    stiffness, damping, half = gear
+    speed, coulomb, width, viscous = brake
+    sign = (coulomb, width)
+    d, v, a = np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
+    first = load[0] + viscous * speed[0]
+    first += coulomb * np.tanh(speed[0] / width)
+    d[0] = first / stiffness + half * np.sign(first)
+    few = min(len(t) - 1, 10)
+    if few > 0:
+        v[0] = (load[few] - load[0]) / (t[few] - t[0]) / stiffness
+    for k in range(1, len(t)):
+        h = (t[k] - t[k - 1]) / 2
+        rate = v[k - 1] + h * a[k - 1]
+        place = d[k - 1] + h * (v[k - 1] + rate)
+        links = speed[k] - rate
+        needed = load[k] + viscous * links
+        heavy = inertia[k] + h * viscous
+        free = _against_coulomb((needed, heavy), (links, h), sign)
+        landing = place + h * h * free
+        if abs(landing) <= half and half > 0.0:
+            a[k] = free
+        else:
+            flank = half if landing > 0 else -half
+            needed -= damping * rate + stiffness * (place - flank)
+            heavy += h * damping + h * h * stiffness
+            a[k] = _against_coulomb((needed, heavy), (links, h), sign)
+        v[k] = rate + h * a[k]
+        d[k] = place + h * h * a[k]
+    return d, v, a
+
+
+@numba.njit
+@no_type_check
+def _against_coulomb(equation, step, brake):
+    """Solve heavy a = needed + coulomb tanh((links - h a) / width).
+
+    Newton steps on the speed y = links - h a after the step, which a bracket holds: the equation
+    rises with y, and where Coulomb friction lies between its bounds so does y.
+
+    Args:
+        equation: needed and heavy.
+        step: links and h.
+        brake: coulomb and width.
+    """
+    (needed, heavy), (links, h), (coulomb, width) = equation, step, brake
+    low, high = links - h * (needed + coulomb) / heavy, links - h * (needed - coulomb) / heavy
+    if coulomb == 0.0:
+        return needed / heavy
+    # The sign as a line within its width is near enough for a start.
+    slope = coulomb / width
+    y = links - h * (needed + slope * links) / (heavy + h * slope)
+    if abs(y) > width:
+        y = low if y > 0 else high
+    for _ in range(MOST_STEPS):
+        sign = np.tanh(y / width)
+        excess = heavy * (y - links) / h + needed + coulomb * sign
+        if excess > 0:
+            high = y
+        else:
+            low = y
+        after = y - excess / (heavy / h + coulomb * (1 - sign * sign) / width)
+        if not low <= after <= high:
+            after = (low + high) / 2
+        moved = abs(after - y)
+        y = after
+        if moved <= EXACT * width:
+            break
+    return (needed + coulomb * np.tanh(y / width)) / heavy
