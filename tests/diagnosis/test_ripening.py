@@ -1,10 +1,11 @@
-"""A spring is judged on the torque that it leaves, not on that of an arm taken for rigid."""
+"""A gear is judged on the torque that it leaves, not on that of an arm taken for rigid."""
 
 import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.ripening import ripened
 from oed.diagnosis.search.scan import refine, scan
 from oed.diagnosis.search.workshop import Workshop
@@ -14,20 +15,35 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
 from oed.robot import imi_scara
 from tests.dynamics.effects.arms import smooth_motion
-from tests.dynamics.effects.two_mass import two_mass_torque
+from tests.dynamics.effects.two_mass import Gear, two_mass_torque
 
-SPRING = (6.0, 0.08, 0.15)  # Hz, damping, the rotor's share
+SPRING = Gear(frequency=6.0, damping=0.08, rotor=0.15)
 COULOMB, VISCOUS, NOISE = np.array([2.6, 1.5]), np.array([7.3, 0.8]), np.array([0.1, 0.02])
+WIDTH = 0.01  # [rad/s]
+BEARING = 0.6  # share of the friction that sits behind the loose gear
+PLAY = Gear(
+    frequency=20.0,
+    damping=0.6,
+    rotor=0.3,
+    gap=1.5e-3,
+    coulomb=BEARING * COULOMB[1],
+    width=WIDTH,
+    viscous=BEARING * VISCOUS[1],
+)
+RIVALS = ("backlash", "presliding_hysteresis", "load_dependent_friction")
 PACE = 5.0  # times as fast: a spring shows in what accelerates
 
 
-@pytest.fixture(scope="module")
-def shop():
+def _shop(joint: int, gear: Gear) -> Workshop:
+    """A workshop of an arm with that gear at a joint."""
     robot, rng = imi_scara(), np.random.default_rng(3)
-    slow = smooth_motion(robot, duration=20.0, step=1e-2)
+    slow = smooth_motion(robot, duration=20.0, step=5e-3)
     motion = Motion(slow.t / PACE, slow.q, PACE * slow.dq, PACE**2 * slow.ddq)
-    torque = two_mass_torque(robot, motion, 0, SPRING)
-    torque = torque + COULOMB * np.sign(motion.dq) + VISCOUS * motion.dq
+    friction = COULOMB * np.tanh(motion.dq / WIDTH) + VISCOUS * motion.dq
+    torque = two_mass_torque(robot, motion, joint, gear)
+    for j in range(2):
+        behind = BEARING if j == joint and gear.coulomb > 0 else 0.0
+        torque[:, j] += (1 - behind) * friction[:, j]
     torque = torque + NOISE * rng.normal(size=torque.shape)
     measured = motion.q + 1e-6 * rng.normal(size=motion.q.shape)
     recording = Recording("estimation", "estimation", motion.t, measured, torque)
@@ -37,15 +53,28 @@ def shop():
     return Workshop(baseline, prepared, (), settings, gear_ratio=None)
 
 
-def test_finds_the_spring_that_the_wrong_torque_hides(shop):
+def test_finds_the_spring_that_the_wrong_torque_hides():
+    shop = _shop(0, SPRING)
     fit = shop.fit(()).fit
     trials = [t for t in shop.physical if t.key == ("joint_elasticity", 0)]
     unripe = refine(scan(trials, fit, shop.context)[0], fit, shop.context)
     ripe = ripened(shop, trials, (), fit)
     assert ripe.gain > unripe.gain
     frequency, damping, rotor_share = ripe.trial.values
-    assert frequency == pytest.approx(SPRING[0], rel=0.03)
-    assert damping == pytest.approx(SPRING[1], rel=0.2)
-    assert rotor_share == pytest.approx(SPRING[2], abs=0.05)
+    assert frequency == pytest.approx(SPRING.frequency, rel=0.03)
+    assert damping == pytest.approx(SPRING.damping, rel=0.2)
+    assert rotor_share == pytest.approx(SPRING.rotor, abs=0.05)
     # What the arm taken for rigid makes of the rotor is far off.
-    assert abs(unripe.trial.values[2] - SPRING[2]) > 3 * abs(rotor_share - SPRING[2])
+    assert abs(unripe.trial.values[2] - SPRING.rotor) > 3 * abs(rotor_share - SPRING.rotor)
+
+
+def test_a_gap_is_found_with_all_its_shapes():
+    shop = _shop(1, PLAY)
+    pool = [t for t in shop.physical if t.name in RIVALS and t.target == 1]
+    found = {s.trial.key: s for s in ranked(shop, pool, (), 3, thorough=True)}
+    best = found["backlash", 1]
+    assert best.gain == max(s.gain for s in found.values())
+    gap, _, _, rotor_share, bearing = best.trial.values
+    assert gap == pytest.approx(PLAY.gap, rel=0.15)
+    assert rotor_share == pytest.approx(PLAY.rotor, abs=0.1)
+    assert bearing == pytest.approx(BEARING, abs=0.05)

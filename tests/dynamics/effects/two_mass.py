@@ -89,7 +89,7 @@ def two_mass_torque(robot: Robot, motion: Motion, joint: int, gear: Gear) -> nda
         t_eval=motion.t,
         rtol=1e-6,
         atol=1e-9,
-        max_step=LONGEST_STEP,
+        max_step=LONGEST_STEP if gear.gap > 0 else np.inf,
     )
     torque = np.zeros_like(motion.q)
     for k, (t, y) in enumerate(zip(motion.t, found.y.T, strict=True)):
