@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.ripening import is_late, is_unripe, ripened
+from oed.diagnosis.search.ripening import has_crests, is_late, is_unripe, ripened, searched
 from oed.diagnosis.search.scan import Score, refine, scan, score
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 OF_EACH = 2  # candidates of every joint that are refined in any case
-UNRIPE_SHARE = 0.2  # of the best gain, from which on a candidate is worth evaluating anew
+LATE_SHARE = 0.2  # of the best gain, from which on a late torque is worth evaluating anew
+PROMISING = 0.4  # of the best gain, from which on what a gear promises is worth it
+CONTENDING = 0.5  # of the best gain, from which on it is worth a wide search
 
 
 def ranked(
@@ -49,22 +53,36 @@ def ranked(
         scores = scan(part, fit, shop.context)
         # By surprise for the small effect of a quiet joint, by gain for the large one that
         # makes its joint's residual loud.
-        leading = {s.trial.key: s for s in scores[:most]}
-        leading |= {s.trial.key: s for s in sorted(scores, key=lambda s: -s.gain)[:most]}
+        leading = scores[:most] + sorted(scores, key=lambda s: -s.gain)[:most]
         if thorough:
-            leading |= _best_of_each_joint(scores)
+            leading += _best_of_each_joint(scores)
+        leading = {s.trial.key: s for s in leading}
         refined = [refine(s, fit, shop.context) for s in leading.values()]
-        promising = UNRIPE_SHARE * max(s.gain for s in refined)
+        best = max(s.gain for s in refined)
+        green = [
+            s
+            for s in refined
+            if is_late(s.trial) and s.gain > LATE_SHARE * best and s.evidence(rows) > 0
+        ]
         if thorough:
-            refined += [
+            gears = {s.trial.key: s for s in _unripe(part, fit)}
+            gears |= {s.trial.key: s for s in refined if is_unripe(s.trial)}
+            hopeful = [
                 s
-                for s in _unripe(part, fit)
-                if s.trial.key not in leading and s.promise > promising
+                for s in gears.values()
+                if s.promise > max(PROMISING * best, s.freedom * np.log(rows))
             ]
+            refined += [s for s in hopeful if s.trial.key not in leading]
+            green += hopeful
+        ripe = {
+            s.trial.key: ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
+            for s in green
+        }
+        refined = [ripe.get(s.trial.key, s) for s in refined]
+        contending = CONTENDING * max(s.gain for s in refined)
         found += [
-            ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
-            if (is_late(s.trial) and s.gain > promising and s.evidence(rows) > 0)
-            or (thorough and is_unripe(s.trial) and s.promise > promising)
+            searched(shop, s, others, fit)
+            if thorough and has_crests(s) and s.gain > contending
             else s
             for s in refined
         ]
@@ -81,9 +99,9 @@ def _unripe(part: Sequence[Trial], fit: LinearFit) -> list[Score]:
     return list(best.values())
 
 
-def _best_of_each_joint(scores: Sequence[Score]) -> dict[tuple[str, object], Score]:
+def _best_of_each_joint(scores: Sequence[Score]) -> list[Score]:
     """The first few of every joint, in the order in which they come."""
     found: dict[int | None, list[Score]] = {}
     for s in scores:
         found.setdefault(s.trial.joint, []).append(s)
-    return {s.trial.key: s for own in found.values() for s in own[:OF_EACH]}
+    return [s for own in found.values() for s in own[:OF_EACH]]

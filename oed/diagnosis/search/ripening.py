@@ -22,9 +22,9 @@ from oed.diagnosis.terms.shape_axes import from_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, context_of
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
-STARTS = 6  # parts of the first shape's range that are each searched
+STARTS = 3  # parts of the first shape's range that are each searched
 KEPT = 2  # of these that are evaluated anew
-FEW_SHAPES = 3  # more are searched for by a population
+FEW_SHAPES = 3  # of which a simplex finds the best
 POPULATION = 12  # shapes for each of them
 GENERATIONS = 22
 PROMISED = 1e-3  # of what a free size would gain counts where a fixed one gains nothing
@@ -61,12 +61,25 @@ def ripened(
     scores = [score(t, fit.projection, fit.residual) for t in trials]
     if is_late(trials[0]):
         return _at_rest(shop, max(scores, key=lambda s: s.gain), others, fit)
-    if trials[0].shapes > FEW_SHAPES:
-        tried = [_searched(trials[0], fit, shop.context)]
-    else:
-        refined = (refine(s, fit, shop.context) for s in starts(scores))
-        tried = sorted(refined, key=lambda s: -s.gain)[:KEPT]
+    refined = (refine(s, fit, shop.context) for s in starts(scores))
+    tried = sorted(refined, key=lambda s: -s.gain)[:KEPT]
     best = max((_round(shop, s, others, fit) for s in tried), key=lambda s: s.gain)
+    return _followed(shop, best, others, fit)
+
+
+def has_crests(found: Score) -> bool:
+    """Whether a candidate has so many shapes that a simplex may stop on a lesser crest."""
+    return is_unripe(found.trial) and found.trial.shapes > FEW_SHAPES
+
+
+def searched(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
+    """A ripened candidate, or the better one that a population of its shapes finds."""
+    best = _round(shop, _of_population(found.trial, fit, shop.context), others, fit)
+    return max(found, _followed(shop, best, others, fit), key=lambda s: s.gain)
+
+
+def _followed(shop: Workshop, best: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
+    """Rounds until one gains little."""
     for _ in range(ROUNDS):
         again = _round(shop, best, others, fit)
         is_last = again.gain < WORTH * best.gain
@@ -76,7 +89,7 @@ def ripened(
     return best
 
 
-def _searched(trial: Trial, fit: LinearFit, context: Context) -> Score:
+def _of_population(trial: Trial, fit: LinearFit, context: Context) -> Score:
     """The best of many shapes, by differential evolution.
 
     Whether a gap is crossed here or a little later hangs on every shape at once: a simplex stops
