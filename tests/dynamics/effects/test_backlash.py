@@ -130,6 +130,15 @@ def test_friction_behind_the_gear_keeps_the_links_on_a_flank() -> None:
     assert not np.allclose(free, braked, atol=0.1 * np.abs(free).max())
 
 
+def test_a_gap_that_drowns_in_the_bend_is_not_plausible() -> None:
+    context, entry = context_of(vertical_arm()), CATALOGUE["backlash"]
+    stiff, soft = (5e-4, 40.0, 0.5, 0.3, 0.5), (5e-4, 5.0, 0.5, 0.3, 0.5)
+    assert entry.plausible(context, 1, stiff, np.ones(1)) is None
+    reason = entry.plausible(context, 1, soft, np.ones(1))
+    assert reason is not None
+    assert "gap" in reason
+
+
 def test_refuses_a_gap_below_zero() -> None:
     good = Backlash(0, 30.0, 0.3, 0.2, 1e-3, 0.5, (0.0, 0.0), ReferenceTorque(scara()), 20)
     with pytest.raises(ValueError, match="gap"):

@@ -54,9 +54,12 @@ def _has_play(
     context: Context,
     target: Target,
     values: tuple[float, ...],
-    _estimates: Float[ndarray, " columns"],
+    estimates: Float[ndarray, " columns"],
 ) -> str | None:
     """A gap far below what the gear gives way under load is no gap that torque could tell."""
+    unfit = by_construction(context, target, values, estimates)
+    if unfit is not None:
+        return unfit
     gear = _play(context, target, values)
     links = (1 - gear.rotor_share) * gear.declared_inertia
     stiffness = (2 * np.pi * gear.frequency) ** 2 * links
