@@ -7,7 +7,7 @@ from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.ripening import ripened
-from oed.diagnosis.search.scan import refine, scan
+from oed.diagnosis.search.scan import refine, scan, score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.motion import Motion
@@ -58,7 +58,8 @@ def test_finds_the_spring_that_the_wrong_torque_hides():
     fit = shop.fit(()).fit
     trials = [t for t in shop.physical if t.key == ("joint_elasticity", 0)]
     unripe = refine(scan(trials, fit, shop.context)[0], fit, shop.context)
-    ripe = ripened(shop, trials, (), fit)
+    scores = [score(t, fit.projection, fit.residual) for t in trials]
+    ripe = ripened(shop, scores, (), fit)
     assert ripe.gain > unripe.gain
     frequency, damping, rotor_share = ripe.trial.values
     assert frequency == pytest.approx(SPRING.frequency, rel=0.03)

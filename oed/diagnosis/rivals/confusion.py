@@ -10,7 +10,7 @@ favourite's torque is drawn with noise many times, both are fitted, and the wron
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
@@ -36,6 +36,8 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 
 DRAWS = 400  # of the noise: a rate of 10 % is known within 1.5 points
 NEARBY = np.array([-1.0, -0.5, -0.25, 0.25, 0.5, 1.0])  # of a grid's step, around a fitted shape
+# The same where the combinations of more shapes would be too many to try.
+FEW_SHAPES, FEW_NEARBY = 3, np.array([-0.25, 0.25])
 
 # Favourite, its coefficients, and rival.
 Pair = tuple[Trial, Float[ndarray, " columns"], Trial]
@@ -83,7 +85,7 @@ def confusion(
 
 
 def _best(
-    trials: Sequence[Trial],
+    trials: Iterable[Trial],
     fit: LinearFit,
     drawn: Float[ndarray, "joints rows draws"],
     count: float,
@@ -120,18 +122,19 @@ def _gains(
     return gains, gains - freedom * np.log(count) - len(scale) * np.log(cancelled)
 
 
-def _around(shop: Workshop, trial: Trial, fit: LinearFit) -> list[Trial]:
+def _around(shop: Workshop, trial: Trial, fit: LinearFit) -> Iterator[Trial]:
     """A candidate over the grid of its shapes, and more finely around its own."""
     entry, context = CATALOGUE[trial.name], shop.context
     shapes = entry.shapes_for(context, trial.target)
     values = {trial.values, *grid_of(shapes)} if shapes else {trial.values}
-    axes = []
+    axes, nearby = [], NEARBY if len(shapes) <= FEW_SHAPES else FEW_NEARBY
     for value, shape in zip(trial.values, shapes, strict=True):
         here = to_axis(value, shape)
-        near = here + NEARBY / max(shape.points - 1, 1)
+        near = here + nearby / max(shape.points - 1, 1)
         axes.append([value, *(from_axis(float(x), shape) for x in near if 0 <= x <= 1)])
     values |= set(product(*axes))
-    return [catalogue_trial(entry, context, trial.target, v, fit.rows) for v in sorted(values)]
+    for v in sorted(values):
+        yield catalogue_trial(entry, context, trial.target, v, fit.rows)
 
 
 def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> LinearFit:

@@ -8,7 +8,7 @@ import numpy as np
 
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.ripening import has_crests, is_late, is_unripe, ripened, searched
-from oed.diagnosis.search.scan import Score, refine, scan, score
+from oed.diagnosis.search.scan import Score, best_shapes, refine, score
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -43,60 +43,68 @@ def ranked(
     if shop.is_turned:
         pool = [t for t in pool if t.name != GRAVITY]
     found: list[Score] = []
-    rows = shop.full.rows.count
     for between in (False, True):
-        layout = shop.full if between else shop.mean
         part = [t for t in pool if t.between_repetitions == between and t.key not in keys]
-        if not part:
-            continue
-        fit = shop.fit(others, layout).fit
-        scores = scan(part, fit, shop.context)
-        # By surprise for the small effect of a quiet joint, by gain for the large one that
-        # makes its joint's residual loud.
-        leading = scores[:most] + sorted(scores, key=lambda s: -s.gain)[:most]
-        if thorough:
-            leading += _best_of_each_joint(scores)
-        leading = {s.trial.key: s for s in leading}
-        refined = [refine(s, fit, shop.context) for s in leading.values()]
-        best = max(s.gain for s in refined)
-        green = [
-            s
-            for s in refined
-            if is_late(s.trial) and s.gain > LATE_SHARE * best and s.evidence(rows) > 0
-        ]
-        if thorough:
-            gears = {s.trial.key: s for s in _unripe(part, fit)}
-            gears |= {s.trial.key: s for s in refined if is_unripe(s.trial)}
-            hopeful = [
-                s
-                for s in gears.values()
-                if s.promise > max(PROMISING * best, s.freedom * np.log(rows))
-            ]
-            refined += [s for s in hopeful if s.trial.key not in leading]
-            green += hopeful
-        ripe = {
-            s.trial.key: ripened(shop, [t for t in part if t.key == s.trial.key], others, fit)
-            for s in green
-        }
-        refined = [ripe.get(s.trial.key, s) for s in refined]
-        contending = CONTENDING * max(s.gain for s in refined)
-        found += [
-            searched(shop, s, others, fit)
-            if thorough and has_crests(s) and s.gain > contending
-            else s
-            for s in refined
-        ]
+        if part:
+            fit = shop.fit(others, shop.full if between else shop.mean).fit
+            grid = [score(t, fit.projection, fit.residual) for t in part]
+            refined = _refined(shop, grid, fit, most, thorough=thorough)
+            found += _evaluated(shop, grid, refined, others, fit, thorough=thorough)
+    rows = shop.full.rows.count
     return sorted(found, key=lambda s: -s.evidence(rows))
 
 
-def _unripe(part: Sequence[Trial], fit: LinearFit) -> list[Score]:
-    """The most promising shape of every candidate that acts on a joint's own torque."""
-    best: dict[tuple[str, object], Score] = {}
-    for trial in part:
-        if is_unripe(trial):
-            found = score(trial, fit.projection, fit.residual)
-            best[trial.key] = max(best.get(trial.key, found), found, key=lambda s: s.promise)
-    return list(best.values())
+def _refined(
+    shop: Workshop, grid: Sequence[Score], fit: LinearFit, most: int, *, thorough: bool
+) -> list[Score]:
+    """The leading candidates at the best of their shapes."""
+    best = best_shapes(grid, fit, shop.context)
+    # By surprise for the small effect of a quiet joint, by gain for the large one that
+    # makes its joint's residual loud.
+    leading = best[:most] + sorted(best, key=lambda s: -s.gain)[:most]
+    if thorough:
+        leading += _best_of_each_joint(best)
+    return [refine(s, fit, shop.context) for s in _by_key(leading).values()]
+
+
+def _evaluated(
+    shop: Workshop,
+    grid: Sequence[Score],
+    refined: Sequence[Score],
+    others: Sequence[Trial],
+    fit: LinearFit,
+    *,
+    thorough: bool,
+) -> list[Score]:
+    """Refined candidates, and gears that promise as much, on the torque that they leave."""
+    rows, best = shop.full.rows.count, max(s.gain for s in refined)
+    found = _by_key(refined)
+    green = [
+        s
+        for s in refined
+        if is_late(s.trial) and s.gain > LATE_SHARE * best and s.evidence(rows) > 0
+    ]
+    if thorough:
+        gears = sorted((s for s in grid if is_unripe(s.trial)), key=lambda s: s.promise)
+        green += [
+            s
+            for s in (found.get(key, s) for key, s in _by_key(gears).items())
+            if s.promise > max(PROMISING * best, s.freedom * np.log(rows))
+        ]
+    for s in green:
+        own = [g for g in grid if g.trial.key == s.trial.key]
+        found[s.trial.key] = ripened(shop, own, others, fit)
+    if thorough:
+        contending = CONTENDING * max(s.gain for s in found.values())
+        for key, s in found.items():
+            if has_crests(s) and s.gain > contending:
+                found[key] = searched(shop, s, others, fit)
+    return list(found.values())
+
+
+def _by_key(scores: Sequence[Score]) -> dict[tuple[str, object], Score]:
+    """One score of every candidate, the last that there is."""
+    return {s.trial.key: s for s in scores}
 
 
 def _best_of_each_joint(scores: Sequence[Score]) -> list[Score]:

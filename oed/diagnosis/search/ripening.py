@@ -15,21 +15,20 @@ from numpy import ndarray
 from scipy.optimize import differential_evolution
 
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.scan import Score, implausible, refine, score
+from oed.diagnosis.search.scan import Score, implausible, refine, score, score_at
 from oed.diagnosis.search.workbench import lags_of, moved
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.shape_axes import from_axis
-from oed.diagnosis.terms.trials import Trial, catalogue_trial, context_of
+from oed.diagnosis.terms.trials import Trial, context_of
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 STARTS = 3  # parts of the first shape's range that are each searched
 KEPT = 2  # of these that are evaluated anew
+ROUNDS = 4  # of the best of them
 FEW_SHAPES = 3  # of which a simplex finds the best
-POPULATION = 12  # shapes for each of them
+POPULATION = 12  # members for each shape where there are more
 GENERATIONS = 22
 PROMISED = 1e-3  # of what a free size would gain counts where a fixed one gains nothing
 SEED = 1  # of the population
-ROUNDS = 4  # of the best of them
 MOST_ROUNDS = 8
 SETTLED = 0.3  # gain of a round, far below what decides between two names
 WORTH = 1.01  # ratio by which a round must raise the gain to be followed by another
@@ -48,18 +47,17 @@ def is_late(trial: Trial) -> bool:
 
 
 def ripened(
-    shop: Workshop, trials: Sequence[Trial], others: Sequence[Trial], fit: LinearFit
+    shop: Workshop, scores: Sequence[Score], others: Sequence[Trial], fit: LinearFit
 ) -> Score:
     """The best of one candidate, its reference torque taken from a fit with it.
 
     Args:
         shop: The laid-out data.
-        trials: All grid points of one candidate.
+        scores: All grid points of one candidate.
         others: Additions that it stands beside.
         fit: With these others, without it.
     """
-    scores = [score(t, fit.projection, fit.residual) for t in trials]
-    if is_late(trials[0]):
+    if is_late(scores[0].trial):
         return _at_rest(shop, max(scores, key=lambda s: s.gain), others, fit)
     refined = (refine(s, fit, shop.context) for s in starts(scores))
     tried = sorted(refined, key=lambda s: -s.gain)[:KEPT]
@@ -95,25 +93,16 @@ def _of_population(trial: Trial, fit: LinearFit, context: Context) -> Score:
     Whether a gap is crossed here or a little later hangs on every shape at once: a simplex stops
     on one of the many crests.
     """
-    entry = CATALOGUE[trial.name]
-    shapes = entry.shapes_for(context, trial.target)
-
-    def scored(x: Float[ndarray, " shapes"]) -> Score:
-        values = tuple(from_axis(float(v), s) for v, s in zip(x, shapes, strict=True))
-        tried = catalogue_trial(
-            entry, context, trial.target, values, fit.rows, contrast=trial.contrast
-        )
-        return score(tried, fit.projection, fit.residual)
 
     def loss(x: Float[ndarray, " shapes"]) -> float:
-        found = scored(x)
+        found = score_at(x, trial, fit, context)
         if implausible(found, context) is not None:
             return 0.0
         return -found.gain if found.gain > 0 else -PROMISED * found.promise
 
     found = differential_evolution(
         loss,
-        [(0.0, 1.0)] * len(shapes),
+        [(0.0, 1.0)] * trial.shapes,
         popsize=POPULATION,
         maxiter=GENERATIONS,
         init="sobol",
@@ -121,7 +110,7 @@ def _of_population(trial: Trial, fit: LinearFit, context: Context) -> Score:
         polish=False,
         rng=np.random.default_rng(SEED),
     )
-    return scored(found.x)
+    return score_at(found.x, trial, fit, context)
 
 
 def _at_rest(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:

@@ -97,11 +97,16 @@ def score(trial: Trial, projection: Projection, residual: Float[ndarray, "joints
 
 def scan(trials: Sequence[Trial], fit: LinearFit, context: Context) -> list[Score]:
     """The best plausible shape of every candidate, or its best one; largest surprise first."""
+    return best_shapes([score(t, fit.projection, fit.residual) for t in trials], fit, context)
+
+
+def best_shapes(scores: Sequence[Score], fit: LinearFit, context: Context) -> list[Score]:
+    """The same of trials that have their scores."""
     best: dict[tuple[str, object], Score] = {}
-    for trial in trials:
-        found = score(trial, fit.projection, fit.residual)
-        if trial.key not in best or _is_better(found, best[trial.key], context):
-            best[trial.key] = found
+    for found in scores:
+        key = found.trial.key
+        if key not in best or _is_better(found, best[key], context):
+            best[key] = found
     inflation = inflation_of(fit)
     return sorted(best.values(), key=lambda s: -s.surprise(inflation))
 
@@ -126,19 +131,14 @@ def refine(found: Score, fit: LinearFit, context: Context) -> Score:
     """Improve the shape of a candidate from the scan's best grid point (Nelder and Mead)."""
     if found.trial.is_free_form or not found.trial.values:
         return found
-    entry = CATALOGUE[found.trial.name]
-    shapes = entry.shapes_for(context, found.trial.target)
+    shapes = CATALOGUE[found.trial.name].shapes_for(context, found.trial.target)
     best = found
     # From a plausible start on, what is not plausible explains nothing.
     guarded = implausible(found, context) is None
 
     def loss(x: Float[ndarray, " shapes"]) -> float:
         nonlocal best
-        values = tuple(from_axis(float(v), s) for v, s in zip(x, shapes, strict=True))
-        trial = catalogue_trial(
-            entry, context, found.trial.target, values, fit.rows, contrast=found.trial.contrast
-        )
-        tried = score(trial, fit.projection, fit.residual)
+        tried = score_at(x, found.trial, fit, context)
         if _is_better(tried, best, context):
             best = tried
         outside = guarded and implausible(tried, context) is not None
@@ -155,6 +155,24 @@ def refine(found: Score, fit: LinearFit, context: Context) -> Score:
         options={"initial_simplex": simplex, "maxfev": 20 + 15 * len(shapes), "xatol": 1e-3},
     )
     return best
+
+
+def score_at(
+    axes: Float[ndarray, " shapes"], trial: Trial, fit: LinearFit, context: Context
+) -> Score:
+    """A candidate with other shapes.
+
+    Args:
+        axes: Shapes, each from 0 to 1 over its range.
+        trial: The candidate.
+        fit: Beside which.
+        context: What is known.
+    """
+    entry = CATALOGUE[trial.name]
+    shapes = entry.shapes_for(context, trial.target)
+    values = tuple(from_axis(float(x), s) for x, s in zip(axes, shapes, strict=True))
+    tried = catalogue_trial(entry, context, trial.target, values, fit.rows, contrast=trial.contrast)
+    return score(tried, fit.projection, fit.residual)
 
 
 def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:

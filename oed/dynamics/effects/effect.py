@@ -5,6 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from hashlib import blake2b
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +15,8 @@ from numpy import ndarray
 
 from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar, sign, tanh
+
+STRIDE = 8  # samples that a motion's fingerprint leaves out
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,21 @@ class State:
         """Direction of motion, smoothed over the wider of `width` and `sign_width`."""
         widest = max(width, self.sign_width)
         return tanh(velocity / widest) if widest > 0 else sign(velocity)
+
+    @cached_property
+    def fingerprint(self) -> bytes | None:
+        """What tells one sampled motion from another; None for symbols and single instants.
+
+        Every few samples, since motions that differ do so nearly everywhere.
+        """
+        components = (self.t, *self.q, *self.dq, *self.ddq)
+        if not all(isinstance(x, np.ndarray) for x in components):
+            return None
+        digest = blake2b(str(self.sign_width).encode(), digest_size=16)
+        for component in components:
+            digest.update(component[::STRIDE].tobytes())
+            digest.update(component[-1:].tobytes())
+        return digest.digest()
 
     def motion(self, effect: str) -> Motion:
         """The sampled motion, for an effect that depends on more than one instant.

@@ -11,7 +11,6 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from hashlib import blake2b
 
 import numpy as np
 from jaxtyping import Float
@@ -25,8 +24,7 @@ from oed.dynamics.scalars import Scalar, add, mul
 from oed.robot import Robot
 
 STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
-STRIDE = 8  # samples that a motion's fingerprint leaves out
-REMEMBERED = 24  # torques of a few recordings: a scan asks for the same ones at each trial value
+REMEMBERED = 48  # torques of a few recordings: a scan asks for the same ones at each trial value
 
 
 @dataclass(frozen=True)
@@ -141,16 +139,6 @@ class ReferenceTorque:
         """Torque of all other effects of every joint [N m]."""
         return self._remembered("rest", state, lambda: self._beside_rigid(state))
 
-    def single_columns(self) -> list[tuple[Effect, float]]:
-        """Other effects of one parameter each, with its value."""
-        found, start = [], 0
-        for effect in self.others:
-            count = len(effect.parameters)
-            if count == 1:
-                found.append((effect, self.coefficients[start]))
-            start += count
-        return found
-
     def total(self, state: State) -> list[Scalar]:
         """Torque of every joint [N m]."""
         pairs = zip(self.rigid(state), self.beside_rigid(state), strict=True)
@@ -224,7 +212,7 @@ class ReferenceTorque:
         return OrderedDict()
 
     def _remembered(self, what: str, state: State, compute: Callable[[], list]) -> list:
-        fingerprint = _fingerprint(state)
+        fingerprint = state.fingerprint
         if fingerprint is None:
             return compute()
         key = (what, fingerprint)
@@ -234,18 +222,3 @@ class ReferenceTorque:
         if len(self._memory) > REMEMBERED:
             self._memory.popitem(last=False)
         return self._memory[key]
-
-
-def _fingerprint(state: State) -> bytes | None:
-    """What tells one sampled motion from another; None for symbols and single instants.
-
-    Every few samples, since motions that differ do so nearly everywhere.
-    """
-    components = (state.t, *state.q, *state.dq, *state.ddq)
-    if not all(isinstance(x, np.ndarray) for x in components):
-        return None
-    digest = blake2b(str(state.sign_width).encode(), digest_size=16)
-    for component in components:
-        digest.update(component[::STRIDE].tobytes())
-        digest.update(component[-1:].tobytes())
-    return digest.digest()

@@ -11,7 +11,6 @@ from numpy import ndarray
 
 from oed.dynamics.effects.deflection import deflect
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
-from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, with_joint
 from oed.dynamics.newton_euler import joint_components
@@ -20,7 +19,6 @@ from oed.dynamics.scalars import Scalar
 # Of the inertia where it was declared: an estimated inertia may come out too small or negative
 # in some posture, and the spring would throw the links out.
 LEAST_INERTIA = 0.1
-LEAST_WIDTH = 1e-6  # [rad/s] of the sign of Coulomb friction behind a gear
 
 
 @dataclass(frozen=True)
@@ -40,17 +38,17 @@ class Bend:
 
 @dataclass(frozen=True)
 class Rubbing:
-    """Friction as a function of speed.
+    """Friction as a function of speed; none by default.
 
     Attributes:
-        coulomb: [N m].
-        width: Speed over which its sign turns [rad/s].
-        viscous: [N m s/rad].
+        coulomb: [N m], not negative.
+        width: Speed over which its sign turns, positive [rad/s].
+        viscous: [N m s/rad], not negative.
     """
 
-    coulomb: float
-    width: float
-    viscous: float
+    coulomb: float = 0.0
+    width: float = 1.0
+    viscous: float = 0.0
 
     def torque(self, speed: Float[ndarray, " samples"]) -> Float[ndarray, " samples"]:
         """At some speeds [N m]."""
@@ -67,12 +65,12 @@ class Transmission(MeasurementEffect):
     and with the friction of their own bearing. With the inertia M_jj of the rigid model, in
     which the rotor is counted with the link, to first order in delta
 
-        push(delta, delta') + (M_jj - J) delta'' = H(q)_j - R(q)_j + bearing friction_j(q' - delta'),
+        push(delta, delta') + (M_jj - J) delta'' = H(q)_j - R(q)_j + bearing f_j(q' - delta'),
 
-    solved in time along the recording. *All* joints then feel the links where they are, and
-    the rotor, a body on the joint's axis that does not give way, adds what J delta'' is to it. Coulomb and viscous friction
-    behind the gear brake the links' own motion: while these cross a gap they may stand still,
-    and the blow at its end depends on that.
+    f the joint's friction, solved in time along the recording. *All* joints then feel the links
+    where they are; the rotor, a body on the joint's axis, does not give way, and adds what
+    J delta'' is to it. Coulomb and viscous friction behind the gear brake the links' own motion:
+    while these cross a gap they may stand still, and the blow at its end depends on that.
 
     Attributes:
         joint: Index of the joint.
@@ -84,6 +82,8 @@ class Transmission(MeasurementEffect):
         posture: (n,) position where these are declared [rad or m].
         reference: Gives the load.
         rigid_columns: The leading columns are the rigid body's.
+        rubbing: Coulomb and viscous friction behind the gear, part of what `reference` has
+            beside the rigid body: here the links' speed decides.
     """
 
     joint: int
@@ -95,6 +95,7 @@ class Transmission(MeasurementEffect):
     posture: tuple[float, ...]
     reference: ReferenceTorque
     rigid_columns: int
+    rubbing: Rubbing = Rubbing()
     name = "transmission"
 
     def __post_init__(self) -> None:
@@ -133,43 +134,37 @@ class Transmission(MeasurementEffect):
         """
         t = state.motion(self.name).t
         zeros = np.zeros(len(t))
-        whole = self.declared_inertia
-        rotor, links = self.rotor_share * whole, (1 - self.rotor_share) * whole
-        omega = 2 * np.pi * self.frequency
+        rotor, links = self.rotor_inertia, self.declared_inertia - self.rotor_inertia
         speed = state.dq[self.joint] + zeros
-        rubbing = self.rubbing
         load = self.reference.rigid(state)[self.joint] + zeros
         if rotor > 0:
             load = load - rotor * self.reference.rotor(state, self.joint)[self.joint]
         if self.bearing > 0:
             other = self.reference.beside_rigid(state)[self.joint]
-            load = load + self.bearing * other - rubbing.torque(speed)
+            load = load + self.bearing * other - self.rubbing.torque(speed)
         inertia = self.reference.inertia(state, self.joint) - rotor + zeros
         inertia = np.maximum(inertia, LEAST_INERTIA * links)
-        stiffness, damping = omega**2 * links, 2 * self.damping * omega * links
-        gear = (stiffness, damping, self.gap / 2)
-        brake = (speed, rubbing.coulomb, rubbing.width, rubbing.viscous)
+        damping = 2 * self.damping * self.stiffness / (2 * np.pi * self.frequency)
+        gear = (self.stiffness, damping, self.gap / 2)
+        brake = (speed, self.rubbing.coulomb, self.rubbing.width, self.rubbing.viscous)
         return Bend(*deflect(t, load, inertia, gear, brake))
-
-    @property
-    def rubbing(self) -> Rubbing:
-        """Coulomb and viscous friction behind the gear, which the links' speed decides."""
-        found = {Coulomb: 0.0, Viscous: 0.0}
-        width = LEAST_WIDTH
-        if self.bearing > 0:
-            for effect, coefficient in self.reference.single_columns():
-                if isinstance(effect, Coulomb | Viscous) and effect.joint == self.joint:
-                    # A spring's equation needs friction that brakes.
-                    found[type(effect)] += max(self.bearing * coefficient, 0.0)
-                if isinstance(effect, Coulomb) and effect.joint == self.joint:
-                    width = max(width, effect.width)
-        return Rubbing(found[Coulomb], width, found[Viscous])
 
     @property
     def declared_inertia(self) -> float:
         """M_jj of the rigid model at `posture` [kg m^2], at least a rounding error."""
         found = self.reference.inertia_at(self.posture, self.joint)
         return max(abs(found), float(np.finfo(float).tiny))
+
+    @property
+    def rotor_inertia(self) -> float:
+        """J [kg m^2]."""
+        return self.rotor_share * self.declared_inertia
+
+    @property
+    def stiffness(self) -> float:
+        """K [N m/rad]."""
+        links = self.declared_inertia - self.rotor_inertia
+        return (2 * np.pi * self.frequency) ** 2 * links
 
     def _behind(self, motion: Motion, bend: Bend) -> tuple[Float[ndarray, " samples"], ...]:
         motor = (getattr(motion, x)[:, self.joint] for x in ("q", "dq", "ddq"))
@@ -240,11 +235,9 @@ class TransmissionChange(Effect):
             i: -(by_q * bend.d + by_dq * bend.dd + by_ddq * bend.ddd)
             for i, (by_q, by_dq, by_ddq) in enumerate(slopes)
         }
-        rotor = gear.rotor_share * gear.declared_inertia
-        if rotor > 0:
+        if gear.rotor_share > 0:
             for i, moved in enumerate(gear.reference.rotor_inertia(state, gear.joint)):
-                change[i] = change[i] + rotor * moved * bend.ddd
-        speed, rubbing = state.dq[gear.joint], gear.rubbing
-        own = rubbing.torque(speed - bend.dd) - rubbing.torque(speed)
-        change[gear.joint] = change[gear.joint] + own
+                change[i] = change[i] + gear.rotor_inertia * moved * bend.ddd
+        rub, speed = gear.rubbing.torque, state.dq[gear.joint]
+        change[gear.joint] = change[gear.joint] + rub(speed - bend.dd) - rub(speed)
         return [change]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
-import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -23,11 +22,13 @@ from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.transmission import (
     Backlash,
     JointElasticity,
+    Rubbing,
     Transmission,
     TransmissionChange,
 )
 from oed.dynamics.torque_model import TorqueModel
 
+LEAST_WIDTH = 1e-6  # [rad/s] of the sign of Coulomb friction behind a gear
 LEAST_PLAY = 0.03  # of the gear's bend between the largest torques of both signs
 
 
@@ -47,7 +48,13 @@ def _spring(context: Context, target: Target, values: tuple[float, ...]) -> Tran
 
 def _play(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
     gap, frequency, damping, rotor_share, bearing = values
-    return _gear(Backlash, context, target, frequency, damping, rotor_share, gap, bearing)
+    gear = _gear(Backlash, context, target, frequency, damping, rotor_share, gap, bearing)
+    # The equation of motion needs friction that brakes.
+    coulomb, viscous = (
+        max(bearing * f(gear.joint), 0.0) for f in (context.coulomb, context.viscous)
+    )
+    width = max(context.sign_width(gear.joint), LEAST_WIDTH)
+    return dataclasses.replace(gear, rubbing=Rubbing(coulomb, width, viscous))
 
 
 def _has_play(
@@ -61,9 +68,7 @@ def _has_play(
     if unfit is not None:
         return unfit
     gear = _play(context, target, values)
-    links = (1 - gear.rotor_share) * gear.declared_inertia
-    stiffness = (2 * np.pi * gear.frequency) ** 2 * links
-    bend = 2 * float(context.peak_torque[gear.joint]) / stiffness
+    bend = 2 * float(context.peak_torque[gear.joint]) / gear.stiffness
     if gear.gap >= LEAST_PLAY * bend:
         return None
     return f"the gap, {gear.gap:.2g} rad, is {gear.gap / bend:.2g} of what the gear gives way"
@@ -100,7 +105,8 @@ JOINT_ELASTICITY = CatalogueEntry(
     install=_with_gear(_spring),
     unit_coefficient=True,
     page=EffectPage(
-        equation="τ = H(q - δ e_j) + R(q) - R(q - δ e_j), K δ + D δ' + (M_jj - J) δ'' = H_j(q) - R_j(q), "
+        equation="τ = H(q - δ e_j) + R(q) - R(q - δ e_j), "
+        "K δ + D δ' + (M_jj - J) δ'' = H_j(q) - R_j(q), "
         "R the torque of the rotor, a body of inertia J that the rigid arm counts with link j; "
         "ω² = K / (M_jj - J)",
         source="Spong 1987, J. Dynamic Systems, Measurement, and Control 109(4), 310-318; Pham, "
