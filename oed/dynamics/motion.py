@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
@@ -24,12 +25,15 @@ class Motion:
         q: (N, n) position [rad or m].
         dq: (N, n) velocity [rad/s or m/s].
         ddq: (N, n) acceleration [rad/s^2 or m/s^2].
+        averaged: Whether a sample stands for the mean over its step, not for its instant: a
+            velocity that changes its sign between two samples then does so in part at both.
     """
 
     t: Float[ndarray, " samples"]
     q: Float[ndarray, "samples joints"]
     dq: Float[ndarray, "samples joints"]
     ddq: Float[ndarray, "samples joints"]
+    averaged: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         shapes = {"q": self.q.shape, "dq": self.dq.shape, "ddq": self.ddq.shape}
@@ -40,7 +44,13 @@ class Motion:
         return len(self.t)
 
     def __getitem__(self, samples: slice | ndarray) -> Motion:
-        return Motion(self.t[samples], self.q[samples], self.dq[samples], self.ddq[samples])
+        return dataclasses.replace(
+            self,
+            t=self.t[samples],
+            q=self.q[samples],
+            dq=self.dq[samples],
+            ddq=self.ddq[samples],
+        )
 
     @classmethod
     def concatenate(cls, motions: Sequence[Motion]) -> Motion:
@@ -55,7 +65,8 @@ def with_joint(motion: Motion, joint: int, states: Sequence[Float[ndarray, " sam
     changed = [motion.q.copy(), motion.dq.copy(), motion.ddq.copy()]
     for whole, own in zip(changed, states, strict=True):
         whole[:, joint] = own
-    return Motion(motion.t, *changed)
+    q, dq, ddq = changed
+    return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
 
 
 def random_motion(robot: Robot, samples: int, rng: np.random.Generator) -> Motion:

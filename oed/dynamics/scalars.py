@@ -12,12 +12,15 @@ from typing import Any
 
 import casadi
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 Scalar = Any  # float | Float[ndarray, " samples"] | casadi.SX
 Vector = tuple[Scalar, Scalar, Scalar]
 Matrix = tuple[Vector, Vector, Vector]  # rows
 
 ZERO: Vector = (0.0, 0.0, 0.0)
+STILL = 1e-6  # change of a velocity over a step, as a share of it, that is none
 
 
 def is_zero(a: Scalar) -> bool:
@@ -124,6 +127,27 @@ def magnitude(a: Scalar) -> Scalar:
 def sign(a: Scalar) -> Scalar:
     """Sign of any kind of scalar, with sign(0) = 0."""
     return casadi.sign(a) if isinstance(a, casadi.SX) else np.sign(a)
+
+
+def mean_sign(v: Float[ndarray, " samples"], width: float) -> Float[ndarray, " samples"]:
+    """Mean of tanh(v / width) over the step of each sample, v linear between samples.
+
+    A sign that is sampled turns at a sample; its mean turns where the velocity does, and moves
+    smoothly with it.
+
+    Args:
+        v: At evenly spaced instants, two or more.
+        width: 0 for the exact sign.
+    """
+    middle = (v[1:] + v[:-1]) / 2
+    edges = np.concatenate([v[:1], middle, v[-1:]])
+    here = np.tanh(v / width) if width > 0 else np.sign(v)
+    # The integral of the sign: |v|, rounded off at zero.
+    rounded = width * np.log1p(np.exp(-2 * np.abs(edges) / width)) if width > 0 else 0.0
+    rise, run = np.diff(np.abs(edges) + rounded), np.diff(edges)
+    # Where the velocity stands still a quotient of differences is rounding.
+    moves = np.abs(run) > STILL * np.maximum(np.abs(v), width)
+    return np.where(moves, rise / np.where(moves, run, 1.0), here)
 
 
 def power(a: Scalar, exponent: float) -> Scalar:

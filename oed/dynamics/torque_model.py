@@ -22,7 +22,6 @@ from oed.dynamics.effects import (
     Viscous,
 )
 from oed.dynamics.motion import Motion
-from oed.dynamics.newton_euler import joint_components
 from oed.robot import Robot
 
 
@@ -109,7 +108,7 @@ class TorqueModel:
         return result
 
     def _effect_columns(self, motion: Motion) -> Float[ndarray, "samples joints parameters"]:
-        entries = self._entries(State(motion.t, *joint_components(motion)))
+        entries = self._entries(State.along(motion))
         columns = np.zeros((len(motion), self.robot.n, len(entries)))
         for column, by_joint in enumerate(entries):
             for joint, entry in by_joint.items():

@@ -90,7 +90,7 @@ def turning(q, dq, ddq):
 
 def test_how_fast_a_late_sign_turns_is_read_off_late_columns():
     """Beside a delay of columns that are not late, the sharpest sign would fit best."""
-    dataset = data_set(7, extra=turning)
+    dataset = data_set(7, extra=turning, repetitions=12)
     # The motion is periodic, so that the torque wraps.
     recordings = tuple(
         dataclasses.replace(r, tau=np.roll(r.tau, LATE, axis=0)) for r in dataset.recordings
@@ -99,6 +99,6 @@ def test_how_fast_a_late_sign_turns_is_read_off_late_columns():
     shop, selection = search(shop_of(late, candidates=("time_delay", "filter_lag")))
     (found,) = selection.accepted
     assert found.trial.name == "time_delay"
-    # The noise of the torque leaves some tenths of a millisecond, and a tenth of the width.
-    assert found.trial.values[0] == pytest.approx(LATE / RATE, abs=5e-4)
+    # The noise of the torque leaves a tenth of a millisecond, and a tenth of the width.
+    assert found.trial.values[0] == pytest.approx(LATE / RATE, abs=2e-4)
     assert widths_of(shop.baseline.model) == pytest.approx([TURN, TURN], rel=0.2)

@@ -10,12 +10,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.signal import firwin, upfirdn, welch
+from scipy.signal import firwin, welch
+from scipy.sparse import csr_array
 
 SIGNAL_TO_NOISE = 4.0  # least ratio of the acceleration's power to that of encoder noise
 SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not touch the band
@@ -65,14 +66,17 @@ class Band:
 
     def apply(self, fine: Float[ndarray, " samples *columns"]) -> Float[ndarray, " rows *columns"]:
         """Filter without phase and keep every `factor`-th row, the unsettled ends cut away."""
-        flat = fine.reshape(len(fine), -1)
-        # Only the rows that are kept are computed: the first tap meets sample 0 at `reach`.
-        lead = (len(self.taps) - 1) % self.factor
-        padded = np.concatenate([np.zeros(((-lead) % self.factor, flat.shape[1])), flat])
-        start = (len(self.taps) - 1 + ((-lead) % self.factor)) // self.factor
-        filtered = upfirdn(self.taps, padded, up=1, down=self.factor, axis=0)
-        kept = filtered[start : start + self.rows(len(fine))]
-        return kept.reshape(len(kept), *fine.shape[1:])
+        flat = np.ascontiguousarray(fine.reshape(len(fine), -1))
+        return (_low_pass(self, len(fine)) @ flat).reshape(self.rows(len(fine)), *fine.shape[1:])
+
+
+@lru_cache(maxsize=8)
+def _low_pass(band: Band, samples: int) -> csr_array:
+    """The band as a matrix, which filters many columns at once."""
+    rows, taps = band.rows(samples), len(band.taps)
+    read = band.factor * np.arange(rows)[:, None] + np.arange(taps)
+    starts = taps * np.arange(rows + 1)
+    return csr_array((np.tile(band.taps, rows), read.ravel(), starts), shape=(rows, samples))
 
 
 def position_noise(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -79,7 +80,8 @@ class Prepared:
         motion = self.motion
         if self.period is None:
             return motion
-        return Motion(motion.t, *(self.phase_mean(x) for x in (motion.q, motion.dq, motion.ddq)))
+        q, dq, ddq = (self.phase_mean(x) for x in (motion.q, motion.dq, motion.ddq))
+        return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
 
     def phase_mean(
         self, fine: Float[ndarray, "samples columns"]
@@ -237,7 +239,7 @@ def _prepare_one(
     return Prepared(
         name=recording.name,
         role=recording.role,
-        motion=Motion(t, smooth, dq, ddq)[inner],
+        motion=Motion(t, smooth, dq, ddq, averaged=True)[inner],
         fine_torque=tau[inner],
         torque=band.apply(tau[inner]),
         t=rows_t,

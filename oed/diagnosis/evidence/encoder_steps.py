@@ -6,6 +6,7 @@ lack of the model, and no pure error either.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,7 +14,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.rows import Rows
-from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
 from oed.experiment.signals.differentiation import central_difference
@@ -61,11 +61,11 @@ def rounding_squares(
         )
         change = lowpass(rounded - p.motion.q, p.band.rate, p.band.smoothing)
         rate = central_difference(change, p.band.rate)
-        there = Motion(
-            p.motion.t,
-            p.motion.q + change,
-            p.motion.dq + rate,
-            p.motion.ddq + central_difference(rate, p.band.rate),
+        there = dataclasses.replace(
+            p.motion,
+            q=p.motion.q + change,
+            dq=p.motion.dq + rate,
+            ddq=p.motion.ddq + central_difference(rate, p.band.rate),
         )
         difference = model.torque(parameters, there) - model.torque(parameters, p.motion)
         errors.append(p.band.apply(difference))

@@ -11,7 +11,6 @@ from numpy import ndarray
 from oed.diagnosis.data.prepare import Prepared
 from oed.dynamics.effects import Coulomb, Effect, State
 from oed.dynamics.motion import Motion
-from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.torque_model import TorqueModel
 
 # tanh(v / width) is closest to the expected sign of a Gaussian velocity at this many sigmas.
@@ -46,7 +45,7 @@ def effect_columns(
     effect: Effect, motion: Motion, sign_width: float
 ) -> dict[int, Float[ndarray, "samples columns"]]:
     """Columns of one effect on the fine grid, for the joints that it acts on."""
-    state = State(motion.t, *joint_components(motion), sign_width=sign_width)
+    state = State.along(motion, sign_width)
     entries = effect.entries(state)
     acting = sorted({joint for entry in entries for joint in entry})
     result = {}

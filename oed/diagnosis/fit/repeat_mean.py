@@ -10,7 +10,6 @@ from numpy import ndarray
 
 from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.whitening import Autoregression
-from oed.dynamics.motion import Motion
 
 # Repetitions whose positions differ by more than this share of the motion are not repetitions:
 # their mean would be a motion that nobody ran.
@@ -60,7 +59,7 @@ def _averaged(prepared: Prepared, index: Int[ndarray, "repetitions samples"]) ->
     q, dq, ddq, torque = (
         _mean(x, index) for x in (motion.q, motion.dq, motion.ddq, prepared.fine_torque)
     )
-    mean = Motion(motion.t[: index.shape[1]], q, dq, ddq)
+    mean = dataclasses.replace(motion, t=motion.t[: index.shape[1]], q=q, dq=dq, ddq=ddq)
     t = prepared.band.instants(mean.t)
     return dataclasses.replace(
         prepared,

@@ -9,7 +9,7 @@ MOST_STEPS = 40  # of the equation of a step in time: each halves its bracket at
 EXACT = 1e-3  # of the sign's width: speeds closer than this are one
 
 
-@numba.njit
+@numba.njit(cache=True)
 @no_type_check  # compiled: the tests' type checker must not wrap it
 def deflect(t, load, inertia, gear, brake):
     """Solve push(d, d') + M(t) d'' = load + friction(speed - d') by the trapezoidal rule.
@@ -59,7 +59,7 @@ def deflect(t, load, inertia, gear, brake):
     return d, v, a
 
 
-@numba.njit
+@numba.njit(cache=True)
 @no_type_check
 def _against_coulomb(equation, step, brake):
     """Solve heavy a = needed + coulomb tanh((links - h a) / width).

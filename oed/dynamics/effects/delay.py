@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -80,8 +81,8 @@ def delayed(motion: Motion, delay: float) -> Motion:
     """
     t = motion.t
     earlier = np.clip(t - delay, t[0], t[-1])
-    return Motion(
-        t=t,
+    return dataclasses.replace(
+        motion,
         q=CubicHermiteSpline(t, motion.q, motion.dq)(earlier),
         dq=CubicHermiteSpline(t, motion.dq, motion.ddq)(earlier),
         ddq=make_interp_spline(t, motion.ddq, k=3)(earlier),

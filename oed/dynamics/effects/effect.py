@@ -14,7 +14,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
-from oed.dynamics.scalars import Scalar, sign, tanh
+from oed.dynamics.newton_euler import joint_components
+from oed.dynamics.scalars import Scalar, mean_sign, sign, tanh
 
 STRIDE = 8  # samples that a motion's fingerprint leaves out
 
@@ -45,6 +46,7 @@ class State:
         ddq: Acceleration of each joint.
         sign_width: Velocity over which a solver's sign is smoothed, tanh(v / width)
             [rad/s]; 0 for the exact sign with sign(0) = 0.
+        averaged: Whether signs are means over the step of a sampled motion.
     """
 
     t: Scalar
@@ -52,10 +54,19 @@ class State:
     dq: Sequence[Scalar]
     ddq: Sequence[Scalar]
     sign_width: float = 0.0
+    averaged: bool = False
+
+    @classmethod
+    def along(cls, motion: Motion, sign_width: float = 0.0) -> State:
+        """The state at all instants of a sampled motion."""
+        q, dq, ddq = joint_components(motion)
+        return cls(motion.t, q, dq, ddq, sign_width, motion.averaged)
 
     def sign(self, velocity: Scalar, width: float = 0.0) -> Scalar:
         """Direction of motion, smoothed over the wider of `width` and `sign_width`."""
         widest = max(width, self.sign_width)
+        if self.averaged and isinstance(velocity, np.ndarray) and len(velocity) > 1:
+            return mean_sign(velocity, widest)
         return tanh(velocity / widest) if widest > 0 else sign(velocity)
 
     @cached_property
@@ -67,7 +78,7 @@ class State:
         components = (self.t, *self.q, *self.dq, *self.ddq)
         if not all(isinstance(x, np.ndarray) for x in components):
             return None
-        digest = blake2b(str(self.sign_width).encode(), digest_size=16)
+        digest = blake2b(repr((self.sign_width, self.averaged)).encode(), digest_size=16)
         for component in components:
             digest.update(component[::STRIDE].tobytes())
             digest.update(component[-1:].tobytes())
@@ -89,7 +100,7 @@ class State:
                 f"arrays, not on a symbolic state or a single instant"
             )
         q, dq, ddq = (np.stack(x, axis=1) for x in (self.q, self.dq, self.ddq))
-        return Motion(np.asarray(self.t, dtype=float), q, dq, ddq)
+        return Motion(np.asarray(self.t, dtype=float), q, dq, ddq, averaged=self.averaged)
 
 
 class Effect(ABC):

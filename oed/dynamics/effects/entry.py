@@ -17,7 +17,6 @@ from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.offset import TorqueOffset
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
-from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.torque_model import TorqueModel
 
 # Share of the samples up to which speed and torque count: beyond lie starts and gaps of the log.
@@ -299,7 +298,7 @@ def evaluate(
     effect: Effect, motion: Motion, joints: int
 ) -> Float[ndarray, "samples joints columns"]:
     """The columns of one effect over a motion of that many joints."""
-    entries = effect.entries(State(motion.t, *joint_components(motion)))
+    entries = effect.entries(State.along(motion))
     columns = np.zeros((len(motion), joints, len(entries)))
     for column, by_joint in enumerate(entries):
         for joint, entry in by_joint.items():

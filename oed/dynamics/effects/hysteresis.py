@@ -80,7 +80,7 @@ class PreslidingHysteresis(Effect):
         return [{self.joint: z - state.sign(state.dq[self.joint], self.width)}]
 
 
-@numba.njit
+@numba.njit(cache=True)
 @no_type_check  # compiled: the tests' type checker must not wrap it
 def maxwell_elements(q, distances):
     """Mean deflection of Maxwell elements of equal share, relaxed at the first sample.

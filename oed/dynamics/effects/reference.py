@@ -19,7 +19,7 @@ from numpy import ndarray
 from oed.dynamics.effects.effect import Effect, State
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.motion import Motion
-from oed.dynamics.newton_euler import inverse_dynamics, joint_components, regressor_entries
+from oed.dynamics.newton_euler import inverse_dynamics, regressor_entries
 from oed.dynamics.scalars import Scalar, add, mul
 from oed.robot import Robot
 
@@ -146,7 +146,7 @@ class ReferenceTorque:
 
     def parts(self, motion: Motion) -> Float[ndarray, "samples joints 2"]:
         """Rigid-body torque and the rest over a motion [N m]."""
-        state = State(motion.t, *joint_components(motion))
+        state = State.along(motion)
         result = np.zeros((len(motion), self.robot.n, 2))
         for part, torques in enumerate((self.rigid(state), self.beside_rigid(state))):
             for joint, torque in enumerate(torques):

@@ -13,7 +13,6 @@ from oed.dynamics.effects.deflection import deflect
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, with_joint
-from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.scalars import Scalar
 
 # Of the inertia where it was declared: an estimated inertia may come out too small or negative
@@ -113,7 +112,7 @@ class Transmission(MeasurementEffect):
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns with the rigid body where the links are."""
         result, rigid = np.array(columns(motion)), slice(self.rigid_columns)
-        state = State(motion.t, *joint_components(motion))
+        state = State.along(motion)
         bend = self.bend(state)
         behind = columns(with_joint(motion, self.joint, self._behind(motion, bend)))
         result[:, :, rigid] = behind[:, :, rigid]

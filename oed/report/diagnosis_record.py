@@ -1,0 +1,86 @@
+"""The content of diagnosis.json."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from oed.diagnosis.diagnosis import Diagnosis
+from oed.diagnosis.evidence.verdict import FoundEffect
+from oed.diagnosis.rivals.discrimination import NextExperiment
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.report.provenance import Provenance
+
+FORMAT = 1
+NEXT = "next_experiment"
+
+
+def diagnosis_record(
+    found: Diagnosis,
+    following: NextExperiment | None,
+    *,
+    data: str,
+    joints: Sequence[str],
+    settings: DiagnosisSettings,
+    provenance: Provenance,
+) -> dict[str, object]:
+    """The content of diagnosis.json."""
+    return {
+        "format": FORMAT,
+        "data": data,
+        "joints": list(joints),
+        "verdict": found.verdict,
+        "effects": [_effect(effect) for effect in found.effects],
+        "unexplained": [
+            {
+                "joint": u.joint,
+                "depends_on": list(u.depends_on),
+                "share": u.share,
+                "term": u.label,
+                "stands_in": u.stands_in,
+            }
+            for u in found.unexplained
+        ],
+        "rms": {
+            "before": {p.role: p.before for p in found.proof},
+            "after": {p.role: p.after for p in found.proof},
+            "noise_floor": {p.role: found.noise_floor for p in found.proof},
+            "before_interval": {p.role: p.before_interval for p in found.proof},
+            "after_interval": {p.role: p.after_interval for p in found.proof},
+            "change_interval": {p.role: p.change_interval for p in found.proof},
+            # Rows where the direction of motion is uncertain count less: share that is left.
+            "rows_counted": {p.role: p.counted for p in found.proof},
+        },
+        "relative_rms": {
+            "before": {p.role: p.before / p.torque for p in found.proof},
+            "after": {p.role: p.after / p.torque for p in found.proof},
+            "noise_floor": {p.role: found.noise_floor / p.torque for p in found.proof},
+        },
+        "lack_of_fit": {
+            "before": {"ratio": found.lack_before.ratio, "p_value": found.lack_before.p_value},
+            "after": {"ratio": found.lack_after.ratio, "p_value": found.lack_after.p_value},
+        },
+        "noise_source": found.noise_source,
+        "band_hz": found.cutoff,
+        "refused": list(found.refused),
+        "next_experiment": None if following is None else NEXT,
+        "settings": settings,
+        "versions": provenance.versions,
+        "commit": provenance.commit,
+        "seed": settings.seed,
+    }
+
+
+def _effect(effect: FoundEffect) -> dict[str, object]:
+    return {
+        "name": effect.name,
+        "joint": effect.joint,
+        "parameters": {
+            p.name: {"value": p.value, "std": p.std, "unit": p.unit} for p in effect.parameters
+        },
+        "p_value": effect.p_value,
+        "validation_gain": effect.validation_gain,
+        "alternatives": [
+            {"name": r.name, "joint": r.joint, "evidence": r.evidence, "contender": r.contender}
+            for r in effect.rivals
+        ],
+    }
