@@ -16,7 +16,7 @@ from oed.diagnosis.evidence.encoder_steps import encoder_steps, rounding_squares
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final, install
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
-from oed.diagnosis.evidence.proof import RoleProof, prove
+from oed.diagnosis.evidence.proof import RoleProof, prove, unseen_ratio
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
@@ -154,13 +154,22 @@ def _conclude(
     left = lack_of_fit(after.fit, freedom, rounding)
     estimation = by_role["estimation"]
     old, new = errors_of(before, estimation), errors_of(after, estimation)
+    proof = _proof(before, after, by_role, baseline, settings)
+    unseen = unseen_ratio(proof, baseline.floor.deviation)
     return Diagnosis(
-        verdict=decide(effects, unexplained, left, baseline.floor.source, settings),
+        verdict=decide(
+            effects,
+            unexplained,
+            left,
+            unseen,
+            source=baseline.floor.source,
+            settings=settings,
+        ),
         effects=effects,
         unexplained=unexplained,
         before=before,
         after=after,
-        proof=_proof(before, after, by_role, shop.baseline, settings),
+        proof=proof,
         noise_floor=baseline.floor.deviation,
         noise_source=baseline.floor.source,
         lack_before=lack_of_fit(before.fit, freedom, rounding),

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from oed.diagnosis.diagnosis import Diagnosis
-from oed.diagnosis.evidence.proof import RoleProof
+from oed.diagnosis.evidence.proof import RoleProof, unseen_ratio
+from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.report.diagnosis_record import NEXT
@@ -39,7 +40,7 @@ def diagnosis_page(
             ],
         ),
         Section("What was found", _effect_blocks(found)),
-        Section("What has no name", _unexplained_blocks(found)),
+        Section("What has no name", _unexplained_blocks(found, joints)),
         Section(
             "How much is left, against what floor",
             [
@@ -74,18 +75,29 @@ def diagnosis_page(
 
 def _verdict(found: Diagnosis) -> Verdict:
     level = {"nothing found": "good", "explained": "good"}.get(found.verdict, "warning")
-    named = [
-        f"{e.name}" + ("" if e.joint is None else f" on joint {e.joint + 1}") for e in found.effects
-    ]
-    headline = found.verdict[0].upper() + found.verdict[1:]
-    if named:
-        headline += ": " + ", ".join(named)
     notes = []
     for proof in found.proof:
         if proof.role != "estimation":
             old, new = (np.sqrt(np.sum(x**2)) for x in (proof.before, proof.after))
             notes.append(f"{proof.role} error {old:.4g} → {new:.4g} N m")
-    return Verdict(level, headline, "; ".join(notes))  # type: ignore[arg-type]  # one of the levels
+            notes += [
+                f"worse on joint {j + 1}: {proof.before[j]:.4g} → {proof.after[j]:.4g} N m"
+                for j in np.flatnonzero(proof.change_interval[:, 0] > 0)
+            ]
+    return Verdict(level, _headline(found), "; ".join(notes))  # type: ignore[arg-type]  # one of the levels
+
+
+def _headline(found: Diagnosis) -> str:
+    named = ", ".join(
+        e.name + ("" if e.joint is None else f" on joint {e.joint + 1}") for e in found.effects
+    )
+    if found.verdict != "unexplained":
+        return found.verdict.capitalize() + (f": {named}" if named else "")
+    left = sorted({u.joint + 1 for u in found.unexplained})
+    where = f" on joint{'s' * (len(left) > 1)} {', '.join(map(str, left))}" if left else ""
+    if not named:
+        return f"Unexplained: something without a name{where}"
+    return f"Partly explained: {named}; something without a name is left{where}"
 
 
 def _proof_rows(
@@ -149,9 +161,26 @@ def _effect_blocks(found: Diagnosis) -> list[Text | Table | Picture]:
     return blocks
 
 
-def _unexplained_blocks(found: Diagnosis) -> list[Text | Table | Picture]:
+def _unexplained_blocks(found: Diagnosis, joints: Sequence[str]) -> list[Text | Table | Picture]:
+    blocks: list[Text | Table | Picture] = []
+    ratios = unseen_ratio(found.proof, found.noise_floor)
+    blocks += [
+        Text(
+            f"On the validation recordings the error of {name} is {ratio:.2g} times the "
+            "noise floor: what the model predicts there is not what happens."
+        )
+        for name, ratio in zip(joints, ratios, strict=True)
+        if ratio > CLEAR_UNSEEN
+    ]
+    if not any(p.period for p in found.shop.estimation):
+        blocks.append(
+            Text(
+                "No motion is repeated: what changes with time cannot be told from what depends "
+                "on the motion, and a drift may be part of the noise floor."
+            )
+        )
     if not found.unexplained:
-        return [Text("No free-form term of the residual is significant.")]
+        return [*blocks, Text("No free-form term of the residual is significant.")]
     rows = [
         {
             "joint": u.joint + 1,
@@ -162,7 +191,7 @@ def _unexplained_blocks(found: Diagnosis) -> list[Text | Table | Picture]:
         }
         for u in found.unexplained
     ]
-    return [Table(rows, "Free-form terms that the data demand")]
+    return [*blocks, Table(rows, "Free-form terms that the data demand")]
 
 
 def _lack_rows(found: Diagnosis, joints: Sequence[str]) -> list[dict[str, str | float]]:

@@ -15,7 +15,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.report.diagnosis_page import diagnosis_page
 from oed.report.diagnosis_plots import MOST_PANELS, plot_dependences, plot_proof, plot_spectra
 from oed.report.diagnosis_record import FORMAT, NEXT, diagnosis_record
-from oed.report.json_file import write_json
+from oed.report.json_file import plain_value, write_json
 from oed.report.page import write_page
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
@@ -42,6 +42,12 @@ def write_diagnosis(
         provenance: Of the run.
         out: Folder, made if absent.
     """
+    # First: what cannot be recorded leaves nothing behind.
+    record = plain_value(
+        diagnosis_record(
+            found, following, data=data, joints=joints, settings=settings, provenance=provenance
+        )
+    )
     out.mkdir(parents=True, exist_ok=True)
     pictures = {
         name: save_figure(figure, out / name, ("png",))[0]
@@ -54,9 +60,6 @@ def write_diagnosis(
     )
     write_page(out / "report.html", page)
     # Last: whoever finds this file finds the rest complete.
-    record = diagnosis_record(
-        found, following, data=data, joints=joints, settings=settings, provenance=provenance
-    )
     write_json(out / "diagnosis.json", record)
 
 

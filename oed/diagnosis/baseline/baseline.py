@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from oed.diagnosis.baseline.noise_floor import (
     NoiseFloor,
+    differences,
     floor_from_free_form,
     floor_from_repetitions,
     repetition_samples,
@@ -62,7 +63,7 @@ class Baseline:
         Args:
             model: With the other shapes.
             prepared: The estimation recordings.
-            known: Torque of additions to the model, one array a recording [N m].
+            known: Torque of additions on the fine grid, one array a recording [N m].
         """
         fit = fit_model(model, self.columns, self.rows(prepared))
         floor = _read_floor(fit, prepared, known)
@@ -144,18 +145,22 @@ def _read_floor(
     prepared: tuple[Prepared, ...],
     known: Sequence[Float[ndarray, "_ joints"]] | None = None,
 ) -> NoiseFloor:
+    known = [np.zeros_like(p.fine_torque) for p in prepared] if known is None else known
     if any(p.period is not None for p in prepared):
-        return _repetition_floor(fit, prepared)
-    silent = [np.zeros_like(p.torque) for p in prepared]
-    return _free_form_floor(fit, prepared, silent if known is None else known)
+        return _repetition_floor(fit, prepared, known)
+    return _free_form_floor(fit, prepared, known)
 
 
-def _repetition_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> NoiseFloor:
-    repeated = [p for p in prepared if p.period is not None]
-    series = [repetition_series(p, fine_residual(rough, p)) for p in repeated]
+def _repetition_floor(
+    rough: LinearFit, prepared: tuple[Prepared, ...], known: Sequence[Float[ndarray, "_ joints"]]
+) -> NoiseFloor:
+    pairs = zip(prepared, known, strict=True)
+    residuals = [(p, fine_residual(rough, p) - k) for p, k in pairs if p.period is not None]
+    repeated = [p for p, _ in residuals]
+    series = [repetition_series(p, residual) for p, residual in residuals]
     # Periods may differ from recording to recording.
-    steps = [np.diff(s, axis=0).reshape(-1, s.shape[2]) for s in series]
-    deviation = np.std(np.concatenate(steps), axis=0) / 2**0.5
+    apart = np.concatenate([differences(s).reshape(-1, s.shape[2]) for s in series])
+    deviation = np.std(apart, axis=0)
     coulomb = coulomb_of(rough)
     trusted = []
     for p in repeated:
@@ -163,7 +168,7 @@ def _repetition_floor(rough: LinearFit, prepared: tuple[Prepared, ...]) -> Noise
             [trusted_samples(p, j, coulomb[j], deviation[j]) for j in range(len(coulomb))], axis=1
         )
         trusted.append(fine[repetition_samples(p)])
-    return floor_from_repetitions(series, trusted)
+    return floor_from_repetitions(series, trusted, repeated[0].band.analysis_rate)
 
 
 def _free_form_floor(
@@ -172,7 +177,8 @@ def _free_form_floor(
     """What a rich fit of each joint leaves of the torque less `known`."""
     joints = fit.model.robot.n
     coulomb = coulomb_of(fit)
-    torque = np.concatenate([p.torque - k for p, k in zip(prepared, known, strict=True)])
+    pairs = zip(prepared, known, strict=True)
+    torque = np.concatenate([p.torque - p.band.apply(k) for p, k in pairs])
     own = model_columns(fit, prepared)
     base = len(fit.columns)
     rough = torque - own[:, :, :base] @ fit.parameters[:base]

@@ -1,7 +1,8 @@
 """The noise that no model of the motion can explain, its colour and its size.
 
-With repetitions it is the difference between one repetition's residual and the next: encoder
-noise carried through the regressor is in it, model error is not. Without, it is what a rich
+With repetitions it is what a repetition's residual lacks to those before and after it: encoder
+noise carried through the regressor is in it, model error is not, nor an arm that warms up. What
+comes and goes at once, such as a load, is far louder than noise while it does. Without, it is what a rich
 free-form fit leaves; that is stated, and it makes every later test slower to name.
 """
 
@@ -21,6 +22,8 @@ from oed.diagnosis.fit.whitening import Autoregression, fit_autoregression
 
 NoiseSource = Literal["repetitions", "free-form fit"]
 LEAST_SHARE_OF_PERIOD = 0.3  # of the last repetition that must be left for it to count
+BLOCK = 1.0  # [s] over which the loudness of noise is compared
+QUIET = 3.0  # times the lower quartile of the blocks' deviations, beyond which it is no noise
 
 
 @dataclass(frozen=True)
@@ -77,25 +80,67 @@ def repetition_samples(recording: Prepared) -> Int[ndarray, "repetitions rows"]:
     return np.minimum(starts[:, None] + phases, settled - 1)
 
 
+def differences(
+    folded: Float[ndarray, "repetitions rows joints"],
+) -> Float[ndarray, "differences rows joints"]:
+    """What repetitions lack to their neighbours, with the deviation of a single one's noise.
+
+    Second differences, to which a steady drift is nothing; of two repetitions the first.
+    """
+    if len(folded) < 3:
+        return (folded[1:] - folded[:-1]) / np.sqrt(2)
+    return (folded[2:] - 2 * folded[1:-1] + folded[:-2]) / np.sqrt(6)
+
+
 def floor_from_repetitions(
     series: Sequence[Float[ndarray, "_ _ joints"]],
     trusted: Sequence[Bool[ndarray, "_ _ joints"]],
+    rate: float,
 ) -> NoiseFloor:
     """Noise floor from the differences between successive repetitions.
 
-    Differences of neighbours hardly see a drift that is slow against the period.
+    Args:
+        series: Residuals of the repetitions of each recording [N m].
+        trusted: Which show nothing but noise.
+        rate: Of the rows [Hz].
     """
-    differences, masks = [], []
-    for folded, mask in zip(series, trusted, strict=True):
-        differences += list((folded[1:] - folded[:-1]) / np.sqrt(2))
-        masks += list(mask[1:] & mask[:-1])
+    apart = [x for folded in series for x in differences(folded)]
+    masks = [x for mask in trusted for x in _of_all(mask)]
+    masks = _quiet(apart, masks, round(BLOCK * rate))
     joints = series[0].shape[2]
     noise = tuple(
-        fit_autoregression([d[:, j] for d in differences], trusted=[m[:, j] for m in masks])
+        fit_autoregression([d[:, j] for d in apart], trusted=[m[:, j] for m in masks])
         for j in range(joints)
     )
-    deviation = _deviation(differences, masks, np.ones(joints))
+    deviation = _deviation(apart, masks, np.ones(joints))
     return NoiseFloor("repetitions", noise, deviation, np.ones(joints))
+
+
+def _of_all(
+    mask: Bool[ndarray, "repetitions rows joints"],
+) -> Bool[ndarray, "differences rows joints"]:
+    """Rows that are trusted in all repetitions that a difference is made of."""
+    return mask[1:] & mask[:-1] if len(mask) < 3 else mask[2:] & mask[1:-1] & mask[:-2]
+
+
+def _quiet(
+    noise: Sequence[Float[ndarray, "_ joints"]],
+    trusted: Sequence[Bool[ndarray, "_ joints"]],
+    block: int,
+) -> list[Bool[ndarray, "_ joints"]]:
+    """Trusted rows without the blocks in which something else than noise is heard."""
+    starts = [np.arange(0, len(x), block) for x in noise]
+    rows = [np.add.reduceat(m, s) for m, s in zip(trusted, starts, strict=True)]
+    squares = [
+        np.add.reduceat(np.where(m, x**2, 0.0), s)
+        for x, m, s in zip(noise, trusted, starts, strict=True)
+    ]
+    power = [q / np.maximum(r, 1) for q, r in zip(squares, rows, strict=True)]
+    filled = np.concatenate(rows) > block / 2
+    every = np.where(filled, np.concatenate(power), np.nan)
+    usual = np.nanquantile(every, 0.25, axis=0) if filled.any(axis=0).all() else np.inf
+    loud = [p > QUIET**2 * usual for p in power]
+    return [m & ~np.repeat(x, block, axis=0)[: len(m)] for m, x in zip(trusted, loud, strict=True)]
 
 
 def floor_from_free_form(

@@ -84,6 +84,14 @@ def prove(
     )
 
 
+def unseen_ratio(
+    proofs: Sequence[RoleProof], floor: Float[ndarray, " joints"]
+) -> Float[ndarray, " joints"]:
+    """Error after on the validation recordings, in noise floors; zero without them."""
+    found = [p.after / floor for p in proofs if p.role == "validation"]
+    return found[0] if found else np.zeros(len(floor))
+
+
 def _block_sums(
     series: Sequence[Float[ndarray, "_ joints"]], rate: float
 ) -> Float[ndarray, "blocks joints"]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 from scipy.stats import chi2
 
 from oed.diagnosis.baseline.noise_floor import NoiseSource
@@ -24,10 +26,13 @@ from oed.diagnosis.terms.shape_axes import axis_slope
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.gravity import tilt_directions
+from oed.dynamics.effects.payload import PayloadChange
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 # Ratio of residual to floor above which a lack of fit without a located cause is stated.
-CLEAR_LACK = {"repetitions": 1.4, "free-form fit": 1.4}
+CLEAR_LACK = 1.4
+# The same on recordings that no parameter was fitted to.
+CLEAR_UNSEEN = 2.0
 
 
 @dataclass(frozen=True)
@@ -165,21 +170,32 @@ def decide(
     effects: Sequence[FoundEffect],
     unexplained: Sequence[Unexplained],
     left: LackOfFit,
+    unseen: Float[ndarray, " joints"],
+    *,
     source: NoiseSource,
     settings: DiagnosisSettings,
 ) -> Outcome:
     """The verdict in the interface's words.
 
-    A free-form term that mends the formula of a named effect is no riddle. A lack of fit that no term locates counts only where it is clear: a floor that was not
-    read off repetitions is itself uncertain by some tenths.
+    A free-form term that mends the formula of a named effect is no riddle. A lack of fit that no
+    term locates counts only where it is clear: a floor that was not read off repetitions is itself
+    uncertain by some tenths.
+
+    Args:
+        effects: Found.
+        unexplained: Free-form terms.
+        left: Lack of fit of the augmented model.
+        unseen: (n,) error on the validation recordings, in noise floors; zero without them.
+        source: Of the noise floor.
+        settings: Level of the tests.
     """
     if any(r.contender for e in effects for r in e.rivals):
         return "ambiguous"
-    limit = settings.floor_ratio if effects else CLEAR_LACK[source]
-    limit = max(limit, CLEAR_LACK[source]) if source != "repetitions" else limit
+    certain = effects and source == "repetitions"
+    limit = settings.floor_ratio if certain else max(settings.floor_ratio, CLEAR_LACK)
     significant = (left.p_value < settings.level) & (left.ratio > limit)
     strange = [u for u in unexplained if not any(_mends(u, e) for e in effects)]
-    if strange or np.any(significant):
+    if strange or np.any(significant) or np.any(unseen > CLEAR_UNSEEN):
         return "unexplained"
     return "explained" if effects else "nothing found"
 
@@ -209,6 +225,14 @@ def _from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np
     return np.concatenate([total_tilt(shop, coefficients[:count]), coefficients[count:]])
 
 
+def _unseen_stretch(shop: Workshop, change: PayloadChange) -> float:
+    """Time between the rows before and after a moment [s]: it may lie anywhere in between."""
+    own = [p.t - (p.motion.t[0] if change.start is None else change.start) for p in shop.estimation]
+    t = np.sort(np.concatenate(own)) - change.moment
+    before, after = t[t <= 0], t[t > 0]
+    return float(after[0] - before[-1]) if len(before) and len(after) else 0.0
+
+
 def _estimates(
     shop: Workshop, trial: Trial, coefficients: np.ndarray, covariance: np.ndarray
 ) -> tuple[Estimated, ...]:
@@ -224,6 +248,8 @@ def _estimates(
     shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
     for shape, value, on_axis in zip(shapes, trial.values, deviations, strict=False):
         std = float(on_axis) * axis_slope(value, shape)
+        if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
+            std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
         # A shape can be no less certain than anywhere in its range.
         spread = (shape.upper - shape.lower) / np.sqrt(12)
         estimates.append(Estimated(shape.name, value, min(std, float(spread)), shape.unit))

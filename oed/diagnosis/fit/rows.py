@@ -93,11 +93,38 @@ def weigh(
             _weights_of(recording, joint, noise[joint].with_scale(scale), float(coulomb[joint]))
             for joint in range(len(noise))
         ]
-        weights.append(np.stack(column, axis=1))
+        weights.append(_balanced(np.stack(column, axis=1), recording))
     stacked = np.concatenate(weights)
     if dilution is not None:
         stacked = stacked / np.sqrt(dilution)
     return Rows(prepared, noise, scales, stacked)
+
+
+def _balanced(
+    weights: Float[ndarray, "rows joints"], recording: Prepared
+) -> Float[ndarray, "rows joints"]:
+    """The least weight of all repetitions at the same phase, none where one of them lacks a row.
+
+    What differs between repetitions is a column less its mean over them: only where all count
+    alike is it blind to what the model lacks in each of them.
+    """
+    if recording.period is None:
+        return weights
+    period = recording.period * recording.band.rate
+    # Two rows: where repetitions are no multiple of a row, one may lie beside the other.
+    width = 2 * recording.band.factor
+    fine = np.arange(len(recording.motion))
+    rows = recording.band.reach + recording.band.factor * np.arange(len(weights))
+    turn = np.floor((fine + 0.5) / period).astype(int)
+    place = recording.place_in_period // width
+    bins = (turn.max() + 1, place.max() + 1)
+    least = np.full((*bins, weights.shape[1]), np.inf)
+    np.minimum.at(least, (turn[rows], place[rows]), weights)
+    seen = np.zeros(bins, dtype=bool)
+    seen[turn, place] = True
+    least = np.where(np.isinf(least), 0.0, least)
+    common = np.where(seen[:, :, None], least, np.inf).min(axis=0)
+    return np.minimum(weights, common[place[rows]])
 
 
 def _weights_of(

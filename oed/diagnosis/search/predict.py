@@ -47,11 +47,18 @@ def addition_torque(
     trial: Trial, coefficients: Float[ndarray, " columns"], recording: Prepared
 ) -> Float[ndarray, "rows joints"]:
     """Filtered torque of one addition along a recording [N m]."""
+    return recording.band.apply(fine_torque(trial, coefficients, recording))
+
+
+def fine_torque(
+    trial: Trial, coefficients: Float[ndarray, " columns"], recording: Prepared
+) -> Float[ndarray, "samples joints"]:
+    """Torque of one addition on a recording's fine grid [N m]."""
     joints = recording.torque.shape[1]
     fine = np.zeros((len(recording.motion), joints))
     for joint, block in effect_columns(trial.effect, recording.motion, 0.0).items():
         fine[:, joint] = block @ coefficients
-    return recording.band.apply(fine)
+    return fine
 
 
 def rms(

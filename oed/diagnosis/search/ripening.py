@@ -18,7 +18,7 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.scan import Score, implausible, refine, score, score_at
 from oed.diagnosis.search.workbench import lags_of, moved
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial, context_of
+from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 STARTS = 3  # parts of the first shape's range that are each searched
@@ -129,9 +129,7 @@ def _round(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit
     """The candidate on the reference torque of a fit with it."""
     layout = shop.layout(found.trial)
     whole = shop.fit([*others, found.trial], layout, bend=False)
-    context = context_of(
-        whole.fit, shop.full.rows, shop.gear_ratio, whole.chosen, whole.coefficients
-    )
+    context = shop.context_with(whole)
     trial = moved(found.trial, layout.rows, context, contrast=found.trial.contrast)
     return refine(score(trial, fit.projection, fit.residual), fit, context)
 

@@ -58,7 +58,7 @@ class Augmented:
         coefficients: Of each addition's columns (ones where fixed by construction).
         fit: Its projection holds base columns, additions and derivatives with respect to shapes.
         shifts: What one Gauss-Newton step would add to each addition's shapes, on their axes.
-        deviations: Standard deviations of (coefficients, shapes on their axes) of each addition.
+        covariances: Of (coefficients, shapes on their axes) of each addition.
     """
 
     chosen: tuple[Trial, ...]
@@ -89,6 +89,38 @@ def moved(trial: Trial, rows: Rows, context: Context, *, contrast: bool = False)
         return dataclasses.replace(trial, group=group, contrast=contrast)
     entry = CATALOGUE[trial.name]
     return catalogue_trial(entry, context, trial.target, trial.values, rows, contrast=contrast)
+
+
+def context_of(
+    found: Augmented,
+    rows: Rows,
+    gear_ratio: tuple[float, ...] | None,
+    later: Sequence[Prepared] = (),
+) -> Context:
+    """What the catalogue may know when it proposes an effect.
+
+    Args:
+        found: The fit so far.
+        rows: Where the effect may act.
+        gear_ratio: Motor turns a joint turn, None where unknown.
+        later: Recordings on which it is judged.
+    """
+    # Only what depends on nothing but the state: a reference to a reference would have no end.
+    beside = tuple(
+        (trial.effect, values)
+        for trial, values in zip(found.chosen, found.coefficients, strict=True)
+        if not trial.is_free_form
+        and CATALOGUE[trial.name].install is None
+        and not hasattr(trial.effect, "reference")
+    )
+    return Context.of(
+        found.fit.model,
+        found.fit.full_parameters(),
+        [p.motion for p in rows.prepared],
+        gear_ratio,
+        beside,
+        later=[p.motion for p in later],
+    )
 
 
 def fit_with(

@@ -14,12 +14,13 @@ from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign, with_widths
 from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
-from oed.diagnosis.search.predict import addition_torque, prediction_errors, rms
+from oed.diagnosis.search.predict import fine_torque, prediction_errors, rms
 from oed.diagnosis.search.unseen import Unseen
 from oed.diagnosis.search.workbench import (
     Augmented,
     Layout,
     added_columns,
+    context_of,
     fit_with,
     lags_of,
     lay_out,
@@ -28,8 +29,8 @@ from oed.diagnosis.search.workbench import (
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import terms_alone, terms_together
-from oed.diagnosis.terms.trials import Trial, catalogue_trial, context_of, free_form_trials, grid_of
-from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew
 WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made anew
@@ -60,7 +61,7 @@ class Workshop:
         self.estimation, self.validation = estimation, validation
         self.rng = np.random.default_rng(settings.seed)
         self.before = self.fit(())
-        self.context = context_of(self.before.fit, self.full.rows, gear_ratio)
+        self.context = self.context_with(self.before)
         self._validation_weights = baseline.certainty(validation)
 
     def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
@@ -83,10 +84,10 @@ class Workshop:
         known = [
             sum(
                 (
-                    addition_torque(t, c, p)
+                    fine_torque(t, c, p)
                     for t, c in zip(found.chosen, found.coefficients, strict=True)
                 ),
-                np.zeros_like(p.torque),
+                np.zeros_like(p.fine_torque),
             )
             for p in self.estimation
         ]
@@ -134,9 +135,11 @@ class Workshop:
 
     def update_context(self, found: Augmented) -> None:
         """Take the reference torque of load-dependent effects from a better fit."""
-        self.context = context_of(
-            found.fit, self.full.rows, self.gear_ratio, found.chosen, found.coefficients
-        )
+        self.context = self.context_with(found)
+
+    def context_with(self, found: Augmented) -> Context:
+        """What the catalogue may know beside a fit."""
+        return context_of(found, self.full.rows, self.gear_ratio, self.validation)
 
     def layout_for(self, chosen: Sequence[Trial]) -> Layout:
         """Mean repetitions, or all of them if an addition makes them differ."""

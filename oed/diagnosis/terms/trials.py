@@ -11,7 +11,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.prepare import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.free_form import FreeForm
@@ -70,34 +69,6 @@ class Trial:
     def is_free_form(self) -> bool:
         """Whether it claims no physics."""
         return self.name == FREE_FORM
-
-
-def context_of(
-    fit: LinearFit,
-    rows: Rows,
-    gear_ratio: tuple[float, ...] | None,
-    chosen: Sequence[Trial] = (),
-    coefficients: Sequence[Float[ndarray, " _"]] = (),
-) -> Context:
-    """What the catalogue may know when it proposes an effect.
-
-    Args:
-        fit: Of the base model.
-        rows: Where the effect may act.
-        gear_ratio: Motor turns a joint turn, None where unknown.
-        chosen: Additions in the fit.
-        coefficients: Of the columns of each.
-    """
-    motions = [p.motion for p in rows.prepared]
-    # Only what depends on nothing but the state: a reference to a reference would have no end.
-    beside = tuple(
-        (trial.effect, values)
-        for trial, values in zip(chosen, coefficients, strict=True)
-        if not trial.is_free_form
-        and CATALOGUE[trial.name].install is None
-        and not hasattr(trial.effect, "reference")
-    )
-    return Context.of(fit.model, fit.full_parameters(), motions, gear_ratio, beside)
 
 
 def white_group(

@@ -101,6 +101,7 @@ class Context:
         gear_ratio: Motor turns a joint turn, None where unknown.
         session: First and last time of recordings that one clock timed, one after another [s];
             None for a single recording, or if every one starts its own clock.
+        recordings: How many show the effect.
         beside: Effects found so far, each with its coefficients: delay, gain and load feel
             their torque too.
     """
@@ -113,6 +114,7 @@ class Context:
     peak_torque: Float[ndarray, " joints"]
     gear_ratio: tuple[float, ...] | None = None
     session: tuple[float, float] | None = None
+    recordings: int = 1
     beside: Known = ()
 
     @classmethod
@@ -123,8 +125,19 @@ class Context:
         motions: Sequence[Motion],
         gear_ratio: tuple[float, ...] | None = None,
         beside: Known = (),
+        *,
+        later: Sequence[Motion] = (),
     ) -> Context:
-        """The context of recordings, one motion each."""
+        """The context of recordings, one motion each.
+
+        Args:
+            model: As the attribute, and so are the next.
+            parameters: Of the model.
+            motions: Of the recordings that show the effect.
+            gear_ratio: As the attribute.
+            beside: As the attribute.
+            later: Of further recordings, which tell whether the clock of a single one goes on.
+        """
         if not motions:
             raise ValueError("a context needs at least one motion to say what is covered")
         reference = _reference(model, parameters, beside)
@@ -138,7 +151,8 @@ class Context:
             top_speed=np.quantile(np.abs(dq), HIGHEST, axis=0),
             peak_torque=np.quantile(np.abs(torque), HIGHEST, axis=0),
             gear_ratio=gear_ratio,
-            session=_session(motions),
+            session=_session(motions if len(motions) > 1 else [*motions, *later]),
+            recordings=len(motions),
             beside=beside,
         )
 
