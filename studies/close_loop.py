@@ -58,6 +58,14 @@ class Config:
     smoke: bool = False
     seed: int = 0
 
+    def __post_init__(self) -> None:
+        if self.max_effects < 0:
+            raise ValueError(
+                f"--max-effects {self.max_effects} must not be negative; 0 only tests the model"
+            )
+        if self.seed < 0:
+            raise ValueError(f"--seed {self.seed} must not be negative")
+
     @property
     def settings(self) -> DiagnosisSettings:
         """The diagnosis's settings."""
@@ -120,8 +128,8 @@ def write(outcome: Outcome, config: Config) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
-    config = _parse(arguments)
     try:
+        config = _parse(arguments)
         check_output_folder(config.out)
         outcome = run(config)
         write(outcome, config)

@@ -36,6 +36,7 @@ from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.report.output_folder import results_folder
 from oed.report.provenance import Provenance
 from oed.robot import JointLimits, Robot, arm_joints, load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile
@@ -244,7 +245,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--out", type=Path, default=Path("results/compare_optimisers"))
+    parser.add_argument("--out", type=Path, help="results/compare_optimisers if not given")
     parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
     parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
     parser.add_argument("--seeds", type=int, help="seeds a cell; 30 if not given")
@@ -253,6 +254,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--smoke", action="store_true", help="a minute's worth")
     arguments = parser.parse_args(argv)
+    arguments.out = arguments.out or results_folder("compare_optimisers", smoke=arguments.smoke)
     config = Config.smoke() if arguments.smoke else Config()
     if arguments.seeds is not None:
         config = dataclasses.replace(config, seeds=arguments.seeds)

@@ -29,6 +29,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.read_dataset import read_dataset
 from oed.report.json_file import write_atomically
+from oed.report.output_folder import results_folder
 from oed.report.provenance import Provenance
 from studies.bench.case import KEY_COLUMNS, Case, NoiseKind
 from studies.bench.forms import forms_of
@@ -173,13 +174,14 @@ def write(rows: Sequence[dict[str, str]], config: Config, out: Path) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
     parser = argparse.ArgumentParser(description="Coverage of the intervals of named effects.")
-    parser.add_argument("--out", type=Path, default=Path("results/effect_intervals"))
+    parser.add_argument("--out", type=Path, help="results/effect_intervals if not given")
     parser.add_argument("--forms", nargs="+", choices=COMPARED, default=list(COMPARED))
     parser.add_argument("--seeds", type=int, default=Config.seeds, help="data sets of each form")
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--smoke", action="store_true", help="one case, to see that it works")
     options = parser.parse_args(arguments)
+    options.out = options.out or results_folder("effect_intervals", smoke=options.smoke)
     config = Config(tuple(options.forms), options.seeds, options.first_seed)
     config = SMOKE if options.smoke else config
     rows = run(config, options.out, options.workers)

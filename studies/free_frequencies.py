@@ -28,6 +28,7 @@ from oed.design.trajectories import HarmonicClass
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.report.output_folder import results_folder
 from oed.report.provenance import Provenance
 from oed.robot import load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile
@@ -171,11 +172,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--out", type=Path, default=Path("results/free_frequencies"))
+    parser.add_argument("--out", type=Path, help="results/free_frequencies if not given")
     parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
     parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
     parser.add_argument("--smoke", action="store_true", help="a few seconds' worth")
     arguments = parser.parse_args(argv)
+    arguments.out = arguments.out or results_folder("free_frequencies", smoke=arguments.smoke)
     config = Config.smoke() if arguments.smoke else Config()
     rows = run(config, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler)
     write(config, rows, arguments.out)

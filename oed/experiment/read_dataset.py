@@ -20,6 +20,7 @@ from oed.experiment.recording_checks import (
     check_positions,
     check_repetitions,
     check_rows,
+    check_signals,
     check_time,
     derive_repetition,
     repetition_index,
@@ -60,6 +61,8 @@ def read_dataset(directory: str | Path, *, joints: Sequence[str] | None = None) 
         standing = _standing(manifest, recordings, kept)
         robot = _load_robot(folder, manifest, kept, standing)
         recordings = tuple(_select(recording, kept) for recording in recordings)
+    for recording in recordings:
+        check_signals(recording.q, recording.tau, recording.source, kept)
     return DataSet(
         name=manifest.name,
         source=manifest.source,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
@@ -14,6 +16,7 @@ PARAMETERS_PER_JOINT = 12  # ten inertial parameters, Coulomb and viscous fricti
 # A joint cannot be this far beyond its limits; degrees taken for radians are 57 times too large,
 # and even a motion over a tenth of the range shows.
 BEYOND_LIMITS = 5.0
+LEAST_TRAVEL = 1e-3  # [rad or m] of the joint that moves most: encoders read a tenth of it
 PERIOD_TOLERANCE = 0.002  # of the span: clocks of motion and logger differ by far less
 
 
@@ -62,6 +65,36 @@ def check_positions(
             f"{joint.name!r}, {bound[j]:.4g} {unit}: {advice}"
         )
         raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
+
+
+def check_signals(
+    q: Float[ndarray, "samples joints"],
+    tau: Float[ndarray, "samples joints"],
+    file: str,
+    columns: Sequence[int],
+) -> None:
+    """Refuse torque that was not logged, and an arm that stands still.
+
+    Args:
+        q: Positions of the kept joints.
+        tau: Their torques.
+        file: For the message.
+        columns: Index of each kept joint in the file.
+    """
+    for j, column in enumerate(columns):
+        if np.ptp(tau[:, j]) == 0:
+            message = (
+                f"is {tau[0, j]:g} in every row: the torque of this joint was not logged; log it, "
+                "or name the other joints with --joints where a study takes it"
+            )
+            raise DataSetError(message, file=file, column=f"tau_{column + 1}")
+    travel = float(np.ptp(q, axis=0).max())
+    if travel < LEAST_TRAVEL:
+        message = (
+            f"no joint moves by more than {travel:.2g} rad or m: an arm at rest shows no dynamics; "
+            "record a motion, or leave this recording out"
+        )
+        raise DataSetError(message, file=file, column="q_1")
 
 
 def repetition_index(

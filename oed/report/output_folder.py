@@ -19,3 +19,13 @@ def check_output_folder(folder: Path) -> None:
         raise ValueError(f"--out {folder}: {existing} is a file, not a folder")
     if not os.access(existing, os.W_OK | os.X_OK):
         raise ValueError(f"--out {folder}: no permission to write in {existing}")
+
+
+def results_folder(study: str, *, smoke: bool) -> Path:
+    """Where a study leaves its results if nothing else is said.
+
+    Args:
+        study: Name of its folder.
+        smoke: Whether it only tries whether it works: that must not replace results.
+    """
+    return Path("out" if smoke else "results") / study

@@ -485,3 +485,19 @@ def test_reads_the_measured_sets(name, joints, rows):
     assert dataset.robot.n == joints
     assert [len(recording) for recording in dataset.recordings] == rows
     assert dataset.unused == ()
+
+
+def test_torque_that_was_not_logged(tmp_path):
+    frame = pd.read_csv(write_files(tmp_path, tiny_files()) / "estimation.csv")
+    frame["tau_2"] = 0.0
+    frame.to_csv(tmp_path / "estimation.csv", index=False)
+    error = refused(tmp_path)
+    assert error.column == "tau_2"
+    assert "was not logged" in str(error)
+
+
+def test_an_arm_at_rest(tmp_path):
+    frame = pd.read_csv(write_files(tmp_path, tiny_files()) / "estimation.csv")
+    frame[["q_1", "q_2"]] = 1e-5 * np.random.default_rng(0).normal(size=(len(frame), 2))
+    frame.to_csv(tmp_path / "estimation.csv", index=False)
+    assert "an arm at rest" in str(refused(tmp_path))

@@ -1,12 +1,16 @@
 """Friction of a joint that warms up: largest cold, the same clock for each recording."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.entry import Context, evaluate
 from oed.dynamics.effects.thermal import ThermalDrift
 from oed.dynamics.motion import Motion
-from tests.dynamics.effects.arms import scara, smooth_motion
+from oed.dynamics.torque_model import TorqueModel
+from tests.dynamics.effects.arms import parameters_of, scara, smooth_motion
 
 MOTION = smooth_motion(scara())
 
@@ -30,3 +34,19 @@ def test_each_recording_is_a_session_unless_told_otherwise() -> None:
 def test_refuses_a_time_constant_of_zero() -> None:
     with pytest.raises(ValueError, match="time_constant"):
         ThermalDrift(0, 0.0)
+
+
+def test_a_clock_that_goes_on_makes_one_session_of_a_single_recording() -> None:
+    model = TorqueModel.standard(scara())
+    parameters = parameters_of(model)
+
+    def clocks(later: float, *motions: Motion) -> tuple[float, ...]:
+        next_one = dataclasses.replace(MOTION, t=MOTION.t + later)
+        context = Context.of(model, parameters, motions, later=[next_one])
+        return CATALOGUE["thermal_drift"].shapes_for(context, 0)[1].grid
+
+    second = dataclasses.replace(MOTION, t=MOTION.t + 20.0)
+    assert clocks(60.0, MOTION) == (1.0,)
+    assert clocks(0.0, MOTION) == (0.0,)
+    # Two recordings can tell by themselves which it is.
+    assert clocks(60.0, MOTION, second) == (0.0, 1.0)
