@@ -103,3 +103,11 @@ def _with_torque(prepared, fine_torque):
     return dataclasses.replace(
         prepared, fine_torque=fine_torque, torque=prepared.band.apply(fine_torque)
     )
+
+
+def test_the_quieter_of_two_floors_counts_joint_by_joint():
+    steady, short = _floor(lambda t: 0 * t, 6), _floor(lambda t: 0 * t, 2)
+    loud = dataclasses.replace(short, deviation=short.deviation * np.array([2.0, 0.5]))
+    found = steady.quietest(loud)
+    assert found.deviation == pytest.approx([steady.deviation[0], loud.deviation[1]])
+    assert found.noise == (steady.noise[0], loud.noise[1])

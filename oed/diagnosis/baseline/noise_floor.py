@@ -43,6 +43,17 @@ class NoiseFloor:
     deviation: Float[ndarray, " joints"]
     dilution: Float[ndarray, " joints"]
 
+    def quietest(self, other: NoiseFloor) -> NoiseFloor:
+        """Of each joint the smaller: a fit leaves the noise and what it lacks, never less."""
+        own = self.deviation <= other.deviation
+        pairs = zip(own, self.noise, other.noise, strict=True)
+        return NoiseFloor(
+            self.source,
+            tuple(mine if quiet else its for quiet, mine, its in pairs),
+            np.where(own, self.deviation, other.deviation),
+            np.where(own, self.dilution, other.dilution),
+        )
+
 
 def repetition_series(
     recording: Prepared, fine_residual: Float[ndarray, "samples joints"]

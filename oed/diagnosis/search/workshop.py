@@ -92,6 +92,8 @@ class Workshop:
             for p in self.estimation
         ]
         baseline = self.baseline.with_model(model, self.estimation, known)
+        floor = baseline.floor.quietest(self.baseline.floor)
+        baseline = dataclasses.replace(baseline, floor=floor)
         pairs = zip(widths_of(model), widths_of(self.baseline.model), strict=True)
         quieter = baseline.floor.deviation < QUIETER * self.baseline.floor.deviation
         if not quieter.any() and all(max(a, b) < WIDER * max(min(a, b), 1e-12) for a, b in pairs):
