@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import norm
+from scipy.stats import ncx2, norm
 
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
@@ -100,9 +100,13 @@ def test_the_price_of_shapes_counts_for_the_name_alone(shop: Workshop) -> None:
     coefficients = np.array([1.0, 0.0]) * 2.0 / np.linalg.norm(columns[:, 0])
     cheap = trial(shop, "torque_offset")
     found = confusion(shop, (own, coefficients, cheap), np.random.default_rng(2), draws=200)
-    # A ripple searched over all periods always fits better; its price gives the name away.
+    # A ripple searched over all periods always fits better; its price gives the name away. Of a
+    # known period the gain is a chi-square of two columns, and the ripple costs two parameters
+    # more; the search over periods near its own wins back a few of the draws.
+    known = ncx2.cdf(2 * np.log(shop.mean.rows.count), 2, 2.0**2)
+    chance = 3 * np.sqrt(known * (1 - known) / 200)
     assert found.by_fit < 0.1
-    assert found.by_name > 0.9
+    assert known - 0.1 < found.by_name < known + chance
 
 
 def test_a_further_motion_sets_rivals_further_apart(shop: Workshop) -> None:
