@@ -141,13 +141,15 @@ def mean_sign(v: Float[ndarray, " samples"], width: float) -> Float[ndarray, " s
     """
     middle = (v[1:] + v[:-1]) / 2
     edges = np.concatenate([v[:1], middle, v[-1:]])
-    here = np.tanh(v / width) if width > 0 else np.sign(v)
     # The integral of the sign: |v|, rounded off at zero.
     rounded = width * np.log1p(np.exp(-2 * np.abs(edges) / width)) if width > 0 else 0.0
     rise, run = np.diff(np.abs(edges) + rounded), np.diff(edges)
     # Where the velocity stands still a quotient of differences is rounding.
     moves = np.abs(run) > STILL * np.maximum(np.abs(v), width)
-    return np.where(moves, rise / np.where(moves, run, 1.0), here)
+    still = np.tanh(v[~moves] / width) if width > 0 else np.sign(v[~moves])
+    mean = np.divide(rise, run, out=np.empty_like(v), where=moves)
+    mean[~moves] = still
+    return mean
 
 
 def power(a: Scalar, exponent: float) -> Scalar:

@@ -65,7 +65,6 @@ def test_a_name_whose_own_interval_holds_zero_is_doubted(deviations, doubted):
         (trial,),
         (np.array([0.1]),),
         shop.before.fit,
-        (np.zeros(0),),
         (np.array([[(0.1 / deviations) ** 2]]),),
     )
     assert (doubtful_name(shop, found) is trial) is doubted
@@ -83,9 +82,7 @@ def test_an_uncertain_shape_does_not_make_a_size_doubtful():
             [slope[None], shape * np.eye(1)],
         ]
     )
-    found = Augmented(
-        (trial,), (np.array([0.2, 0.0]),), shop.before.fit, (np.zeros(1),), (covariance,)
-    )
+    found = Augmented((trial,), (np.array([0.2, 0.0]),), shop.before.fit, (covariance,))
     assert doubtful_name(shop, found) is None
 
 
@@ -102,7 +99,6 @@ def test_what_mends_a_name_does_not_make_it_doubtful():
             chosen,
             tuple(np.full(count, 0.1) for count in counts),
             shop.before.fit,
-            (np.zeros(1), np.zeros(0)),
             (np.eye(counts[0] + 1), np.eye(counts[1])),
         )
         return doubtful_name(shop, found) is trial

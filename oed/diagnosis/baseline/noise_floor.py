@@ -2,8 +2,8 @@
 
 With repetitions it is what a repetition's residual lacks to those before and after it: encoder
 noise carried through the regressor is in it, model error is not, nor an arm that warms up. What
-comes and goes at once, such as a load, is far louder than noise while it does. Without, it is what a rich
-free-form fit leaves; that is stated, and it makes every later test slower to name.
+comes and goes at once, such as a load, is far louder than noise while it does. Without, it is
+what a rich free-form fit leaves; that is stated, and it makes every later test slower to name.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Shaped
 from numpy import ndarray
 from scipy.signal import fftconvolve
 
@@ -98,9 +98,7 @@ def differences(
 
     Second differences, to which a steady drift is nothing; of two repetitions the first.
     """
-    if len(folded) < 3:
-        return (folded[1:] - folded[:-1]) / np.sqrt(2)
-    return (folded[2:] - 2 * folded[1:-1] + folded[:-2]) / np.sqrt(6)
+    return np.sum([share * own for share, own in _neighbours(folded)], axis=0)
 
 
 def floor_from_repetitions(
@@ -116,7 +114,8 @@ def floor_from_repetitions(
         rate: Of the rows [Hz].
     """
     apart = [x for folded in series for x in differences(folded)]
-    masks = [x for mask in trusted for x in _of_all(mask)]
+    # A difference is trusted where all that it is made of are.
+    masks = [x for m in trusted for x in np.logical_and.reduce([own for _, own in _neighbours(m)])]
     masks = _quiet(apart, masks, round(BLOCK * rate))
     joints = series[0].shape[2]
     noise = tuple(
@@ -127,11 +126,12 @@ def floor_from_repetitions(
     return NoiseFloor("repetitions", noise, deviation, np.ones(joints))
 
 
-def _of_all(
-    mask: Bool[ndarray, "repetitions rows joints"],
-) -> Bool[ndarray, "differences rows joints"]:
-    """Rows that are trusted in all repetitions that a difference is made of."""
-    return mask[1:] & mask[:-1] if len(mask) < 3 else mask[2:] & mask[1:-1] & mask[:-2]
+def _neighbours(folded: Shaped[ndarray, "_ rows joints"]) -> list[tuple[float, ndarray]]:
+    """The repetitions that make up each difference, and their shares in it."""
+    shares = np.array([-1.0, 1.0] if len(folded) < 3 else [1.0, -2.0, 1.0])
+    shares /= np.linalg.norm(shares)
+    count = len(folded) - len(shares) + 1
+    return [(share, folded[k : k + count]) for k, share in enumerate(shares)]
 
 
 def _quiet(

@@ -27,6 +27,7 @@ from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.gravity import tilt_directions
 from oed.dynamics.effects.payload import PayloadChange
+from oed.dynamics.effects.thermal import since
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 # Ratio of residual to floor above which a lack of fit without a located cause is stated.
@@ -227,7 +228,7 @@ def _from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np
 
 def _unseen_stretch(shop: Workshop, change: PayloadChange) -> float:
     """Time between the rows before and after a moment [s]: it may lie anywhere in between."""
-    own = [p.t - (p.motion.t[0] if change.start is None else change.start) for p in shop.estimation]
+    own = [p.band.instants(since(p.motion.t, change.start)) for p in shop.estimation]
     t = np.sort(np.concatenate(own)) - change.moment
     before, after = t[t <= 0], t[t > 0]
     return float(after[0] - before[-1]) if len(before) and len(after) else 0.0

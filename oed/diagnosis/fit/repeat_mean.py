@@ -9,7 +9,6 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.data.prepare import Prepared
-from oed.diagnosis.fit.whitening import Autoregression
 
 # Repetitions whose positions differ by more than this share of the motion are not repetitions:
 # their mean would be a motion that nobody ran.
@@ -72,11 +71,6 @@ def _averaged(prepared: Prepared, index: Int[ndarray, "repetitions samples"]) ->
         sign_noise=prepared.sign_noise / np.sqrt(count),
         recorded=prepared.recorded[index].all(axis=0),
     )
-
-
-def mean_noise(noise: tuple[Autoregression, ...], count: int) -> tuple[Autoregression, ...]:
-    """The noise of a mean over `count` repetitions."""
-    return tuple(n.with_scale(1 / np.sqrt(count)) for n in noise)
 
 
 def _mean(x: Float[ndarray, "samples joints"], index: ndarray) -> Float[ndarray, "_ joints"]:

@@ -57,14 +57,12 @@ class Augmented:
         chosen: The additions.
         coefficients: Of each addition's columns (ones where fixed by construction).
         fit: Its projection holds base columns, additions and derivatives with respect to shapes.
-        shifts: What one Gauss-Newton step would add to each addition's shapes, on their axes.
         covariances: Of (coefficients, shapes on their axes) of each addition.
     """
 
     chosen: tuple[Trial, ...]
     coefficients: tuple[Float[ndarray, " _"], ...]
     fit: LinearFit
-    shifts: tuple[Float[ndarray, " _"], ...]
     covariances: tuple[Float[ndarray, "_ _"], ...]
 
 
@@ -251,14 +249,13 @@ def _augmented(
     bends: list[slice],
 ) -> Augmented:
     covariance = fit.covariance()
-    shifts, covariances = [], []
+    covariances = []
     for place, bend in zip(places, bends, strict=True):
         index = np.concatenate(
             [np.arange(place.start, place.stop), np.arange(bend.start, bend.stop)]
         ).astype(int)
-        shifts.append(fit.parameters[bend])
         covariances.append(covariance[np.ix_(index, index)])
-    return Augmented(chosen, coefficients, fit, tuple(shifts), tuple(covariances))
+    return Augmented(chosen, coefficients, fit, tuple(covariances))
 
 
 def _solve(
