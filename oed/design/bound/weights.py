@@ -80,10 +80,13 @@ def optimal_weights(
     for _ in range(ITERATIONS):
         if iterate.is_optimal(tolerance, tolerance):
             break
-        iterate = iterate.next()
+        try:
+            iterate = iterate.next()
+        except np.linalg.LinAlgError:  # where no weights will do, all of them shrink to nothing
+            break
     if not iterate.is_optimal(tolerance, NEARLY):
         raise WeightsNotFound(
-            f"no optimal weights after {ITERATIONS} iterations: equalities off by "
+            "no optimal weights found: equalities off by "
             f"{np.abs(iterate.primal).max():.1e}, complementarity {iterate.gap:.1e}",
             float(np.abs(iterate.primal).max()),
             iterate.gap,
@@ -154,9 +157,9 @@ class _Iterate:
         """
         columns = self.factors.shape[2]
         return bool(
-            self.gap * len(self.weights) < loss * columns
+            np.abs(self.primal).max() < feasibility
+            and self.gap * len(self.weights) < loss * columns
             and np.abs(self.dual).max() < loss / DUAL_SLACK * columns
-            and np.abs(self.primal).max() < feasibility
         )
 
     def next(self) -> _Iterate:
