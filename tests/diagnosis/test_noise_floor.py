@@ -111,3 +111,21 @@ def test_the_quieter_of_two_floors_counts_joint_by_joint():
     found = steady.quietest(loud)
     assert found.deviation == pytest.approx([steady.deviation[0], loud.deviation[1]])
     assert found.noise == (steady.noise[0], loud.noise[1])
+
+
+def test_a_floor_read_beside_what_is_known_is_that_of_data_without_it():
+    def spring(q, dq=None, ddq=None):
+        return np.stack([4.0 * q[:, 0], np.zeros(len(q))], axis=1)
+
+    bare, sprung = (
+        prepare(data_set(0, extra=extra, roles=("estimation",)).recordings, DiagnosisSettings())
+        for extra in (None, spring)
+    )
+    expected = find_baseline(TorqueModel.standard(data_set(0).robot), bare)
+    known = [spring(p.motion.q) for p in sprung]
+    found = expected.with_model(expected.model, sprung, known)
+    # What is left are reversals at other samples: the torque differs by 4 N m/rad times 1e-5 rad.
+    assert found.coulomb == pytest.approx(expected.coulomb, rel=1e-3)
+    assert found.floor.deviation == pytest.approx(expected.floor.deviation, rel=1e-3)
+    unaware = expected.with_model(expected.model, sprung)
+    assert unaware.coulomb != pytest.approx(expected.coulomb, rel=1e-3)

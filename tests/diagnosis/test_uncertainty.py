@@ -1,7 +1,7 @@
 """Standard deviations of what is added, held against what estimates really scatter by."""
 
 import dataclasses
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -9,12 +9,15 @@ import pytest
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.evidence.profile import left_by, profiled_deviation, widened
 from oed.diagnosis.evidence.uncertainty import robust_covariance, with_uncertainty
 from oed.diagnosis.fit.linear_fit import project
-from oed.diagnosis.search.scan import at_rest, score
+from oed.diagnosis.search.crests import climbed, crests
+from oed.diagnosis.search.scan import Score, at_rest, score
 from oed.diagnosis.search.workbench import secants
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.shape_axes import to_axis
 from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
@@ -30,9 +33,21 @@ def ripple(size, harmonic):
     return torque
 
 
+def power(size, exponent):
+    def torque(q, dq, ddq):
+        own = size * np.sign(dq[:, 0]) * np.abs(dq[:, 0]) ** exponent
+        return np.stack([own, np.zeros(len(q))], axis=1)
+
+    return torque
+
+
 @cache
 def shop_of(kind, seed=0):
-    extra = {"ripple": ripple(0.3, 12.0), "stribeck": stribeck(1.5, 0.1)}[kind]
+    extra = {
+        "ripple": ripple(0.3, 12.0),
+        "stribeck": stribeck(1.5, 0.1),
+        "power": power(4.4, 0.45),
+    }[kind]
     dataset = data_set(seed, extra=extra)
     settings = DiagnosisSettings()
     prepared = prepare(dataset.recordings, settings)
@@ -104,6 +119,75 @@ def test_shapes_come_to_rest_where_the_data_want_them_from_wherever_they_start()
     for start in ((0.02, 0.5, 0.0), (0.4, 4.0, 0.0), (0.05, 1.0, 1.0)):
         first = score(trial_of(shop, "stribeck", 0, start), fit.projection, fit.residual)
         assert at_rest(first, fit, shop.context).gain > truth.gain - 0.1
+
+
+def test_a_profile_is_the_slope_of_a_straight_model_and_wider_in_a_curved_valley():
+    slope = partial(profiled_deviation, axis=0.5, deviation=0.01, noise=1.0)
+    assert slope(lambda x: 700 + ((x - 0.5) / 0.01) ** 2) == pytest.approx(0.01, rel=1e-9)
+    # Twice as uncertain where the rows that count are a quarter.
+    squares = lambda x: ((x - 0.5) / 0.01) ** 2  # noqa: E731
+    assert profiled_deviation(squares, 0.5, 0.01, 4.0) == pytest.approx(0.02, rel=0.05)
+    # Of a fourth power of (x - 0.5) / 0.1 the squares have risen by four at sqrt(2) of it.
+    quartic = slope(lambda x: ((x - 0.5) / 0.1) ** 4)
+    assert quartic == pytest.approx(0.1 * np.sqrt(2) / 2, rel=0.05)
+    # One side alone, at a bound; and no more than is known of nothing.
+    bounded = profiled_deviation(lambda x: (x / 0.05) ** 2, 0.0, 0.01, 1.0)
+    assert bounded == pytest.approx(0.05, rel=0.05)
+    assert slope(lambda x: 0.0) == pytest.approx(1 / np.sqrt(12))
+
+
+def test_others_keep_what_they_are_known_to_once_the_widened_one_is_told():
+    root = np.random.default_rng(5).normal(size=(4, 4))
+    before = root @ root.T
+    after = widened(before, 1, 3.0)
+    assert after[1, 1] == pytest.approx(9 * before[1, 1])
+    rest = [0, 2, 3]
+
+    def told(c):
+        return c[np.ix_(rest, rest)] - np.outer(c[rest, 1], c[1, rest]) / c[1, 1]
+
+    np.testing.assert_allclose(told(after), told(before), atol=1e-12)
+
+
+def test_squares_of_a_profile_are_those_of_a_fit_with_the_shape_moved():
+    shop = shop_of("ripple")
+    trial = trial_of(shop, "torque_ripple", 1, (12.0,))
+    layout = shop.layout(trial)
+    columns = np.concatenate([layout.regressor, layout.nuisances], axis=2)
+    squares = left_by(
+        trial, project(columns), layout.torque, layout.rows, shop.context, steps=np.array([0.01])
+    )
+    (shape,) = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)
+    for harmonic in (11.9, 12.0, 12.3):
+        moved = trial_of(shop, "torque_ripple", 1, (harmonic,))
+        expected = shop.fit([moved], layout, bend=False).fit.squares
+        assert squares(0, to_axis(harmonic, shape)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_of_two_crests_the_better_one_is_found():
+    shop = shop_of("power")
+    fit = shop.before.fit
+    truth = score(trial_of(shop, "nonlinear_viscous", 0, (0.45, 0.0)), fit.projection, fit.residual)
+    # Viscous friction less a square of speed that thins: a crest of its own.
+    other = score(trial_of(shop, "nonlinear_viscous", 0, (2.0, 3.0)), fit.projection, fit.residual)
+    stuck = at_rest(other, fit, shop.context)
+    assert stuck.trial.values[0] > 1.5
+    found = at_rest(climbed(shop, stuck, fit), fit, shop.context)
+    assert found.gain > truth.gain - 0.1
+    assert found.trial.values[0] < 0.7
+
+
+def test_crests_are_what_no_neighbour_exceeds():
+    one, other = np.meshgrid(np.arange(8.0), np.arange(3.0), indexing="ij")
+    gains = 9 * np.exp(-((one - 1) ** 2) - other**2) + 5 * np.exp(
+        -((one - 6) ** 2) - (other - 2) ** 2
+    )
+    trial = trial_of(shop_of("ripple"), "torque_ripple", 1, (12.0,))
+    scores = [
+        Score(dataclasses.replace(trial, values=(a, b)), float(g), 2, np.ones(2))
+        for a, b, g in zip(one.flat, other.flat, gains.flat, strict=True)
+    ]
+    assert [s.trial.values for s in crests(scores)] == [(1.0, 0.0), (6.0, 2.0)]
 
 
 def test_a_sign_that_was_taken_for_slow_becomes_sharp_again():

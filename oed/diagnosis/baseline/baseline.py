@@ -22,7 +22,7 @@ from oed.diagnosis.baseline.rich_fit import model_columns, rich_fit
 from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign
 from oed.diagnosis.data.direction import certainty, trusted_samples
 from oed.diagnosis.data.prepare import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit, fit_model, fit_regressor, whitened_regressor
+from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
 from oed.diagnosis.fit.model_columns import with_uncertain_sign
 from oed.diagnosis.fit.rows import Rows, weigh
 from oed.diagnosis.fit.whitening import Autoregression
@@ -65,7 +65,7 @@ class Baseline:
             prepared: The estimation recordings.
             known: Torque of additions on the fine grid, one array a recording [N m].
         """
-        fit = fit_model(model, self.columns, self.rows(prepared))
+        fit = fit_model(model, self.columns, self.rows(prepared), known)
         floor = _read_floor(fit, prepared, known)
         return dataclasses.replace(self, model=model, floor=floor, coulomb=coulomb_of(fit))
 
@@ -91,10 +91,8 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     """
     sharp = with_uncertain_sign(model, prepared[0].sign_noise)
     columns = np.sort(base_parameters(model).columns)
-    flat = _white(prepared)
-    rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
-    flat = _scaled(prepared, rough)
-    rough = fit_regressor(sharp, columns, flat, whitened_regressor(sharp, columns, flat))
+    rough = fit_model(sharp, columns, _white(prepared))
+    rough = fit_model(sharp, columns, _scaled(prepared, rough))
     found = Baseline(
         sharp, columns, _read_floor(rough, prepared), coulomb_of(rough), tuple(widths_of(sharp))
     )

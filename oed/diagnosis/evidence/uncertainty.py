@@ -12,13 +12,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.evidence.common_noise import noise_bias
+from oed.diagnosis.evidence.profile import UNIFORM, axes_of, left_by, profiled_deviation, widened
 from oed.diagnosis.fit.linear_fit import Projection, project
+from oed.diagnosis.search.ripening import is_unripe
 from oed.diagnosis.search.scan import block_numbers
 from oed.diagnosis.search.workbench import Augmented, Layout, dense, moved, secants
 from oed.diagnosis.search.workshop import Workshop
@@ -59,6 +62,7 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
         last = np.sqrt(np.diag(covariance))
         scale = widest / np.where(last > 0, last, np.inf)
         covariance = covariance * np.outer(scale, scale)
+    covariance = _profiled(shop, found, layout, steps, covariance)
     if layout is shop.mean:
         bias = noise_bias(
             shop,
@@ -68,6 +72,38 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
         )
         covariance = covariance + np.outer(bias, bias)
     return dataclasses.replace(found, covariances=tuple(covariance[p, p] for p in places))
+
+
+def _profiled(
+    shop: Workshop,
+    found: Augmented,
+    layout: Layout,
+    steps: Sequence[Float[ndarray, " shapes"]],
+    covariance: Float[ndarray, "columns columns"],
+) -> Float[ndarray, "columns columns"]:
+    """The covariance with shapes as uncertain as a fit with all else free shows them to be.
+
+    A gear is left out: its gain has crests, and takes as long to evaluate as all others.
+    """
+    columns, target = _columns(shop, found, layout, steps)
+    alone = np.sum(project(columns).inverse ** 2, axis=1)
+    for trial, place, step in zip(found.chosen, _places(found, layout), steps, strict=True):
+        if not trial.shapes or is_unripe(trial):
+            continue
+        own = moved(trial, layout.rows, shop.context)
+        others = project(np.delete(columns, place, axis=2))
+        whole = target + dense(own, *target.shape).sum(axis=2) if own.fixed else target
+        squares = left_by(own, others, whole, layout.rows, shop.context, steps=step)
+        first = place.stop - len(trial.values)
+        for k, axis in enumerate(axes_of(trial, shop.context)):
+            at = first + k
+            deviation = float(np.sqrt(covariance[at, at]))
+            if not 0 < deviation < UNIFORM:
+                continue
+            noise = float(covariance[at, at] / alone[at])
+            wide = profiled_deviation(partial(squares, k), axis, deviation, noise)
+            covariance = widened(covariance, at, wide / deviation)
+    return covariance
 
 
 def _linearised(

@@ -6,7 +6,7 @@ what it adds beside the model (Frisch and Waugh): its part outside the span of Q
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,21 +133,28 @@ def reversal_nuisances(rows: Rows) -> Float[ndarray, "joints rows nuisances"]:
     return result
 
 
-def fit_model(model: TorqueModel, columns: Int[ndarray, " parameters"], rows: Rows) -> LinearFit:
-    """Fit the chosen columns of a model, and the rows' nuisances, to whitened rows."""
-    return fit_regressor(model, columns, rows, whitened_regressor(model, columns, rows))
-
-
-def fit_regressor(
+def fit_model(
     model: TorqueModel,
     columns: Int[ndarray, " parameters"],
     rows: Rows,
-    regressor: Float[ndarray, "joints rows parameters"],
+    known: Sequence[Float[ndarray, "_ joints"]] | None = None,
 ) -> LinearFit:
-    """As `fit_model`, with the whitened regressor at hand."""
+    """Fit the chosen columns of a model, and the rows' nuisances, to whitened rows.
+
+    Args:
+        model: The torque model, shapes fixed.
+        columns: (b,) indices of the model's columns to estimate.
+        rows: What to fit.
+        known: Torque on the fine grid that is not the model's, one array a recording [N m].
+    """
+    regressor = whitened_regressor(model, columns, rows)
+    torque = rows.torque()
+    if known is not None:
+        torque -= np.stack(
+            [rows.whiten_fine([k[:, [j]] for k in known], j)[:, 0] for j in range(len(torque))]
+        )
     everything = np.concatenate([regressor, reversal_nuisances(rows)], axis=2)
     projection = project(everything)
-    torque = rows.torque()
     coordinates = projection.coordinates(torque)
     projection = Projection(projection.basis, projection.inverse[: regressor.shape[2]])
     return LinearFit(

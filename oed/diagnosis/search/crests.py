@@ -1,0 +1,48 @@
+"""The best shape of an addition, looked for from every crest of its grid.
+
+A simplex climbs the crest where it begins. Friction that rises with less than the first power of
+speed looks much like viscous friction less a higher power: far apart in shape, close in gain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import maximum_filter
+
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.ripening import is_late, is_unripe
+from oed.diagnosis.search.scan import Score, implausible, refine, score
+from oed.diagnosis.search.workshop import Workshop
+
+MOST = 4  # crests of a grid that are climbed
+
+
+def climbed(shop: Workshop, found: Score, fit: LinearFit) -> Score:
+    """A candidate at its best shape, or a better one that another crest leads to.
+
+    What acts on its own torque is left where it is: its grid stands on another torque.
+    """
+    if not found.trial.shapes or is_unripe(found.trial) or is_late(found.trial):
+        return found
+    grid = [
+        score(t, fit.projection, fit.residual)
+        for t in shop.physical
+        if t.key == found.trial.key and t.contrast == found.trial.contrast
+    ]
+    tried = [refine(s, fit, shop.context) for s in crests(grid)[:MOST]]
+    plausible = [s for s in tried if implausible(s, shop.context) is None]
+    # By evidence: of two that explain as much, the one that does not trade places with the model.
+    return max([found, *plausible], key=lambda s: s.evidence(fit.rows.count))
+
+
+def crests(scores: Sequence[Score]) -> list[Score]:
+    """Grid points of one candidate that none of their neighbours exceeds, the best first."""
+    places = np.array([s.trial.values for s in scores]).T
+    at = tuple(np.unique(own, return_inverse=True)[1] for own in places)
+    gains = np.full([own.max() + 1 for own in at], -np.inf)
+    gains[at] = [s.gain for s in scores]
+    is_crest = (gains == maximum_filter(gains, size=3, mode="nearest"))[at]
+    own = [s for s, top in zip(scores, is_crest, strict=True) if top]
+    return sorted(own, key=lambda s: -s.gain)
