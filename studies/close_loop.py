@@ -43,7 +43,8 @@ class Config:
     Attributes:
         data: Folder of the data set.
         out: Folder to leave results in.
-        model: Name of the base model.
+        model: Name of the base model; None for the standard one, with rotor inertias if the data
+            set declares them.
         max_effects: Most effects that may be added.
         candidates: Names of the catalogue that may be given.
         smoke: Whether to use few surrogates and motions.
@@ -52,7 +53,7 @@ class Config:
 
     data: Path
     out: Path
-    model: str = "standard"
+    model: str | None = None
     max_effects: int = 4
     candidates: tuple[str, ...] = tuple(CATALOGUE)
     smoke: bool = False
@@ -98,7 +99,9 @@ def run(config: Config) -> Outcome:
     dataset = read_dataset(config.data)
     for file, column in dataset.unused:
         _say(f"note: {file}: column {column!r} is not used")
-    model = build_model(config.model, dataset.robot)
+    name = config.model or _base_model(dataset)
+    _say(f"base model {name!r}")
+    model = build_model(name, dataset.robot)
     found = diagnose(dataset, model, settings, _say)
     pairs = found.rival_pairs()
     following = None
@@ -111,6 +114,11 @@ def run(config: Config) -> Outcome:
             candidates=SMOKE_MOTIONS if config.smoke else MOTIONS,
         )
     return Outcome(dataset, found, following)
+
+
+def _base_model(dataset: DataSet) -> str:
+    """What is declared is nothing that the model lacks."""
+    return "standard" if dataset.drive.rotor_inertia is None else "rotor"
 
 
 def write(outcome: Outcome, config: Config) -> None:
@@ -165,7 +173,11 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     )
     parser.add_argument("--data", type=Path, required=True, help="folder of the data set")
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
-    parser.add_argument("--model", default="standard", choices=sorted(MODELS), help="base model")
+    parser.add_argument(
+        "--model",
+        choices=sorted(MODELS),
+        help="base model: standard unless given, rotor if the data set declares rotor inertias",
+    )
     parser.add_argument("--max-effects", type=int, default=4, help="most effects to add")
     parser.add_argument(
         "--candidates",

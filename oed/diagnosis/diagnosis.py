@@ -12,7 +12,7 @@ from numpy import ndarray
 from oed.diagnosis.baseline.baseline import Baseline, find_baseline
 from oed.diagnosis.data.prepare import Prepared, prepare
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
-from oed.diagnosis.evidence.encoder_steps import encoder_steps, rounding_squares
+from oed.diagnosis.evidence.encoder_steps import repeated_steps, rounding_squares, rounding_torque
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final, install
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
@@ -50,7 +50,8 @@ class Diagnosis:
         before: The base model, fitted.
         after: The augmented model, fitted: an ordinary torque model.
         proof: Errors before and after, one entry a role that has recordings.
-        noise_floor: (n,) standard deviation of the noise in the analysis band [N m].
+        noise_floor: (n,) standard deviation of the noise in the analysis band, with what encoder
+            steps err in the same way at every repetition [N m].
         noise_source: Where that was read off.
         lack_before: Of the base model.
         lack_after: Of the augmented model.
@@ -124,7 +125,7 @@ def diagnose(
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
     shop, selection = search(shop)
     say(f"{len(selection.accepted)} additions, {len(selection.refused)} candidates refused")
-    steps = encoder_steps(dataset.estimation)
+    steps = repeated_steps(dataset.estimation)
     return _conclude(shop, selection, by_role, steps, settings)
 
 
@@ -150,12 +151,14 @@ def _conclude(
     if not any(a.trial.between_repetitions for a in selection.accepted):
         unexplained += _lines(after, by_role["estimation"], baseline)
     freedom = float(sum(p.rows for p in by_role["estimation"]))
-    rounding = rounding_squares(before.model, before.parameters, layout.rows, steps)
+    errors = rounding_torque(before.model, before.parameters, layout.rows.prepared, steps)
+    rounding = rounding_squares(layout.rows, errors)
+    floor = np.hypot(baseline.floor.deviation, np.concatenate(errors).std(axis=0))
     left = lack_of_fit(after.fit, freedom, rounding)
     estimation = by_role["estimation"]
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
-    unseen = unseen_ratio(proof, baseline.floor.deviation)
+    unseen = unseen_ratio(proof, floor)
     return Diagnosis(
         verdict=decide(
             effects,
@@ -170,7 +173,7 @@ def _conclude(
         before=before,
         after=after,
         proof=proof,
-        noise_floor=baseline.floor.deviation,
+        noise_floor=floor,
         noise_source=baseline.floor.source,
         lack_before=lack_of_fit(before.fit, freedom, rounding),
         lack_after=left,
@@ -229,7 +232,7 @@ def _never_worse(
 
 
 def _without(shop: Workshop, selection: Selection, trial: Trial, reason: str) -> Selection:
-    item = next(a for a in selection.accepted if a.trial is trial)
+    item = next(a for a in selection.accepted if a.trial.key == trial.key)
     rest = tuple(a for a in selection.accepted if a is not item)
     trials = [a.trial for a in rest if a.stands_in]
     found = shop.fit(trials, shop.layout_for(trials))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -44,6 +45,9 @@ class Prepared:
         period: Of the motion, None without repetitions [s].
         sign_noise: (n,) standard deviation of the velocity on the fine grid [rad/s].
         recorded: (N,) whether a fine sample lies between logged ones, not in a gap of the log.
+        laid: Time that `motion` has more than the log, whose clock every recording started anew:
+            recordings are laid end to end in the order in which they are listed [s]. None if one
+            clock timed all.
     """
 
     name: str
@@ -57,6 +61,7 @@ class Prepared:
     period: float | None
     sign_noise: Float[ndarray, " joints"]
     recorded: Bool[ndarray, " samples"]
+    laid: float | None = None
 
     @property
     def valid(self) -> Bool[ndarray, " rows"]:
@@ -128,9 +133,27 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     band = choose_band(positions, rate, settings.lowest_cutoff, highest)
     noise = velocity_noise(position_noise(positions, rate)[0], band)
     return tuple(
-        _prepare_one(recording, *signals, band=band, noise=noise)
-        for recording, signals in zip(recordings, raw, strict=True)
+        _prepare_one(recording, *signals, band=band, noise=noise, laid=laid)
+        for recording, signals, laid in zip(recordings, raw, _laid(recordings), strict=True)
     )
+
+
+def _laid(recordings: tuple[Recording, ...]) -> list[float] | list[None]:
+    """Time to add to each recording so that they follow one another; None if they do already.
+
+    Without repetitions too: what holds from one recording on passes there for anything in which
+    recordings differ.
+    """
+    repeated = any(r.repetitions > 1 for r in recordings if r.role == "estimation")
+    spans = sorted((float(r.t[0]), float(r.t[-1])) for r in recordings)
+    apart = all(later[0] > earlier[1] for earlier, later in pairwise(spans))
+    if apart or not repeated:
+        return [None] * len(recordings)
+    offsets, end = [], 0.0
+    for recording in recordings:
+        offsets.append(end - float(recording.t[0]))
+        end += recording.duration + 1e-6
+    return offsets
 
 
 def _motion_band(recordings: tuple[Recording, ...], rate: float) -> float:
@@ -224,6 +247,7 @@ def _prepare_one(
     *,
     band: Band,
     noise: Float[ndarray, " joints"],
+    laid: float | None,
 ) -> Prepared:
     smooth = lowpass(q, band.rate, band.smoothing)
     dq = central_difference(smooth, band.rate)
@@ -239,7 +263,7 @@ def _prepare_one(
     return Prepared(
         name=recording.name,
         role=recording.role,
-        motion=Motion(t, smooth, dq, ddq, averaged=True)[inner],
+        motion=Motion(t + (laid or 0.0), smooth, dq, ddq, averaged=True)[inner],
         fine_torque=tau[inner],
         torque=band.apply(tau[inner]),
         t=rows_t,
@@ -248,6 +272,7 @@ def _prepare_one(
         period=_period(recording),
         sign_noise=noise,
         recorded=_recorded(recording, t[inner], band.rate),
+        laid=laid,
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
@@ -21,6 +22,11 @@ from oed.experiment.signals.lowpass import lowpass
 
 ON_GRID = 0.98  # share of the logged positions that must be multiples of a step
 TOLERANCE = 0.02  # of a step
+FEW = 10  # steps, of which one can tell how many they are
+SEED = 0  # of the errors drawn
+# Shares of the changes among which a single step is looked for, the coarsest grid first: a joint
+# that moves fast seldom moves by as little.
+RARE = (0.02, 0.002, 0.0)
 
 
 def encoder_steps(recordings: Sequence[Recording]) -> Float[ndarray, " joints"]:
@@ -32,34 +38,60 @@ def encoder_steps(recordings: Sequence[Recording]) -> Float[ndarray, " joints"]:
         moved = changes[changes > 0]
         if len(moved) == 0:
             continue
-        step = float(np.quantile(moved, 0.02))
-        near = moved[moved < 1.5 * step]
-        step = float(np.median(near))
-        off = np.abs(moved / step - np.round(moved / step))
-        # Rounding of the digits in a file is a grid too, but so fine that it means nothing.
-        if np.mean(off < TOLERANCE * np.maximum(np.round(moved / step), 1)) > ON_GRID:
-            steps[j] = step
+        guesses = (_near(moved, float(np.quantile(moved, share))) for share in RARE)
+        steps[j] = next((step for step in guesses if _is_grid(moved, step)), 0.0)
     return steps
 
 
-def rounding_squares(
+def _near(moved: Float[ndarray, " changes"], guess: float) -> float:
+    """Median of the changes of about that size: digits of a file spread them."""
+    return float(np.median(moved[moved < 1.5 * guess]))
+
+
+def _is_grid(moved: Float[ndarray, " changes"], step: float) -> bool:
+    # Many steps are a multiple of anything, near enough.
+    steps = moved[moved < FEW * step] / step
+    count = np.round(steps)
+    return bool(np.mean(np.abs(steps - count) < TOLERANCE * np.maximum(count, 1)) > ON_GRID)
+
+
+def repeated_steps(recordings: Sequence[Recording]) -> Float[ndarray, " joints"]:
+    """(n,) encoder steps whose rounding repeats with the motion [rad].
+
+    Each is as small as the part of its error that comes again: that of two positions d steps
+    apart correlates by 1 - 6 d for small d, and d is the share of the samples that differ. Where
+    repetitions differ by more than that, and without any, the noise has it all.
+    """
+    steps = encoder_steps(recordings)
+    share = np.zeros(len(steps))
+    compared = 0
+    for recording in recordings:
+        period = recording.period
+        if period is None or recording.repetitions < 2:
+            continue
+        turn = round(period / float(np.median(np.diff(recording.t))))
+        change = np.abs(recording.q[turn:] - recording.q[:-turn])
+        share += len(change) * np.clip(1 - 6 * np.mean(change > steps / 2, axis=0), 0.0, 1.0)
+        compared += len(change)
+    return steps * np.sqrt(share / max(compared, 1))
+
+
+def rounding_torque(
     model: TorqueModel,
     parameters: Float[ndarray, " parameters"],
-    rows: Rows,
+    prepared: Sequence[Prepared],
     steps: Float[ndarray, " joints"],
-) -> Float[ndarray, " joints"]:
-    """(n,) mean square that these steps add to a row of the white residual."""
-    joints = len(steps)
-    if not np.any(steps > 0):
-        return np.zeros(joints)
+) -> list[Float[ndarray, "rows joints"]]:
+    """Errors of the predicted torque as these steps make them, in the band [N m].
+
+    An error is drawn evenly over a step: which one a sample met is not to be told any more from
+    positions that were smoothed after it.
+    """
+    rng = np.random.default_rng(SEED)
     errors = []
-    for p in rows.prepared:
-        rounded = p.motion.q.copy()
-        has_steps = steps > 0
-        rounded[:, has_steps] = (
-            np.round(rounded[:, has_steps] / steps[has_steps]) * steps[has_steps]
-        )
-        change = lowpass(rounded - p.motion.q, p.band.rate, p.band.smoothing)
+    for p in prepared:
+        rounded = steps * rng.uniform(-0.5, 0.5, p.motion.q.shape)
+        change = lowpass(rounded, p.band.rate, p.band.smoothing)
         rate = central_difference(change, p.band.rate)
         there = dataclasses.replace(
             p.motion,
@@ -69,8 +101,15 @@ def rounding_squares(
         )
         difference = model.torque(parameters, there) - model.torque(parameters, p.motion)
         errors.append(p.band.apply(difference))
-    squares = np.zeros(joints)
-    for j in range(joints):
+    return errors
+
+
+def rounding_squares(
+    rows: Rows, errors: Sequence[Float[ndarray, "_ joints"]]
+) -> Float[ndarray, " joints"]:
+    """(n,) mean square that errors of the torque add to a row of the white residual."""
+    squares = np.zeros(rows.weights.shape[1])
+    for j in range(len(squares)):
         white = rows.whiten([e[:, [j]] for e in errors], j)
         squares[j] = np.sum(white**2) / max(float(np.sum(rows.weights[:, j] ** 2)), 1.0)
     return squares

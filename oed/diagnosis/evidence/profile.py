@@ -112,10 +112,11 @@ def widened(
     return covariance + (ratio**2 - 1) * np.outer(own, own) / own[place]
 
 
-def axes_of(trial: Trial, context: Context) -> list[float]:
-    """Where the shapes of an addition lie between their bounds."""
+def axes_of(trial: Trial, context: Context) -> list[tuple[int, float]]:
+    """Which shapes of an addition are more than a choice, and where they lie in their range."""
     shapes = CATALOGUE[trial.name].shapes_for(context, trial.target)
-    return [to_axis(v, s) for v, s in zip(trial.values, shapes, strict=True)]
+    places = enumerate(zip(trial.values, shapes, strict=True))
+    return [(k, to_axis(v, s)) for k, (v, s) in places if s.scale != "choice"]
 
 
 def _beside(

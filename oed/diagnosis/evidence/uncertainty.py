@@ -95,7 +95,7 @@ def _profiled(
         whole = target + dense(own, *target.shape).sum(axis=2) if own.fixed else target
         squares = left_by(own, others, whole, layout.rows, shop.context, steps=step)
         first = place.stop - len(trial.values)
-        for k, axis in enumerate(axes_of(trial, shop.context)):
+        for k, axis in axes_of(trial, shop.context):
             at = first + k
             deviation = float(np.sqrt(covariance[at, at]))
             if not 0 < deviation < UNIFORM:

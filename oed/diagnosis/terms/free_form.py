@@ -18,6 +18,7 @@ from scipy.interpolate import BSpline
 
 from oed.dynamics.effects import Effect, Parameter, State
 from oed.dynamics.effects.hysteresis import maxwell_elements
+from oed.dynamics.effects.thermal import since
 from oed.dynamics.scalars import Scalar
 
 DEGREE = 3
@@ -36,6 +37,7 @@ class Coordinate:
         pieces: Polynomial pieces of the spline.
         crowding: Value below which the pieces crowd: they are even in asinh of the coordinate
             over it. None for pieces that are even in the coordinate.
+        start: Origin of time [s]; None for the first sample of each recording.
     """
 
     kind: str
@@ -44,6 +46,7 @@ class Coordinate:
     upper: float
     pieces: int
     crowding: float | None = None
+    start: float | None = 0.0
 
     @property
     def name(self) -> str:
@@ -90,7 +93,7 @@ class Coordinate:
 
     def _values(self, state: State) -> Float[ndarray, " samples"]:
         if self.kind == "time":
-            return np.asarray(state.t, dtype=float)
+            return np.asarray(since(state.t, self.start), dtype=float)
         return np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
 
     def _stretched(self, values: Float[ndarray, " count"]) -> Float[ndarray, " count"]:

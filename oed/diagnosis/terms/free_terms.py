@@ -23,7 +23,12 @@ def coordinate(
     prepared: Sequence[Prepared], kind: str, joint: int, pieces: int = PIECES_ALONE
 ) -> Coordinate:
     """A coordinate with the range that the recordings cover."""
-    if kind == "time":
+    start = 0.0
+    if kind == "time" and any(p.laid is not None for p in prepared):
+        # A function of each recording's own time: what drifts does so again in recordings to come.
+        start, lower = None, 0.0
+        upper = max(float(p.motion.t[-1] - p.motion.t[0]) for p in prepared)
+    elif kind == "time":
         lower = min(float(p.motion.t[0]) for p in prepared)
         upper = max(float(p.motion.t[-1]) for p in prepared)
     else:
@@ -31,7 +36,7 @@ def coordinate(
         lower, upper = (float(x) for x in np.quantile(values, QUANTILES))
     if upper - lower < 1e-6:
         upper = lower + 1e-6
-    return Coordinate(kind, joint, lower, upper, pieces)
+    return Coordinate(kind, joint, lower, upper, pieces, start=start)
 
 
 def loop(prepared: Sequence[Prepared], joint: int) -> Loop:
