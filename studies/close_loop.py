@@ -99,7 +99,7 @@ def run(config: Config) -> Outcome:
     dataset = read_dataset(config.data)
     for file, column in dataset.unused:
         _say(f"note: {file}: column {column!r} is not used")
-    name = config.model or _base_model(dataset)
+    name = config.model or base_model(dataset)
     _say(f"base model {name!r}")
     model = build_model(name, dataset.robot)
     found = diagnose(dataset, model, settings, _say)
@@ -116,7 +116,7 @@ def run(config: Config) -> Outcome:
     return Outcome(dataset, found, following)
 
 
-def _base_model(dataset: DataSet) -> str:
+def base_model(dataset: DataSet) -> str:
     """What is declared is nothing that the model lacks."""
     return "standard" if dataset.drive.rotor_inertia is None else "rotor"
 

@@ -54,7 +54,7 @@ def stribeck(size, speed=0.1, joint=0):
 def _record(rng, name, role, *, extra, repetitions, colour, step, hum):
     t = np.arange(int(PERIOD * RATE) * repetitions) / RATE
     q, dq, ddq = _motion(rng, t)
-    tau = _rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
+    tau = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
     if extra is not None:
         tau = tau + extra(q, dq, ddq)
     if hum is not None:
@@ -87,8 +87,9 @@ def _motion(rng, t):
     return tuple(np.stack([column[k] for column in columns], axis=1) for k in range(3))
 
 
-def _rigid(q, dq, ddq):
-    total, x, y, second = INERTIA
+def rigid(q, dq, ddq, inertia=INERTIA):
+    """Torque of the rigid arm [N m]."""
+    total, x, y, second = inertia
     c, s = np.cos(q[:, 1]), np.sin(q[:, 1])
     both = 2 * ddq[:, 0] + ddq[:, 1]
     coriolis = dq[:, 1] * (2 * dq[:, 0] + dq[:, 1])

@@ -1,9 +1,12 @@
 """The interface of `studies.close_loop`: what it leaves, and how it refuses."""
 
+import dataclasses
 import json
 
+import numpy as np
 import pytest
 
+from oed.experiment.dataset import Drive
 from oed.experiment.write_dataset import write_dataset
 from studies import close_loop
 from tests.diagnosis.arm import data_set, stribeck
@@ -70,3 +73,10 @@ def test_refuses_numbers_that_make_no_sense(tmp_path, capsys, option, value):
     assert close_loop.main([*given, option, value]) == 2
     assert f"{option} {value}" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_declared_rotors_are_nothing_that_the_model_lacks():
+    bare = data_set(0, roles=("estimation",))
+    assert close_loop.base_model(bare) == "standard"
+    geared = dataclasses.replace(bare, drive=Drive(rotor_inertia=np.array([1e-4, 2e-4])))
+    assert close_loop.base_model(geared) == "rotor"

@@ -62,6 +62,7 @@ class Prepared:
     sign_noise: Float[ndarray, " joints"]
     recorded: Bool[ndarray, " samples"]
     laid: float | None = None
+    laps: Motion | None = None
 
     @property
     def valid(self) -> Bool[ndarray, " rows"]:

@@ -248,7 +248,7 @@ def _estimates(
         deviations = deviations[len(parameters) :]
     shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
     for shape, value, on_axis in zip(shapes, trial.values, deviations, strict=False):
-        std = float(on_axis) * axis_slope(value, shape)
+        std = 0.0 if shape.scale == "choice" else float(on_axis) * axis_slope(value, shape)
         if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
             std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
         # A shape can be no less certain than anywhere in its range.

@@ -59,6 +59,8 @@ def _averaged(prepared: Prepared, index: Int[ndarray, "repetitions samples"]) ->
         _mean(x, index) for x in (motion.q, motion.dq, motion.ddq, prepared.fine_torque)
     )
     mean = dataclasses.replace(motion, t=motion.t[: index.shape[1]], q=q, dq=dq, ddq=ddq)
+    q, dq, ddq = (np.tile(x, (count, 1)) for x in (q, dq, ddq))
+    laps = dataclasses.replace(motion, t=motion.t[index].ravel(), q=q, dq=dq, ddq=ddq)
     t = prepared.band.instants(mean.t)
     return dataclasses.replace(
         prepared,
@@ -70,6 +72,7 @@ def _averaged(prepared: Prepared, index: Int[ndarray, "repetitions samples"]) ->
         period=None,
         sign_noise=prepared.sign_noise / np.sqrt(count),
         recorded=prepared.recorded[index].all(axis=0),
+        laps=laps,
     )
 
 

@@ -81,15 +81,7 @@ def white_group(
         rows: Where.
         contrast: Whether to keep only what differs between repetitions of one phase.
     """
-    # What differs between repetitions by chance moves the arm as well as the torque: only the
-    # mean motion is free of it, so that nothing but time can make these columns differ.
-    motions = [p.mean_motion if contrast else p.motion for p in rows.prepared]
-    fine = [effect_columns(effect, motion, 0.0) for motion in motions]
-    if contrast:
-        fine = [
-            {joint: between_repetitions(block, p) for joint, block in blocks.items()}
-            for blocks, p in zip(fine, rows.prepared, strict=True)
-        ]
+    fine = [_fine_columns(effect, p, contrast=contrast) for p in rows.prepared]
     acting = sorted({joint for blocks in fine for joint in blocks})
     return {
         joint: rows.whiten_fine(
@@ -100,6 +92,26 @@ def white_group(
             joint,
         )
         for joint in acting
+    }
+
+
+def _fine_columns(
+    effect: Effect, prepared: Prepared, *, contrast: bool
+) -> dict[int, Float[ndarray, "samples columns"]]:
+    """Columns of an effect on the fine grid, for the joints that it acts on."""
+    if contrast:
+        # What differs between repetitions by chance moves the arm as well as the torque: only the
+        # mean motion is free of it, so that nothing but time can make these columns differ.
+        blocks = effect_columns(effect, prepared.mean_motion, 0.0)
+        return {joint: between_repetitions(block, prepared) for joint, block in blocks.items()}
+    if prepared.laps is None or "time" not in effect.depends_on:
+        return effect_columns(effect, prepared.motion, 0.0)
+    # The mean over repetitions of what differs between them is not what any of them shows.
+    laps = effect_columns(effect, prepared.laps, 0.0)
+    length = len(prepared.motion)
+    return {
+        joint: block.reshape(-1, length, block.shape[1]).mean(axis=0)
+        for joint, block in laps.items()
     }
 
 

@@ -1,0 +1,95 @@
+"""What changes once in a session, in a recording of its own clock: where it is put, and found."""
+
+import dataclasses
+from itertools import count
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
+from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.fit.whitening import Autoregression
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.trials import white_group
+from oed.dynamics.effects.payload import PayloadChange
+from oed.dynamics.effects.thermal import ThermalDrift
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import LENGTH, PERIOD, RATE, data_set, rigid
+
+MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
+TAKEN_UP = 17.0  # [s] in the second recording
+
+
+def load_from_the_second_recording_on():
+    """Torque of a point mass on the second link, from a moment of the second recording on."""
+    numbers = count()
+
+    def torque(q, dq, ddq):
+        number = next(numbers)
+        own = (MASS * LENGTH**2, MASS * REACH, 0.0, MASS * REACH**2)
+        t = np.arange(len(q)) / RATE
+        held = (t >= TAKEN_UP) if number == 1 else np.full(len(t), number > 1)
+        return held[:, None] * rigid(q, dq, ddq, own)
+
+    return torque
+
+
+def shifted(dataset, gap):
+    """The same on one clock, with pauses."""
+    recordings = []
+    start = 100.0
+    for r in dataset.recordings:
+        recordings.append(dataclasses.replace(r, t=r.t + start))
+        start += r.duration + gap
+    return tuple(recordings)
+
+
+def test_recordings_of_their_own_clocks_lie_end_to_end_as_they_are_listed():
+    dataset = data_set(0)
+    prepared = prepare(dataset.recordings, DiagnosisSettings())
+    starts = [p.motion.t[0] for p in prepared]
+    assert np.diff(starts) == pytest.approx(3 * PERIOD, abs=0.01)
+    # Where the log has a clock that goes on, or nothing repeats, time stays as it was logged.
+    apart = prepare(shifted(dataset, 5.0), DiagnosisSettings())
+    assert np.diff([p.motion.t[0] for p in apart]) == pytest.approx(3 * PERIOD + 5, abs=0.01)
+    assert apart[0].motion.t[0] == pytest.approx(100.0, abs=0.2)
+    single = tuple(dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
+    assert {p.motion.t[0] for p in prepare(single, DiagnosisSettings())} == {starts[0]}
+
+
+@pytest.mark.parametrize("kind", ["payload", "drift"])
+def test_columns_of_the_mean_repetition_are_the_mean_of_all(kind):
+    dataset = data_set(0, roles=("estimation", "estimation"))
+    prepared = prepare(dataset.recordings, DiagnosisSettings())
+    robot = dataset.robot
+    effect = {
+        "payload": PayloadChange(robot, 1, 44.0, (1, 9), prepared[0].motion.t[0]),
+        "drift": ThermalDrift(1, 12.0),
+    }[kind]
+    noise = (Autoregression(np.ones(1), 1.0),) * 2
+    for p in prepared:
+        mean, repetitions = mean_of_repetitions(p)
+        assert repetitions == 3
+        found, whole = (
+            white_group(effect, Rows((x,), noise, (1.0,), np.ones((x.rows, 2))))[1]
+            for x in (mean, p)
+        )
+        step = round(PERIOD * p.band.analysis_rate)
+        expected = np.mean([whole[k * step : k * step + len(found)] for k in range(3)], axis=0)
+        # Encoder noise differs between repetitions; the gate opens at the same sample.
+        assert found == pytest.approx(expected, abs=0.02 * np.abs(expected).max() + 1e-12)
+
+
+def test_a_load_that_is_taken_up_in_one_recording_and_stays_is_found():
+    dataset = data_set(3, extra=load_from_the_second_recording_on())
+    settings = DiagnosisSettings(candidates=("payload_change", "thermal_drift"))
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    (effect,) = found.effects
+    assert effect.name == "payload_change"
+    values = {p.name: p.value for p in effect.parameters}
+    assert values["moment"] == pytest.approx(3 * PERIOD + TAKEN_UP, abs=0.3)
+    assert values["load_mx_2"] == pytest.approx(MASS * REACH, rel=0.05)
+    after = next(p.after for p in found.proof if p.role == "test")
+    assert np.all(after < 1.2 * found.noise_floor)
