@@ -29,6 +29,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.report.json_file import write_atomically
+from oed.report.output_folder import output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import Robot, arm_joints, load_robot
@@ -211,7 +212,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=Config.seeds)
     parser.add_argument("--iterations", type=int, default=Config.iterations)
     parser.add_argument("--seconds", type=float, default=Config.cpu_seconds)
-    parser.add_argument("--out", type=Path, default=Path("results/compare_figaroh"))
+    parser.add_argument("--out", type=output_folder, default=Path("results/compare_figaroh"))
     arguments = parser.parse_args(argv)
     config = Config(
         arguments.peer_python,

@@ -26,7 +26,7 @@ from oed.estimation.covariance import CovarianceMethod, estimate_covariance
 from oed.estimation.least_squares import batch_least_squares
 from oed.estimation.noise import whiten
 from oed.estimation.weights import variances_from_residuals
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
@@ -209,7 +209,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run from the command line."""
     parser = argparse.ArgumentParser(description="Coverage of confidence intervals by Monte Carlo.")
     parser.add_argument("--smoke", action="store_true", help="a few runs, to see that it works")
-    parser.add_argument("--out", type=Path, help="results/coverage if not given")
+    parser.add_argument("--out", type=output_folder, help="results/coverage if not given")
     options = parser.parse_args(arguments)
     options.out = options.out or results_folder("coverage", smoke=options.smoke)
     config = SMOKE if options.smoke else Config()

@@ -16,7 +16,7 @@ from pathlib import Path
 from oed.dynamics.cross_check import AGREEMENT, cross_check
 from oed.dynamics.identifiability import rigid_body_base_parameters
 from oed.errors import OedError
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
@@ -118,7 +118,7 @@ def _row(source: str, config: Config) -> Row:
 def _parse(arguments: Sequence[str] | None) -> Config:
     parser = argparse.ArgumentParser(prog="python -m studies.cross_check", description=__doc__)
     parser.add_argument("--robot", nargs="+", default=(), help="robot files")
-    parser.add_argument("--out", type=Path, help="results/cross_check if not given")
+    parser.add_argument("--out", type=output_folder, help="results/cross_check if not given")
     parser.add_argument("--seed", type=int, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="few states, first robots only")
     given = parser.parse_args(arguments)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, number_of, write_csv
@@ -180,7 +180,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--robot", nargs="+", default=(), help="files; the default list if none")
-    parser.add_argument("--out", type=Path, help="results/design if not given")
+    parser.add_argument("--out", type=output_folder, help="results/design if not given")
     parser.add_argument("--smoke", action="store_true", help="a few seconds an arm")
     given = parser.parse_args(argv)
     given.out = given.out or results_folder("design", smoke=given.smoke)

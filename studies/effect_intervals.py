@@ -29,7 +29,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.read_dataset import read_dataset
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from studies.bench.case import KEY_COLUMNS, Case, NoiseKind
 from studies.bench.forms import forms_of
@@ -174,7 +174,7 @@ def write(rows: Sequence[dict[str, str]], config: Config, out: Path) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
     parser = argparse.ArgumentParser(description="Coverage of the intervals of named effects.")
-    parser.add_argument("--out", type=Path, help="results/effect_intervals if not given")
+    parser.add_argument("--out", type=output_folder, help="results/effect_intervals if not given")
     parser.add_argument("--forms", nargs="+", choices=COMPARED, default=list(COMPARED))
     parser.add_argument("--seeds", type=int, default=Config.seeds, help="data sets of each form")
     parser.add_argument("--first-seed", type=int, default=0)

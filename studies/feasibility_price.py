@@ -37,7 +37,7 @@ from oed.estimation.feasible.mass_matrix import (
     share_positive_definite,
 )
 from oed.estimation.feasible.regularisation import Regularisation
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, write_csv
@@ -277,7 +277,7 @@ def main(arguments: list[str] | None = None) -> None:
         prog="python -m studies.feasibility_price", description=__doc__
     )
     parser.add_argument("--smoke", action="store_true", help="one case, to see that it works")
-    parser.add_argument("--out", type=Path, help="results/feasibility_price if not given")
+    parser.add_argument("--out", type=output_folder, help="results/feasibility_price if not given")
     parser.add_argument("--seed", type=int, default=Config.seed)
     options = parser.parse_args(arguments)
     options.out = options.out or results_folder("feasibility_price", smoke=options.smoke)

@@ -34,6 +34,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.imi_laboratory import ImiLaboratory
 from oed.experiment.recording import HELD_OUT, Recording, Role
 from oed.experiment.simulation import Setup, simulate
+from oed.report.output_folder import output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table, write_csv
 
@@ -222,7 +223,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     parser = argparse.ArgumentParser(
         prog="studies.loop", description=(__doc__ or "").partition("\n")[0]
     )
-    parser.add_argument("--out", type=Path, required=True, help="folder for the table")
+    parser.add_argument("--out", type=output_folder, required=True, help="folder for the table")
     parser.add_argument("--hidden", default="stribeck", choices=[*sorted(HIDDEN), "nothing"])
     parser.add_argument("--rounds", type=int, default=4, help="most experiments")
     parser.add_argument("--smoke", action="store_true", help="few designs and surrogates")

@@ -25,7 +25,7 @@ from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
@@ -168,7 +168,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--out", type=Path, help="results/optimality_bound if not given")
+    parser.add_argument("--out", type=output_folder, help="results/optimality_bound if not given")
     parser.add_argument("--degrees", type=int, nargs="+", default=Config.degrees)
     parser.add_argument("--seconds", type=float, default=Config.cpu_seconds)
     parser.add_argument("--seed", type=int, default=Config.seed)

@@ -31,6 +31,7 @@ from oed.experiment.plant import TruePlant
 from oed.experiment.recording import Recording, Role
 from oed.experiment.simulation import Setup, simulate
 from oed.experiment.write_dataset import write_dataset
+from oed.report.output_folder import output_folder
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB
 
@@ -108,7 +109,7 @@ def run(config: Config) -> DataSet:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m studies.scara_recordings", description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--out", type=output_folder, required=True)
     parser.add_argument("--hidden", choices=HIDDEN, default=Config.hidden)
     parser.add_argument("--seed", type=int, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="two repetitions of each motion")

@@ -24,7 +24,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.report.json_file import write_json
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
@@ -160,7 +160,7 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--instants", type=int, default=Config.instants)
     parser.add_argument("--seed", type=int, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="few instants, few repetitions")
-    parser.add_argument("--out", type=Path, help="results/speed if not given")
+    parser.add_argument("--out", type=output_folder, help="results/speed if not given")
     given = parser.parse_args(argv)
     given.out = given.out or results_folder("speed", smoke=given.smoke)
     config = Config(

@@ -24,7 +24,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.streaming import StreamingLeastSquares
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
@@ -91,7 +91,7 @@ def run(config: Config) -> Row:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m studies.streaming", description=__doc__)
-    parser.add_argument("--out", type=Path, help="results/streaming if not given")
+    parser.add_argument("--out", type=output_folder, help="results/streaming if not given")
     parser.add_argument("--samples", type=int, default=Config.samples)
     parser.add_argument("--seed", type=int, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="20,000 samples")

@@ -16,7 +16,7 @@ from pathlib import Path
 from oed.errors import OedError
 from oed.report.bench_plots import plot_confusion, plot_detection, plot_errors
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
@@ -99,7 +99,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(
         prog="python -m studies.bench", description="A blind test of the diagnosis."
     )
-    parser.add_argument("--out", type=Path, help="results/bench if not given")
+    parser.add_argument("--out", type=output_folder, help="results/bench if not given")
     parser.add_argument("--cases", nargs="+", choices=GROUPS, default=list(GROUPS))
     parser.add_argument("--seeds", type=int, default=Config.seeds, help="rounds")
     parser.add_argument("--first-seed", type=int, default=0)

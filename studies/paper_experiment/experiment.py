@@ -24,7 +24,7 @@ from oed.experiment.paper_signals import PROCESSINGS, Processing
 from oed.experiment.sensors import Sensors
 from oed.experiment.simulation import run as run_fast
 from oed.report.json_file import write_atomically, write_json
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.report.table import write_csv
 from studies.paper_experiment import figure_data as data
@@ -321,7 +321,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Command line."""
     parser = argparse.ArgumentParser(description="The paper's experiment, in simulation.")
     parser.add_argument("--data", type=Path, help="ignored: this experiment is simulated")
-    parser.add_argument("--out", type=Path, help="results/paper if not given")
+    parser.add_argument("--out", type=output_folder, help="results/paper if not given")
     parser.add_argument("--cache", type=Path, default=Config.cache)
     parser.add_argument("--experiments", type=int, default=Config.experiments)
     parser.add_argument(
