@@ -2,23 +2,34 @@
 
     PYTHON_OF_THAT_ENVIRONMENT studies/figaroh_design.py URDF RESULT.json SEED ITERATIONS JOINT ...
 
+`studies.compare_figaroh` runs it.
+
 It uses no module of this project, so that both can be installed apart. Objective, spline, limits
 and solver are figaroh's own; only its reading of a configuration file is bypassed. Collision is
 left out: no geometry is loaded. One segment of five waypoints, two seconds apart, at 20 Hz.
 """
 
+import argparse
 import json
 import sys
 import time
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pinocchio as pin
-from figaroh.optimal.base_optimal_trajectory import (
-    BaseOptimalTrajectory,
-    BaseTrajectoryIPOPTProblem,
-)
+
+try:
+    from figaroh.optimal.base_optimal_trajectory import (
+        BaseOptimalTrajectory,
+        BaseTrajectoryIPOPTProblem,
+    )
+except ModuleNotFoundError as error:
+    # Help must be had without it; `main` refuses to go further.
+    if error.name is None or error.name.partition(".")[0] != "figaroh":
+        raise
+    BaseOptimalTrajectory = BaseTrajectoryIPOPTProblem = cast("Any", object)
 
 TRAJECTORY = {
     "n_wps": 5,
@@ -68,16 +79,31 @@ class Problem(BaseTrajectoryIPOPTProblem):
         return self.opt_traj.constraint_manager.get_constraint_bounds(samples or self.Ns)
 
 
-def main() -> None:
-    """Design, and leave the motion, the objective and the time as JSON."""
-    urdf, out, seed, iterations, *joints = sys.argv[1:]
-    np.random.seed(int(seed))  # noqa: NPY002 - figaroh draws from the global generator
-    model = pin.buildModelFromUrdf(urdf)
+def main() -> int:
+    """Design, and leave the motion, the objective and the time as JSON; 2 without figaroh."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("urdf", help="robot file")
+    parser.add_argument("out", type=Path, help="JSON file to write")
+    parser.add_argument("seed", type=int, help="of figaroh's random starts")
+    parser.add_argument("iterations", type=int, help="of IPOPT at most")
+    parser.add_argument("joints", nargs="+", help="joints that move")
+    given = parser.parse_args()
+    if BaseOptimalTrajectory is object:
+        sys.stderr.write(
+            f"studies.figaroh_design: {sys.executable} has no package figaroh; run it with the "
+            "Python of an environment that has figaroh 1.0.2\n"
+        )
+        return 2
+    joints: list[str] = given.joints
+    np.random.seed(given.seed)  # noqa: NPY002 - figaroh draws from the global generator
+    model = pin.buildModelFromUrdf(given.urdf)
     locked = [i for i in range(1, model.njoints) if model.names[i] not in joints]
     model = pin.buildReducedModel(model, locked, pin.neutral(model))
     robot = pin.RobotWrapper(model, pin.GeometryModel(), pin.GeometryModel())
     robot.geom_model = robot.collision_model
-    designer = Trajectory(robot, joints, int(iterations))
+    designer = Trajectory(robot, joints, given.iterations)
     started, wall = time.process_time(), time.perf_counter()
     designer.initialize()
     results = designer.solve(stack_reps=1)
@@ -97,8 +123,9 @@ def main() -> None:
             "iterations": len(details["iterations"]),
             "cond_W": float(details["obj_values"][-1]),
         }
-    Path(out).write_text(json.dumps(record), encoding="utf-8")
+    given.out.write_text(json.dumps(record), encoding="utf-8")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

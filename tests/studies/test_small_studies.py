@@ -1,5 +1,8 @@
 """Studies of one question each, at smoke size."""
 
+import importlib.util
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +13,7 @@ from oed.report.json_file import read_json
 from oed.report.table import read_csv
 from studies import cross_check, scara_recordings, streaming
 from studies.data_folders import data_sets
+from tests.paths import REPO
 
 
 def test_cross_check_agrees_and_says_with_what(tmp_path: Path) -> None:
@@ -59,3 +63,23 @@ def test_data_sets_are_found_alone_or_in_a_folder(tmp_path: Path, count: int) ->
         (tmp_path / name / "dataset.toml").touch()
     assert [p.name for p in data_sets(tmp_path)] == ["a", "b"][:count]
     assert data_sets(tmp_path / "a") == (tmp_path / "a",)
+
+
+def test_the_script_for_another_environment_gives_help_and_says_what_it_lacks() -> None:
+    command = [sys.executable, "-m", "studies.figaroh_design"]
+    asked = subprocess.run(
+        [*command, "--help"], check=False, capture_output=True, text=True, cwd=REPO
+    )
+    assert asked.returncode == 0
+    assert "ITERATIONS" in asked.stdout
+    if importlib.util.find_spec("figaroh") is None:
+        run = subprocess.run(
+            [*command, "a.urdf", "b.json", "1", "2", "j"],
+            check=False,
+            capture_output=True,
+            text=True,
+            cwd=REPO,
+        )
+        assert run.returncode == 2
+        assert "has no package figaroh" in run.stderr
+        assert run.stderr.count("\n") == 1
