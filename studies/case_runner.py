@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
+from oed.report.json_file import plain_value, read_json
 from oed.report.progress import progress
 
 
@@ -138,6 +139,22 @@ def _attempt(work: Callable[[CaseT], Outcome], case: CaseT) -> Outcome:
         return work(case)
     except Exception as error:  # noqa: BLE001 - whatever one case does, the others go on
         return failure(error)
+
+
+def is_finished(rows: RowFile, cases: Sequence[KeyedCase], configuration: object) -> bool:
+    """Whether every case has its line and the folder's provenance is of this configuration.
+
+    Writing the results again would then only replace where they say that they come from.
+
+    Args:
+        rows: The lines, beside them `provenance.json`.
+        cases: All cases.
+        configuration: The study's configuration, an instance of a dataclass.
+    """
+    record = rows.path.parent / "provenance.json"
+    if not record.is_file() or not {case.key for case in cases} <= rows.done():
+        return False
+    return read_json(record).get("configuration") == plain_value(configuration)
 
 
 def failure(error: BaseException) -> Outcome:

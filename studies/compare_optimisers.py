@@ -36,10 +36,10 @@ from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.robot import JointLimits, Robot, arm_joints, load_robot
-from studies.case_runner import CaseRunner, Outcome, RowFile
+from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.data_folders import PANDA
 from studies.optimiser_summary import write_summary
 
@@ -245,7 +245,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--out", type=Path, help="results/compare_optimisers if not given")
+    parser.add_argument("--out", type=output_folder, help="results/compare_optimisers if not given")
     parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
     parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
     parser.add_argument("--seeds", type=int, help="seeds a cell; 30 if not given")
@@ -260,6 +260,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         config = dataclasses.replace(config, seeds=arguments.seeds)
     if arguments.optimisers:
         config = dataclasses.replace(config, optimisers=tuple(arguments.optimisers))
+    if is_finished(RowFile(arguments.out / "runs.csv", KEY, VALUES), config.cases(), config):
+        print(f"nothing left to do; {arguments.out} stays as it is")
+        return 0
     rows = run(config, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler)
     write(config, rows, arguments.out)
     return 0

@@ -23,9 +23,9 @@ from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import error_rate, separation
 from oed.diagnosis.search.scan import Score
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
-from studies.case_runner import CaseRunner, Outcome, RowFile
+from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.discrimination_summary import write_summary
 from studies.rival_experiment import Duel, Table, design, lay, tune
 
@@ -208,13 +208,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--out", type=Path, help="results/discrimination if not given")
+    parser.add_argument("--out", type=output_folder, help="results/discrimination if not given")
     parser.add_argument("--seeds", type=int, default=Config.seeds, help="of every pair and arm")
     parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
     parser.add_argument("--smoke", action="store_true", help="two cases, to see that it works")
     given = parser.parse_args(arguments)
     given.out = given.out or results_folder("discrimination", smoke=given.smoke)
     config = Config.smoke() if given.smoke else Config(seeds=given.seeds)
+    if is_finished(RowFile(given.out / "runs.csv", KEY, VALUES), config.cases(), config):
+        print(f"nothing left to do; {given.out} stays as it is")
+        return 0
     rows = run(config, given.out, workers=given.workers)
     write(config, rows, given.out)
     print((given.out / "summary.md").read_text(encoding="utf-8"))

@@ -4,7 +4,8 @@
 
 Designs of the paper's arm in its class (10), W = 3, under the exact limits at all times: from
 several seeds at the reference bounds, then for other bounds on the amplitudes and other horizons.
-Start the same command again after an interruption: lines that are there are kept.
+Start the same command again after an interruption: lines that are there are kept, and nothing is
+written where nothing is left to do.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ from oed.design.trajectories import HarmonicClass
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
-from oed.report.output_folder import results_folder
+from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.robot import load_robot
-from studies.case_runner import CaseRunner, Outcome, RowFile
+from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.free_frequency_summary import write_summary
 
 INSTANTS = 80  # the paper's, section 5
@@ -172,13 +173,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--out", type=Path, help="results/free_frequencies if not given")
+    parser.add_argument("--out", type=output_folder, help="results/free_frequencies if not given")
     parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
     parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
     parser.add_argument("--smoke", action="store_true", help="a few seconds' worth")
     arguments = parser.parse_args(argv)
     arguments.out = arguments.out or results_folder("free_frequencies", smoke=arguments.smoke)
     config = Config.smoke() if arguments.smoke else Config()
+    if is_finished(RowFile(arguments.out / "runs.csv", KEY, VALUES), config.cases(), config):
+        print(f"nothing left to do; {arguments.out} stays as it is")
+        return 0
     rows = run(config, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler)
     write(config, rows, arguments.out)
     return 0

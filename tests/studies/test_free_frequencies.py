@@ -9,7 +9,7 @@ import pytest
 from oed.design.design import prove
 from oed.report.comparison_plots import plot_dependence
 from studies import free_frequencies
-from studies.case_runner import RowFile
+from studies.case_runner import RowFile, is_finished
 from studies.free_frequencies import KEY, VALUES, Case, Config, build_problem
 from studies.free_frequency_summary import dependence_lines, hit_lines, panels
 
@@ -87,3 +87,22 @@ def test_no_panel_is_refused() -> None:
 
 def test_a_case_says_what_it_is() -> None:
     assert Case(4.0, 10.0, "J_k", 3, 60.0).key == ("4.0", "10.0", "J_k", "3", "60.0")
+
+
+def test_a_finished_study_is_left_as_it_is(
+    finished: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(Config, "smoke", lambda: TINY)
+    before = {path: path.read_bytes() for path in finished.iterdir()}
+    assert free_frequencies.main(["--smoke", "--out", str(finished)]) == 0
+    assert "nothing left to do" in capsys.readouterr().out
+    assert {path: path.read_bytes() for path in finished.iterdir()} == before
+
+
+def test_a_study_with_a_case_to_do_or_another_configuration_is_not_finished(finished: Path) -> None:
+    rows = RowFile(finished / "runs.csv", KEY, VALUES)
+    assert is_finished(rows, TINY.cases(), TINY)
+    more = replace(TINY, reference_seeds=2)
+    assert not is_finished(rows, more.cases(), more)
+    fewer = replace(TINY, criteria=("J_k",), cpu_seconds=(0.2,))
+    assert not is_finished(rows, fewer.cases(), fewer)
