@@ -14,6 +14,7 @@ from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
 from oed.experiment.processing import ProcessingSettings
 from oed.experiment.read_dataset import read_dataset
+from oed.experiment.stretches import gap_notes, gap_record
 
 # Below this velocity the direction of a geared arm's motion is not known to the data; the
 # baselines published with the measured sets use the same figure.
@@ -49,6 +50,8 @@ def prepare(config: DataSetConfig) -> tuple[DataSet, TorqueModel, ProcessingSett
     dataset = read_dataset(config.data, joints=config.joints or None)
     for file, column in dataset.unused:
         say(f"note: {file}: column {column!r} is not used")
+    for note in gap_notes(gap_record(dataset)):
+        say(f"note: {note}")
     model = build_model(config.model, dataset.robot, sign_width=config.sign_width)
     settings = choose_settings(dataset)
     if config.cutoff is not None:

@@ -26,7 +26,9 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.processing import ProcessedRecording, ProcessingSettings, process
 from oed.experiment.recording import ROLES, Recording, Role
 from oed.experiment.signals.repetitions import fold_by_index
+from oed.experiment.stretches import LEAST_STRETCH, split_at_gaps
 
+TRIMS_PER_STRETCH = 4.0  # at least half of a stretch between gaps of the log is kept
 SPECTRUM_SAMPLES = 512  # a segment of Welch's method: resolution against scatter
 
 
@@ -158,10 +160,11 @@ def choose_velocity(
     if any(recording.dq is None for recording in dataset.recordings):
         return settings
     base = base_parameters(model)
+    estimation = _between_gaps(dataset, settings).estimation
     scores = {}
     for source in ("differentiated", "logged"):
         candidate = dataclasses.replace(settings, velocity=source)
-        training = tuple(process(recording, candidate) for recording in dataset.estimation)
+        training = tuple(process(recording, candidate) for recording in estimation)
         regressor, torque = stack(model, base, training)
         variances = variances_from_residuals(
             _identifiable(regressor), torque.ravel(), model.robot.n
@@ -181,9 +184,12 @@ def process_all(
 ) -> dict[Role, tuple[ProcessedRecording, ...]]:
     """All recordings processed, by role; roles without recordings are left out.
 
+    A recording with gaps in its time is processed stretch by stretch.
+
     Raises:
-        ValueError: If there is no recording for estimation.
+        ValueError: If there is no recording for estimation, or one is too short.
     """
+    dataset = _between_gaps(dataset, settings)
     by_role: dict[Role, tuple[Recording, ...]] = {
         role: tuple(r for r in dataset.recordings if r.role == role) for role in ROLES
     }
@@ -194,6 +200,11 @@ def process_all(
         for role, recordings in by_role.items()
         if recordings
     }
+
+
+def _between_gaps(dataset: DataSet, settings: ProcessingSettings) -> DataSet:
+    shortest = max(LEAST_STRETCH, TRIMS_PER_STRETCH * settings.trim)
+    return split_at_gaps(dataset, shortest=shortest)
 
 
 def stack(
@@ -214,7 +225,7 @@ def repetition_noise(
 ) -> Float[ndarray, " joints"] | None:
     """Torque variance (n,) between repetitions, None where no recording repeats [N^2 m^2].
 
-    Repetitions are cut to their common length: trimming shortens the first and the last.
+    Repetitions are cut to their common length, without those at an end of a recording.
     """
     variances, weights = [], []
     for recording in recordings:
@@ -231,8 +242,9 @@ def _folded(
     if recording.repetition is None:
         return None
     indices, counts = np.unique(recording.repetition, return_counts=True)
-    # The first and the last are trimmed at an end and no longer start at the same phase.
-    whole = indices[counts >= counts.max() - 1]
+    # The first and the last are cut at an end, and no longer start at the same phase.
+    indices, counts = indices[1:-1], counts[1:-1]
+    whole = indices[counts >= counts.max(initial=0) - 1]
     if len(whole) < 2:
         return None
     length = counts[np.isin(indices, whole)].min()

@@ -22,6 +22,7 @@ from oed.experiment.processing import (
 )
 from oed.experiment.recording import Recording
 from oed.experiment.signals.resampling import resample, uniform_grid
+from oed.experiment.stretches import split_at_gaps
 
 LOWEST_CUTOFF = 1.0  # [Hz]
 HIGHEST_CUTOFF = 100.0  # [Hz] beyond any arm's motion
@@ -52,8 +53,11 @@ def choose_settings(dataset: DataSet) -> ProcessingSettings:
     """Sensible settings for all recordings of a data set, from its estimation recordings.
 
     Raises:
-        ValueError: If the data set has no recording for estimation.
+        ValueError: If the data set has no recording for estimation, or one with gaps in its
+            time has no stretch that is long enough.
     """
+    # A leap across a gap would pass for fast motion.
+    dataset = split_at_gaps(dataset)
     recordings = dataset.estimation
     if not recordings:
         raise ValueError(f"data set {dataset.name!r} has no recording with role estimation")

@@ -9,6 +9,7 @@ import numpy as np
 
 from oed.estimation.calibration import Calibration
 from oed.experiment.recording import HELD_OUT, Role
+from oed.experiment.stretches import gap_record
 from oed.report.provenance import Provenance
 from oed.report.table import Row
 
@@ -26,6 +27,7 @@ def estimate_record(calibration: Calibration, provenance: Provenance) -> dict[st
         "samples": {
             role: sum(len(r) for r in recordings.get(role, ())) for role in _roles(recordings)
         },
+        "gaps": gap_record(calibration.dataset),
         "parameters": [
             {
                 "name": row["name"],

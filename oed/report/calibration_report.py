@@ -15,6 +15,7 @@ from oed.estimation.calibration import Calibration
 from oed.estimation.recursive import RecursiveEstimate
 from oed.experiment.processing import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
+from oed.experiment.stretches import gap_notes, gap_record
 from oed.report.calibration_record import (
     condition,
     estimate_record,
@@ -181,6 +182,7 @@ def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Prove
                 "How it was made",
                 (
                     *(Text(reason) for reason in calibration.settings.reasons),
+                    *(Text(f"Gaps: {note}.") for note in gap_notes(gap_record(dataset))),
                     Text(f"Data: {dataset.source}. Licence: {dataset.licence}."),
                     Table([{"package": k, "version": v} for k, v in provenance.versions.items()]),
                     Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),

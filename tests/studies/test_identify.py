@@ -85,6 +85,33 @@ def test_recovers_the_parameters_of_a_simulated_arm(tmp_path: Path) -> None:
     assert record["rms"]["validation"] == pytest.approx(np.array(NOISE) * share**0.5, rel=0.3)
 
 
+def test_gaps_of_the_log_are_told_and_cost_no_accuracy(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    truth = _simulated(tmp_path / "data", np.random.default_rng(27))
+    file = tmp_path / "data" / "fit.csv"
+    header, *lines = file.read_text().splitlines()
+    t = np.array([float(line.split(",")[0]) for line in lines])
+    missing = ((t > 6) & (t < 7.5)) | ((t > 15) & (t < 15.8)) | ((t > 22) & (t < 23.3))
+    kept = [line for line, gone in zip(lines, missing, strict=True) if not gone]
+    file.write_text("\n".join([header, *kept]) + "\n")
+    out = tmp_path / "out"
+    assert main(["--data", str(tmp_path / "data"), "--out", str(out), "--model", "standard"]) == 0
+    assert "fit: 3 gap(s)" in capsys.readouterr().out
+    assert "3 gap(s)" in (out / "report.html").read_text()
+    record = json.loads((out / "estimate.json").read_text())
+    assert record["gaps"]["fit"]["gaps"] == 3
+    assert record["gaps"]["fit"]["total_s"] == pytest.approx(3.6, abs=0.02)
+    processing = record["settings"]["processing"]
+    rate = processing["rate"] / processing["decimation"]
+    counted = record["samples"]["estimation"] / rate
+    assert counted == pytest.approx(30.0 - 3.6 - 8 * processing["trim"], abs=0.1)
+    for parameter in record["parameters"]:
+        assert parameter["value"] == pytest.approx(truth[parameter["name"]], rel=0.01, abs=2e-3)
+    share = 2 * processing["cutoff"] / 500.0
+    assert record["rms"]["estimation"] == pytest.approx(np.array(NOISE) * share**0.5, rel=0.3)
+
+
 def test_leaves_everything_that_it_promises(tmp_path: Path) -> None:
     _simulated(tmp_path / "data", np.random.default_rng(22))
     out = tmp_path / "out"

@@ -19,12 +19,12 @@ from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.processing import fresh_samples
 from oed.experiment.recording import Recording, Role
 from oed.experiment.signals.differentiation import central_difference
+from oed.experiment.signals.gaps import find_gaps
 from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample, uniform_grid
 
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
-GAP = 10.0  # sampling steps without a row that make a gap
 LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 
@@ -211,7 +211,7 @@ def _bridged(
     from any jump of the acceleration.
     """
     result = resample(t, q, grid, "linear")
-    for k in _gaps(t, rate):
+    for k in find_gaps(t, rate):
         before, after = (t > t[k] - EDGE) & (t <= t[k]), (t >= t[k + 1]) & (t < t[k + 1] + EDGE)
         states = [
             _state(t[near] - t[edge], q[near]) for near, edge in ((before, k), (after, k + 1))
@@ -232,12 +232,6 @@ def _state(
     state[: len(fitted)] = fitted
     state[2] *= 2
     return state
-
-
-def _gaps(t: Float[ndarray, " logged"], rate: float) -> Int[ndarray, " gaps"]:
-    """Indices of the logged samples before each gap, such as between runs."""
-    steps = np.diff(t)
-    return np.flatnonzero(steps > GAP * max(float(np.median(steps)), 1 / rate))
 
 
 def _prepare_one(
@@ -282,7 +276,7 @@ def _recorded(
 ) -> Bool[ndarray, " samples"]:
     """False in gaps of the log, such as between runs, and where smoothing feels them."""
     recorded = np.ones(len(t), dtype=bool)
-    for k in _gaps(recording.t, rate):
+    for k in find_gaps(recording.t, rate):
         before, after = recording.t[k], recording.t[k + 1]
         recorded &= (t < before - EDGE) | (t > after + EDGE)
     return recorded
