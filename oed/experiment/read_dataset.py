@@ -13,6 +13,7 @@ from numpy import ndarray
 
 from oed.errors import DataSetError, OedError
 from oed.experiment.column_names import ColumnNames, find_columns
+from oed.experiment.consistency_checks import check_repeats, check_speed, check_velocity
 from oed.experiment.dataset import DRIVE_KEYS, DataSet, Drive
 from oed.experiment.manifest import MANIFEST, Manifest, RecordingEntry, read_manifest
 from oed.experiment.recording import Recording
@@ -129,12 +130,18 @@ def _read_recording(path: Path, entry: RecordingEntry, robot: Robot, drive: Driv
     check_rows(t, robot.n, file)
     q = fields.stacked("q")
     check_positions(q, robot, file, read.first_row)
-    repetition = None
+    dq = fields.stacked("dq") if "dq" in names.fields else None
+    if dq is not None:
+        check_velocity(t, q, dq, robot, file)
+    check_speed(t, q, robot, file)
+    repetition, period = None, None
     if "repetition" in read.values:
         repetition = repetition_index(read.values["repetition"], file, read.first_row)
     check_repetitions(t, repetition, entry, file)
     if repetition is None and entry.repetitions is not None:
-        repetition = derive_repetition(t, entry.repetitions, entry.period)
+        repetition, period = derive_repetition(t, entry.repetitions, entry.period), entry.period
+    if repetition is not None:
+        check_repeats(t, q, repetition, period, file)
     factor = drive.current_to_torque
     tau = fields.stacked("tau")
     return Recording(
@@ -143,7 +150,7 @@ def _read_recording(path: Path, entry: RecordingEntry, robot: Robot, drive: Driv
         t=t,
         q=q,
         tau=tau if factor is None else tau * factor,
-        dq=fields.stacked("dq") if "dq" in names.fields else None,
+        dq=dq,
         ddq=fields.stacked("ddq") if "ddq" in names.fields else None,
         repetition=repetition,
         temperature=fields.stacked("temperature") if "temperature" in names.fields else None,

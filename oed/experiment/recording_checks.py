@@ -17,6 +17,10 @@ PARAMETERS_PER_JOINT = 12  # ten inertial parameters, Coulomb and viscous fricti
 # and even a motion over a tenth of the range shows.
 BEYOND_LIMITS = 5.0
 LEAST_TRAVEL = 1e-3  # [rad or m] of the joint that moves most: encoders read a tenth of it
+# [s] Between rows: at 5 Hz no motion of an arm can be followed, and a log of 5 kHz whose time is in
+# milliseconds has this step.
+LARGEST_STEP = 0.2
+TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
 PERIOD_TOLERANCE = 0.002  # of the span: clocks of motion and logger differ by far less
 
 
@@ -32,7 +36,7 @@ def check_rows(t: Float[ndarray, " samples"], joints: int, file: str) -> None:
 
 
 def check_time(t: Float[ndarray, " samples"], file: str, first_row: int) -> None:
-    """Refuse time that repeats or runs back."""
+    """Refuse time that repeats or runs back, and steps that cannot be seconds."""
     stuck = np.flatnonzero(np.diff(t) <= 0)
     if stuck.size:
         i = int(stuck[0])
@@ -42,6 +46,14 @@ def check_time(t: Float[ndarray, " samples"], file: str, first_row: int) -> None
             "sort the rows, drop repeated ones, or log time with more digits"
         )
         raise DataSetError(message, file=file, row=i + 1 + first_row, column="t")
+    step = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+    if step >= LARGEST_STEP * (1 - 1e-6):
+        unit = next((name for factor, name in TIME_UNITS if step < LARGEST_STEP * factor), "")
+        message = (
+            f"rows are {step:.4g} s apart, too far to follow an arm: this looks like "
+            f"{unit or 'another unit'} or a count of samples; convert it to seconds"
+        )
+        raise DataSetError(message, file=file, column="t")
 
 
 def check_positions(

@@ -398,7 +398,9 @@ def with_still_joint(folder: Path, position: float) -> Path:
     for name in ("estimation.csv", "test.csv"):
         frame = pd.DataFrame({"t": np.arange(40) * 0.075})
         for j, amplitude in enumerate((1.0, 0.0, 0.5)):
-            frame[f"q_{j + 1}"] = amplitude * np.sin(frame["t"]) + (position if j == 1 else 0)
+            frame[f"q_{j + 1}"] = amplitude * np.sin(2 * np.pi * frame["t"]) + (
+                position if j == 1 else 0
+            )
         frame[["tau_1", "tau_2", "tau_3"]] = np.arange(120.0).reshape(40, 3)
         write_files(folder, files)
         files[name] = frame.to_csv(index=False).encode()
@@ -501,3 +503,43 @@ def test_an_arm_at_rest(tmp_path):
     frame[["q_1", "q_2"]] = 1e-5 * np.random.default_rng(0).normal(size=(len(frame), 2))
     frame.to_csv(tmp_path / "estimation.csv", index=False)
     assert "an arm at rest" in str(refused(tmp_path))
+
+
+# Columns that contradict one another.
+
+
+def test_a_period_at_which_the_motion_does_not_repeat(tmp_path):
+    files = tiny_files()
+    text = files["dataset.toml"].decode().replace("repetitions = 3", "repetitions = 6")
+    files["dataset.toml"] = text.replace("period = 1.0", "period = 0.5").encode()
+    error = refused(write_files(tmp_path, files))
+    assert error.column == "q_1"
+    assert "does not repeat" in str(error)
+
+
+def test_a_velocity_of_another_joint(tmp_path):
+    frame = pd.read_csv(write_files(tmp_path, tiny_files()) / "test.csv")
+    for j in (1, 2):
+        frame[f"q_{j}"] = np.sin(j * frame["t"])
+        frame[f"dq_{j}"] = j * np.cos(j * frame["t"])
+    frame.to_csv(tmp_path / "test.csv", index=False)
+    assert read_dataset(tmp_path).test[0].dq is not None
+    swapped = frame.rename(columns={"dq_1": "dq_2", "dq_2": "dq_1"})
+    swapped.to_csv(tmp_path / "test.csv", index=False)
+    assert "the columns are exchanged" in str(refused(tmp_path))
+
+
+def test_time_in_milliseconds(tmp_path):
+    frame = pd.read_csv(write_files(tmp_path, tiny_files()) / "test.csv")
+    frame["t"] *= 1000
+    frame.to_csv(tmp_path / "test.csv", index=False)
+    error = refused(tmp_path)
+    assert error.column == "t"
+    assert "milliseconds" in str(error)
+
+
+def test_speeds_beyond_all_limits(tmp_path):
+    frame = pd.read_csv(write_files(tmp_path, tiny_files()) / "test.csv")
+    frame["t"] /= 20
+    frame.to_csv(tmp_path / "test.csv", index=False)
+    assert "times its velocity limit" in str(refused(tmp_path))

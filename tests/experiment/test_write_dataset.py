@@ -19,20 +19,25 @@ ARRAYS = ("t", "q", "tau", "dq", "ddq", "repetition", "temperature")
 
 
 def made_up(seed: int = 0, drive: Drive | None = None) -> DataSet:
-    """A data set with every field there is, of numbers with all their digits."""
+    """A data set with every field there is, of numbers with all their digits.
+
+    Positions repeat and velocities are theirs: the reader refuses what contradicts itself.
+    """
     rng = np.random.default_rng(seed)
 
     def recording(name: str, role) -> Recording:
         def draw(columns: int) -> np.ndarray:
             return rng.normal(size=(60, columns)) * 10.0 ** rng.integers(-12, 1, (60, columns))
 
+        t = np.arange(60) / 60 + rng.uniform(0, 1e-3, 60)
+        turns = 6 * np.pi * t[:, None] + rng.uniform(0, 2 * np.pi, 2)
         return Recording(
             name=name,
             role=role,
-            t=np.arange(60) / 60 + rng.uniform(0, 1e-3, 60),
-            q=np.clip(draw(2), -1.5, 1.5),
+            t=t,
+            q=np.sin(turns),
             tau=draw(2),
-            dq=draw(2),
+            dq=6 * np.pi * np.cos(turns),
             ddq=draw(2),
             repetition=np.arange(60) // 20,
             temperature=draw(3),

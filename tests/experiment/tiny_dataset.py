@@ -29,11 +29,12 @@ role = "test"
 
 
 def csv_text(seed: int, rows: int = ROWS) -> str:
-    """A recording of `rows` rows, 0.1 s apart."""
+    """A recording of `rows` rows, 0.1 s apart, whose positions repeat every second."""
     rng = np.random.default_rng(seed)
+    q = rng.uniform(-1, 1, (10, 2))
     lines = [HEADER]
     for k in range(rows):
-        cells = [k / 10, *rng.uniform(-1, 1, 4)]
+        cells = [k / 10, *q[k % 10], *rng.uniform(-1, 1, 2)]
         lines.append(",".join(f"{cell:.7g}" for cell in cells))
     return "\n".join(lines) + "\n"
 
