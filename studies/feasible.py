@@ -22,7 +22,7 @@ import numpy as np
 
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.errors import OedError
+from oed.errors import OedError, RobotError
 from oed.estimation.calibration import calibrate
 from oed.estimation.feasible.calibration import (
     FeasibleCalibration,
@@ -150,6 +150,9 @@ def _settings(config: Config, model: TorqueModel) -> FeasibleSettings:
         total_mass=config.total_mass,
         regions=collision_regions(model.robot) if config.collision else None,
     )
+    faults = model.robot.inertia_faults
+    if config.prior and faults:
+        raise RobotError(f"--prior: {faults[0].text}; correct the robot's file, or leave it out")
     prior = model.robot.parameters if config.prior else None
     if config.smoke:
         return FeasibleSettings(

@@ -16,6 +16,7 @@ from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.errors import RobotError
 from oed.robot import Robot
 
 STANDING_SHARE = 0.9  # of an effort limit that gravity alone may take
@@ -62,6 +63,9 @@ def default_problem(
 
     Returns:
         The problem, and notes on what was assumed or left out.
+
+    Raises:
+        RobotError: If torque is to be limited and the file states a mass that is not positive.
     """
     robot = model.robot
     base = base_parameters(model)
@@ -79,7 +83,8 @@ def default_problem(
     starts = [problem.random_start(rng) for _ in range(SCALING_STARTS)]
     typical = np.mean([problem.information(z) for z in starts], axis=0)
     scaled = dataclasses.replace(problem, scaling=column_scaling(typical))
-    return scaled, (note, *((base.note,) if base.note else ()))
+    replaced = () if nominal is None else _replaced(robot)
+    return scaled, (note, *replaced, *((base.note,) if base.note else ()))
 
 
 def _nominal(
@@ -93,6 +98,7 @@ def _nominal(
         return None, "torque is not limited: the robot's file states no effort limits"
     if not np.any(robot.parameters):
         return None, "torque is not limited: the robot's file states no inertia"
+    _check_mass(robot)
     nominal = np.zeros(len(model.parameters))
     nominal[: len(robot.parameters)] = robot.parameters
     check_torque_bounded(model, nominal)
@@ -100,6 +106,23 @@ def _nominal(
     if (np.abs(standing) > STANDING_SHARE * np.abs(robot.limits.torque).min(axis=1)).any():
         return None, CANNOT_STAND
     return nominal, "torque is limited for the file's own inertia, friction not counted"
+
+
+def _check_mass(robot: Robot) -> None:
+    """Refuse to limit torques by masses that cannot be."""
+    for fault in robot.inertia_faults:
+        if not fault.has_mass:
+            raise RobotError(
+                f"{robot.source}: {fault.text}, so torque cannot be held against effort limits; "
+                "correct the file, or design without torque limits (--no-torque)"
+            )
+
+
+def _replaced(robot: Robot) -> tuple[str, ...]:
+    return tuple(
+        f"{fault.text}; a ball of the same mass was taken in its place"
+        for fault in robot.inertia_faults
+    )
 
 
 def _still(robot: Robot) -> Motion:

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-import pinocchio
 from jaxtyping import Float
 from numpy import ndarray
 from pydrake.multibody.plant import MultibodyPlant
@@ -18,6 +17,7 @@ from oed.robot.limits import JointLimits
 from oed.robot.merged_tree import MergedTree
 from oed.robot.robot import Robot
 from oed.robot.robot_file import is_movable, joints_of, load_plant, outward_names
+from oed.robot.urdf_file import UrdfFacts, read_urdf
 
 EARTH_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 
@@ -34,21 +34,30 @@ def load_robot(
     Args:
         source: Path of a URDF, SDF or MJCF file, or "builtin:NAME".
         joints: Names of the active joints in the order of the columns; if None all revolute
-            and prismatic joints, from the base outward. The others are held still.
+            and prismatic joints that do not mimic another, from the base outward. The others
+            are held still.
         locked: Position [rad or m] at which a joint is held; 0 if not given.
         gravity: In the base frame [m/s^2].
 
     Raises:
-        RobotError: If the file cannot be read or lacks a joint that was named.
+        RobotError: If the file cannot be read, contradicts itself, or lacks a joint that was
+            named, or if such a joint mimics another or is mimicked.
     """
     if str(source).startswith("builtin:"):
         return _builtin(str(source), joints, np.asarray(gravity, dtype=float))
+    facts = read_urdf(Path(source))  # first: what it refuses would make Drake give up
     plant = load_plant(source)
     movable = {joint.name(): joint for joint in joints_of(plant) if is_movable(joint)}
-    names = tuple(joints) if joints is not None else outward_names(plant)
+    names = (
+        tuple(joints)
+        if joints is not None
+        else tuple(name for name in outward_names(plant) if name not in facts.mimics)
+    )
     if not names:
         raise RobotError(f"{source}: no revolute or prismatic joint to identify")
     _check_names(str(source), names, movable)
+    if joints is not None:
+        _check_mimics(str(source), names, facts.mimics, movable)
     held = _check_locked(str(source), locked or {}, names, movable)
     tree = MergedTree(plant, names, held)
     return Robot(
@@ -56,10 +65,11 @@ def load_robot(
         joints=tree.joints,
         parameters=tree.parameters,
         gravity=np.asarray(gravity, dtype=float),
-        limits=_limits(plant, [movable[name] for name in names], Path(source)),
+        limits=_limits(plant, [movable[name] for name in names], facts),
         source=str(source),
         locked=tuple(held),
         locked_at=tuple(held.values()),
+        inertia_faults=tuple(f for link, f in facts.faults.items() if link in tree.carried),
     )
 
 
@@ -71,9 +81,11 @@ def arm_joints(source: str | Path) -> tuple[str, ...]:
     """
     if str(source).startswith("builtin:"):
         return load_robot(source).joint_names
-    robot = load_robot(source)
+    # Fingers that mimic one another fork like others.
+    tree = MergedTree(plant := load_plant(source), names := outward_names(plant), {})
     children = {
-        i: [c for c in range(robot.n) if robot.joints[c].parent == i] for i in range(-1, robot.n)
+        i: [c for c in range(len(names)) if tree.joints[c].parent == i]
+        for i in range(-1, len(names))
     }
 
     def moving(joint: int) -> int:
@@ -88,7 +100,7 @@ def arm_joints(source: str | Path) -> tuple[str, ...]:
             break
         arm.append(ahead[0])
         ahead = children[ahead[0]]
-    return tuple(robot.joint_names[i] for i in arm)
+    return tuple(names[i] for i in arm)
 
 
 def _builtin(source: str, joints: Sequence[str] | None, gravity: Float[ndarray, "3"]) -> Robot:
@@ -109,6 +121,22 @@ def _check_names(source: str, names: Sequence[str], movable: Mapping[str, DrakeJ
         raise RobotError(f"{source}: a joint is named twice in {tuple(names)}")
 
 
+def _check_mimics(
+    source: str,
+    names: Sequence[str],
+    mimics: Mapping[str, str],
+    movable: Mapping[str, DrakeJoint],
+) -> None:
+    """Joints that move together have no place in the model: neither may be active."""
+    for follower, leader in mimics.items():
+        if follower in names or (leader in names and follower in movable):
+            raise RobotError(
+                f"{source}: joint {follower!r} mimics {leader!r}, and joints that move together "
+                f"are not modelled: leave out {follower!r} and {leader!r}, or make {follower!r} "
+                "`fixed` in the file if what it moves weighs little"
+            )
+
+
 def _check_locked(
     source: str,
     locked: Mapping[str, float],
@@ -121,11 +149,14 @@ def _check_locked(
     return {name: float(locked.get(name, 0.0)) for name in movable if name not in names}
 
 
-def _limits(plant: MultibodyPlant, joints: Sequence[DrakeJoint], path: Path) -> JointLimits:
+def _limits(plant: MultibodyPlant, joints: Sequence[DrakeJoint], facts: UrdfFacts) -> JointLimits:
     def bounds(lower: str, upper: str) -> np.ndarray:
         return np.array([[getattr(j, lower)()[0], getattr(j, upper)()[0]] for j in joints])
 
-    effort = _effort_limits(plant, path)
+    # Drake keeps a URDF's effort limits only where a transmission is declared.
+    actuators = [plant.get_joint_actuator(i) for i in plant.GetJointActuatorIndices()]
+    effort = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
+    effort |= facts.effort
     largest = np.array([effort.get(joint.name(), np.inf) for joint in joints])
     # A file that leaves a limit out often writes 0, which would forbid all motion.
     largest[largest == 0.0] = np.inf
@@ -138,20 +169,3 @@ def _limits(plant: MultibodyPlant, joints: Sequence[DrakeJoint], path: Path) -> 
     return JointLimits.unlimited(len(joints)).with_(
         **read, torque=np.stack([-largest, largest], axis=1)
     )
-
-
-def _effort_limits(plant: MultibodyPlant, path: Path) -> dict[str, float]:
-    """Largest torque of each joint [N m].
-
-    Drake keeps a URDF's effort limits only where a transmission is declared; Pinocchio
-    keeps them always.
-    """
-    if path.suffix.lower() == ".urdf":
-        model = pinocchio.buildModelFromUrdf(str(path))
-        return {
-            name: float(model.upperEffortLimit[model.joints[i].idx_v])
-            for i, name in enumerate(model.names)
-            if i > 0 and model.joints[i].nv == 1
-        }
-    actuators = [plant.get_joint_actuator(i) for i in plant.GetJointActuatorIndices()]
-    return {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}

@@ -20,7 +20,13 @@ ROUNDING = 1e-14
 
 
 class MergedTree:
-    """The active joints and, for each, the merged inertia of all that it carries."""
+    """The active joints and, for each, the merged inertia of all that it carries.
+
+    Attributes:
+        joints: The active joints, in the order of their names.
+        parameters: (10 n,) merged inertial parameters.
+        carried: Names of the links that an active joint moves.
+    """
 
     def __init__(
         self, plant: MultibodyPlant, names: Sequence[str], held: Mapping[str, float]
@@ -46,6 +52,9 @@ class MergedTree:
             for joint in ready:
                 self._place(joint, found)
             pending = [j for j in pending if j not in ready]
+        self.carried = frozenset(
+            body.name() for body in bodies_of(plant) if self._carrier[int(body.index())][0] >= 0
+        )
         self.joints = tuple(found[i] for i in range(len(names)))
         self.parameters = self._merge_inertia(len(names))
 

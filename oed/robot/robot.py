@@ -46,6 +46,21 @@ class Joint:
 
 
 @dataclass(frozen=True)
+class InertiaFault:
+    """A link whose inertia in the robot's file is that of no body.
+
+    Attributes:
+        link: Its name.
+        text: What is wrong, in one line.
+        has_mass: Whether at least its mass is positive.
+    """
+
+    link: str
+    text: str
+    has_mass: bool
+
+
+@dataclass(frozen=True)
 class Robot:
     """A robot as the dynamics see it.
 
@@ -59,6 +74,7 @@ class Robot:
         source: File or built-in name that the robot was loaded from.
         locked: Names of the joints of the source that are held still.
         locked_at: Where each of them is held [rad or m]; all at 0 if empty.
+        inertia_faults: Of moving links in the source; `parameters` hold others in their place.
     """
 
     name: str
@@ -69,6 +85,7 @@ class Robot:
     source: str = ""
     locked: tuple[str, ...] = ()
     locked_at: tuple[float, ...] = ()
+    inertia_faults: tuple[InertiaFault, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.parameters) != 10 * self.n:

@@ -33,6 +33,12 @@ def load_plant(source: str | Path) -> MultibodyPlant:
             Parser(plant).AddModels(path)
         except RuntimeError as error:
             raise RobotError(f"{path}: Drake cannot read this file: {error}") from error
+        except SystemExit as error:  # Drake's failed assertions
+            condition = str(error).partition("condition ")[2] or str(error)
+            raise RobotError(
+                f"{path}: Drake cannot read this file: {condition} Look for a lower limit above "
+                "its upper one, or a mass that is not positive"
+            ) from error
     weld_free_bodies(plant)
     plant.Finalize()
     return plant

@@ -13,6 +13,7 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.robot import imi_scara
 from studies.design import main
 from tests.design.primitive_arm import arm_and_post, elbow_at, planar_arm, to_post
+from tests.experiment.tiny_dataset import urdf_text
 
 
 def test_one_command_gives_a_motion_within_proven_limits(tmp_path: Path) -> None:
@@ -213,3 +214,18 @@ def test_results_are_not_put_where_a_file_is(
     assert main(["--robot", "builtin:imi_scara", "--out", str(tmp_path / "out")]) == 2
     assert capfd.readouterr().err.count("\n") == 1
     assert (tmp_path / "out").read_text() == "mine"
+
+
+def test_a_mass_that_cannot_be_is_refused_where_torque_is_limited_by_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(urdf_text(2).replace('mass value="1"', 'mass value="-1"', 1))
+    out = tmp_path / "out"
+    arguments = ["--robot", str(file), "--out", str(out), "--smoke"]
+    assert main(arguments) == 2
+    message = capsys.readouterr().err
+    assert "link 'link_1' has a mass of -1 kg" in message
+    assert message.count("\n") == 1
+    assert not out.exists()
+    assert main([*arguments, "--no-torque"]) == 0
