@@ -27,6 +27,8 @@ from oed.errors import OedError
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.report.diagnosis_report import write_diagnosis
+from oed.report.effect_words import known_parameters
+from oed.report.joint_words import over_floor
 from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 
@@ -153,13 +155,17 @@ def _summarise(outcome: Outcome, config: Config) -> None:
     _say(f"verdict: {found.verdict}")
     for effect in found.effects:
         place = "arm" if effect.joint is None else f"joint {effect.joint + 1}"
-        values = ", ".join(f"{p.name} = {p.value:.4g} ± {p.std:.2g}" for p in effect.parameters)
+        known = known_parameters(effect, found.shop.context, outcome.dataset.robot.joints)
+        values = ", ".join(
+            f"{p.name} = {p.value:.4g} " + (f"± {p.std:.2g}" if p.note is None else f"({p.note})")
+            for p in known
+        )
         _say(f"  {effect.name} ({place}): {values}; p = {effect.p_value:.1e}")
     for item in found.unexplained:
         _say(f"  unexplained on joint {item.joint + 1}: {item.label}")
     for proof in found.proof:
-        old, new = (float(np.sqrt(np.sum(x**2))) for x in (proof.before, proof.after))
-        _say(f"  {proof.role}: {old:.4g} -> {new:.4g} N m")
+        old, new = (over_floor(x, found.noise_floor) for x in (proof.before, proof.after))
+        _say(f"  {proof.role} error: {old:.3g} -> {new:.3g} times the noise floor")
     _say(f"written to {config.out}")
 
 

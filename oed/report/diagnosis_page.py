@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import RoleProof, unseen_ratio
-from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN
+from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, FoundEffect
+from oed.diagnosis.rivals.confusion import DRAWS
 from oed.diagnosis.rivals.discrimination import NextExperiment
-from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.report.diagnosis_record import NEXT
+from oed.report.effect_section import effect_sections, p_value_text
+from oed.report.joint_words import joint_labels, over_floor, torque_units
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
+from oed.report.table import Row
+
+REFUSED = 20  # strongest of them that a reader looks at
 
 
 def diagnosis_page(
@@ -26,48 +34,48 @@ def diagnosis_page(
     pictures: dict[str, Path],
     provenance: Provenance,
 ) -> Page:
-    """The page with its sections."""
+    """The page with its sections.
+
+    Args:
+        found: The diagnosis.
+        following: The motion that tells rivals apart, if there are any.
+        data: Name of the data set.
+        joints: (n,) names.
+        pictures: PNG or SVG files "proof", "dependence" and "spectrum".
+        provenance: Of the run.
+    """
+    labels = joint_labels(joints)
     sections = [
+        _proof_section(found, labels, pictures["proof"]),
+        *effect_sections(found, labels),
+        Section("There, but without a name", _unexplained_blocks(found, labels)),
+        _lack_section(found, labels),
         Section(
-            "Proof: errors before and after",
+            "What the residual depends on",
             [
-                Table(
-                    _proof_rows(found.proof, found, joints),
-                    "Errors in the analysis band; rows where the direction of motion is uncertain, "
-                    "at reversals and standstill, count less",
+                Picture(
+                    pictures["dependence"],
+                    "Mean residual over the coordinates on which it depends most, strongest first. "
+                    "Bands: two standard errors of the mean; where zero lies outside, it is more "
+                    "than noise. Grey: the noise floor of a single sample.",
                 ),
-                Picture(pictures["proof"], "Error on each kind of recording, 95 % block bootstrap"),
-            ],
-        ),
-        Section("What was found", _effect_blocks(found)),
-        Section("What has no name", _unexplained_blocks(found, joints)),
-        Section(
-            "How much is left, against what floor",
-            [
-                Text(
-                    f"Noise floor from {found.noise_source}, analysis band up to "
-                    f"{found.cutoff:.3g} Hz. With repetitions residuals are whitened by the noise's own "
-                    "colour; without, correlated rows count less, and naming is slower."
+                Picture(
+                    pictures["spectrum"],
+                    "Spectrum of the residual. Only what lies below the edge of the analysis band "
+                    "is judged. The noise floor is drawn as if spread evenly over the band; rows at "
+                    "reversals, which count less elsewhere, raise the curves above it.",
                 ),
-                Table(_lack_rows(found, joints), "Lack of fit: residual over pure error, F test"),
             ],
         ),
-        Section(
-            "Where it lives",
-            [
-                Picture(pictures["dependence"], "The strongest dependences of the residual"),
-                Picture(pictures["spectrum"], "Spectrum of the residual before and after"),
-            ],
-        ),
-        Section("What was turned down", _refused_blocks(found)),
+        Section("Considered and turned down", _refused_blocks(found, labels)),
     ]
     if following is not None:
-        sections.insert(2, Section("The next experiment", [Text(_next_text(following))]))
+        sections.insert(1, Section("The next experiment", [Text(_next_text(following))]))
     return Page(
         title=f"What the model lacks: {data}",
         verdict=_verdict(found),
         sections=sections,
-        subtitle=provenance.date,
+        subtitle=f"{provenance.date[:16].replace('T', ' ')} UTC",
         footer=f"commit {provenance.commit}; "
         + ", ".join(f"{name} {number}" for name, number in provenance.versions.items()),
     )
@@ -75,22 +83,22 @@ def diagnosis_page(
 
 def _verdict(found: Diagnosis) -> Verdict:
     level = {"nothing found": "good", "explained": "good"}.get(found.verdict, "warning")
-    notes = []
-    for proof in found.proof:
-        if proof.role != "estimation":
-            old, new = (np.sqrt(np.sum(x**2)) for x in (proof.before, proof.after))
-            notes.append(f"{proof.role} error {old:.4g} → {new:.4g} N m")
-            notes += [
-                f"worse on joint {j + 1}: {proof.before[j]:.4g} → {proof.after[j]:.4g} N m"
-                for j in np.flatnonzero(proof.change_interval[:, 0] > 0)
-            ]
-    return Verdict(level, _headline(found), "; ".join(notes))  # type: ignore[arg-type]  # one of the levels
+    notes = [_error_note(p, found) for p in found.proof if p.role != "estimation"]
+    return Verdict(level, _headline(found), " ".join(notes))  # type: ignore[arg-type]  # one of the levels
+
+
+def _error_note(proof: RoleProof, found: Diagnosis) -> str:
+    old, new = (over_floor(errors, found.noise_floor) for errors in (proof.before, proof.after))
+    worse = [
+        f"joint {j + 1} by {proof.after[j] / proof.before[j] - 1:.1%}"
+        for j in np.flatnonzero(proof.change_interval[:, 0] > 0)
+    ]
+    note = f"{proof.role.capitalize()} error: {old:.2f} → {new:.2f} times the noise floor"
+    return note + (f", but worse on {', '.join(worse)}." if worse else ".")
 
 
 def _headline(found: Diagnosis) -> str:
-    named = ", ".join(
-        e.name + ("" if e.joint is None else f" on joint {e.joint + 1}") for e in found.effects
-    )
+    named = ", ".join(" or ".join(_possible(e)) for e in found.effects)
     if found.verdict != "unexplained":
         return found.verdict.capitalize() + (f": {named}" if named else "")
     left = sorted({u.joint + 1 for u in found.unexplained})
@@ -100,78 +108,72 @@ def _headline(found: Diagnosis) -> str:
     return f"Partly explained: {named}; something without a name is left{where}"
 
 
-def _proof_rows(
-    proofs: Sequence[RoleProof], found: Diagnosis, joints: Sequence[str]
-) -> list[dict[str, str | float]]:
+def _possible(effect: FoundEffect) -> list[str]:
+    """The named effect, and what the data cannot exclude in its place."""
+    every = [effect, *(r for r in effect.rivals if r.contender)]
+    return [x.name if x.joint is None else f"{x.name} on joint {x.joint + 1}" for x in every]
+
+
+def _proof_section(found: Diagnosis, labels: Sequence[str], picture: Path) -> Section:
+    counted = np.concatenate([p.counted for p in found.proof])
+    return Section(
+        "Does it predict better? Errors before and after",
+        [
+            Picture(
+                picture,
+                "Error of the base model and with what was added, 95 % block bootstrap. Validation "
+                "and test recordings were not fitted.",
+            ),
+            Table(
+                [row for p in found.proof for row in _proof_rows(p, found, labels)],
+                "Root mean square errors in the analysis band. Rows at reversals and standstill, "
+                "where the direction of motion is uncertain, count less: "
+                f"{counted.min():.0%} to {counted.max():.0%} of the rows are left.",
+                digits=3,
+            ),
+        ],
+    )
+
+
+def _proof_rows(proof: RoleProof, found: Diagnosis, labels: Sequence[str]) -> list[Row]:
+    units = torque_units(found.before.model.robot.joints)
+    share_before, share_after = proof.before / proof.torque, proof.after / proof.torque
     return [
         {
-            "recordings": p.role,
-            "joint": name,
-            "before [N m]": float(p.before[j]),
-            "after [N m]": float(p.after[j]),
-            "rows counted": f"{p.counted[j]:.0%}",
-            "change, 95 % [N m]": f"{p.change_interval[j, 0]:+.3g} to {p.change_interval[j, 1]:+.3g}",
-            "noise floor [N m]": float(found.noise_floor[j]),
-            "relative before": float(p.before[j] / p.torque[j]),
-            "relative after": float(p.after[j] / p.torque[j]),
+            "recordings": proof.role,
+            "joint": label,
+            "before": float(proof.before[j]),
+            "after": float(proof.after[j]),
+            "noise floor": float(found.noise_floor[j]),
+            "unit": units[j],
+            "change, 95 %": _change(proof.change_interval[j], float(proof.before[j])),
+            "of the torque": f"{share_before[j]:.1%} → {share_after[j]:.1%}",
         }
-        for p in proofs
-        for j, name in enumerate(joints)
+        for j, label in enumerate(labels)
     ]
 
 
-def _effect_blocks(found: Diagnosis) -> list[Text | Table | Picture]:
-    if not found.effects:
-        return [Text("No effect of the catalogue is carried by these data.")]
-    blocks: list[Text | Table | Picture] = []
-    for effect in found.effects:
-        place = "the whole arm" if effect.joint is None else f"joint {effect.joint + 1}"
-        page = CATALOGUE[effect.name].page
-        gain = effect.validation_gain
-        held = "no validation recording" if gain is None else f"validation rms falls by {gain:.1%}"
-        chance = f"p = {effect.p_value:.1e} after the multiplicity of the search"
-        blocks.append(Text(f"{effect.name} on {place}: {page.equation}. {chance}; {held}."))
-        blocks.append(
-            Table(
-                [
-                    {"parameter": p.name, "value": p.value, "std": p.std, "unit": p.unit}
-                    for p in effect.parameters
-                ],
-                f"Parameters of {effect.name}. {page.parameters}",
-            )
-        )
-        if effect.rivals:
-            blocks.append(
-                Table(
-                    [
-                        {
-                            "instead": r.name,
-                            "joint": "arm" if r.joint is None else r.joint + 1,
-                            "evidence behind": r.evidence,
-                            "still possible": "yes" if r.contender else "no",
-                        }
-                        for r in effect.rivals
-                    ],
-                    "What else could have been named, and by how much it is worse "
-                    "on the estimation and the validation recordings (-2 log likelihood less "
-                    "penalty, in units of the misfit)",
-                )
-            )
-        blocks.append(Text(f"Signature: {page.signature}. Exposed by: {page.exposed_by}."))
-    return blocks
+def _change(interval: Float[ndarray, "2"], whole: float) -> str:
+    """An interval with the decimals that show three digits of the whole."""
+    decimals = max(0, 2 - math.floor(math.log10(whole)))
+    return " to ".join(f"{end:+.{decimals}f}" for end in interval)
 
 
-def _unexplained_blocks(found: Diagnosis, joints: Sequence[str]) -> list[Text | Table | Picture]:
+def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | Table | Picture]:
     blocks: list[Text | Table | Picture] = []
     ratios = unseen_ratio(found.proof, found.noise_floor)
-    blocks += [
-        Text(
-            f"On the validation recordings the error of {name} is {ratio:.2g} times the "
-            "noise floor: what the model predicts there is not what happens."
-        )
-        for name, ratio in zip(joints, ratios, strict=True)
+    unseen = [
+        f"{label} ({ratio:.2g})"
+        for label, ratio in zip(labels, ratios, strict=True)
         if ratio > CLEAR_UNSEEN
     ]
+    if unseen:
+        blocks.append(
+            Text(
+                "On the validation recordings what the model predicts is not what happens at "
+                f"{', '.join(unseen)}; in brackets the error in noise floors."
+            )
+        )
     if not any(p.period for p in found.shop.estimation):
         blocks.append(
             Text(
@@ -183,51 +185,80 @@ def _unexplained_blocks(found: Diagnosis, joints: Sequence[str]) -> list[Text | 
         return [*blocks, Text("No free-form term of the residual is significant.")]
     rows = [
         {
-            "joint": u.joint + 1,
+            "joint": labels[u.joint],
             "term": u.label,
-            "depends on": ", ".join(u.depends_on),
-            "share of residual variance": u.share,
+            "share of residual variance": f"{u.share:.0%}",
             "part of the model": "yes" if u.stands_in else "no: does not predict unseen motion",
         }
         for u in found.unexplained
     ]
-    return [*blocks, Table(rows, "Free-form terms that the data demand")]
+    caption = (
+        "Free-form terms that the data demand: functions of positions q, velocities dq and "
+        "accelerations ddq of the joints numbered, or of time."
+    )
+    return [*blocks, Table(rows, caption)]
 
 
-def _lack_rows(found: Diagnosis, joints: Sequence[str]) -> list[dict[str, str | float]]:
-    return [
+def _lack_section(found: Diagnosis, labels: Sequence[str]) -> Section:
+    before, after = found.lack_before, found.lack_after
+    rows = [
         {
-            "joint": name,
-            "ratio before": float(found.lack_before.ratio[j]),
-            "p before": float(found.lack_before.p_value[j]),
-            "ratio after": float(found.lack_after.ratio[j]),
-            "p after": float(found.lack_after.p_value[j]),
-            "noise floor [N m]": float(found.noise_floor[j]),
+            "joint": label,
+            "before": float(before.ratio[j]),
+            "chance before": p_value_text(float(before.p_value[j])),
+            "after": float(after.ratio[j]),
+            "chance after": p_value_text(float(after.p_value[j])),
         }
-        for j, name in enumerate(joints)
+        for j, label in enumerate(labels)
     ]
+    return Section(
+        "Is more left than noise?",
+        [
+            Text(
+                f"The noise floor was read off the {found.noise_source}, in the analysis band up "
+                f"to {found.cutoff:.3g} Hz."
+            ),
+            Table(
+                rows,
+                "Residual on the estimation recordings over noise and encoder steps: 1 where "
+                "nothing else is left, below 1 where these are overestimated. Chance: of as much "
+                "from noise alone (F test for lack of fit).",
+                digits=3,
+            ),
+        ],
+    )
 
 
-def _refused_blocks(found: Diagnosis) -> list[Text | Table | Picture]:
+def _refused_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | Table | Picture]:
     if not found.refused:
         return [Text("No candidate came near.")]
-    seen: dict[tuple[str, int | None], dict[str, str | float]] = {}
-    for r in sorted(found.refused, key=lambda r: r.gain):
-        place = "arm" if r.joint is None else str(r.joint + 1)
-        seen[r.name, r.joint] = {
+    last = {(r.name, r.joint): r for r in sorted(found.refused, key=lambda r: r.gain)}
+    rows = [
+        {
             "candidate": r.name,
-            "joint": place,
-            "gain": r.gain,
+            "at": "whole arm" if r.joint is None else labels[r.joint],
+            "gain": round(r.gain),
             "why not": r.reason,
         }
-    rows = sorted(seen.values(), key=lambda row: -float(row["gain"]))[:20]
-    return [Table(rows, "The strongest of the candidates that failed a test")]
+        for r in sorted(last.values(), key=lambda r: -r.gain)[:REFUSED]
+    ]
+    caption = (
+        "The strongest of the candidates that failed a test. Gain: by how much one would have "
+        "lowered the sum of squares of the residual, in variances of the noise."
+    )
+    return [Table(rows, caption)]
 
 
 def _next_text(following: NextExperiment) -> str:
     return (
         f"To tell {'; '.join(following.pairs)}: run {NEXT}/trajectory.csv. Rivals' predictions then "
-        f"differ by λ = {following.separation:.3g} (now {following.separation_now:.3g}); the chance "
-        f"of naming the wrong one is {following.error_rate:.1%} (now {following.error_rate_now:.1%}). "
+        f"differ by λ = {following.separation:.3g} (now {following.separation_now:.3g}), the squared "
+        "distance in variances of the noise; the chance of naming the wrong one is "
+        f"{_rate(following.error_rate)} (now {_rate(following.error_rate_now)}). "
         f"Best of {following.tried} motions within the limits."
     )
+
+
+def _rate(rate: float) -> str:
+    """A share of draws; none of them is no proof of zero."""
+    return f"{rate:.1%}" if rate > 0 else f"below {1 / DRAWS:.2%}"

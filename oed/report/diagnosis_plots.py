@@ -1,49 +1,81 @@
-"""Pictures of a diagnosis: where the residual lives, its spectrum, and errors before and after."""
+"""Pictures of a diagnosis: errors before and after, what the residual depends on, its spectrum."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
 from jaxtyping import Float
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy import ndarray
 
-from oed.report.joint_grid import joint_grid
-from oed.report.style import BLUE, COLUMN, GREY, PAGE, STYLE, VERMILION, new_figure
+from oed.report.panels import legend_above, page_panels
+from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
-Curve = tuple[Float[ndarray, " bins"], Float[ndarray, " bins"], Float[ndarray, " bins"]]
-MOST_PANELS = 16  # strongest dependences that a page can show
+MOST_PANELS = 9  # strongest dependences that a reader looks at
+FLOOR = "noise floor"
+SINCE = (("before", VERMILION), ("after", BLUE))
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Mean residual in B bins of a coordinate.
+
+    Attributes:
+        centre: (B,) of each bin, in the coordinate's unit.
+        mean: (B,) residual there, in the joint's unit.
+        error: (B,) standard error of that mean.
+    """
+
+    centre: Float[ndarray, " bins"]
+    mean: Float[ndarray, " bins"]
+    error: Float[ndarray, " bins"]
+
+
+@dataclass(frozen=True)
+class DependencePanel:
+    """The residual of one joint over one coordinate.
+
+    Attributes:
+        joint: Name of the joint.
+        unit: Of its residual, "N m" or "N".
+        coordinate: In words, with its unit.
+        floor: Noise floor of the joint, in `unit`.
+        before: Of the base model.
+        after: Of the augmented one.
+    """
+
+    joint: str
+    unit: str
+    coordinate: str
+    floor: float
+    before: Curve
+    after: Curve
 
 
 @mpl.rc_context(STYLE)
-def plot_dependences(curves: Sequence[tuple[str, Curve, Curve]], floors: Sequence[float]) -> Figure:
+def plot_dependences(shown: Sequence[DependencePanel]) -> Figure:
     """Mean residual over coordinates, before and after, with two standard errors.
 
     Args:
-        curves: Title, then (centre, mean, standard error) before and after; at most 16.
-        floors: Noise floor of each panel's joint [N m].
+        shown: Strongest first; no more than `MOST_PANELS` are drawn.
+
+    Raises:
+        ValueError: If there is none.
     """
-    shown = list(zip(curves, floors, strict=True))[:MOST_PANELS]
-    columns = min(4, max(1, len(shown)))
-    rows = max(1, -(-len(shown) // columns))
-    figure = new_figure(PAGE, 0.4 + 1.45 * rows)
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for spare in panels[len(shown) :]:
-        spare.remove()
-    for panel, ((title, before, after), floor) in zip(panels, shown, strict=False):
-        panel.axhspan(-floor, floor, color="#EEEEEE", zorder=0)
-        for curve, colour, label in ((before, VERMILION, "before"), (after, BLUE, "after")):
-            centre, mean, error = curve
-            panel.fill_between(
-                centre, mean - 2 * error, mean + 2 * error, color=colour, alpha=0.25, linewidth=0
-            )
-            panel.plot(centre, mean, color=colour, label=label)
-        panel.set_title(title, parse_math=False)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=2)
-    figure.supylabel("mean residual [N m]; grey: noise floor", fontsize=8.0)
+    shown = shown[:MOST_PANELS]
+    figure, panels = page_panels([f"{s.joint} [{s.unit}]" for s in shown], "mean residual")
+    for panel, s in zip(panels, shown, strict=True):
+        panel.axhspan(-s.floor, s.floor, color="#EEEEEE", zorder=0, label=FLOOR)
+        for (label, colour), curve in zip(SINCE, (s.before, s.after), strict=True):
+            low, high = curve.mean - 2 * curve.error, curve.mean + 2 * curve.error
+            panel.fill_between(curve.centre, low, high, color=colour, alpha=0.25, linewidth=0)
+            panel.plot(curve.centre, curve.mean, color=colour, label=label)
+        panel.set_xlabel(s.coordinate, fontsize=7.0)
+    legend_above(figure, panels[0])
     return figure
 
 
@@ -52,17 +84,36 @@ def plot_spectra(
     frequency: Float[ndarray, " frequencies"],
     before: Float[ndarray, "frequencies joints"],
     after: Float[ndarray, "frequencies joints"],
+    *,
+    floor: Float[ndarray, " joints"],
+    cutoff: float,
     joint_names: Sequence[str],
+    units: Sequence[str],
 ) -> Figure:
-    """Amplitude density of the residual before and after, joint by joint."""
-    figure, panels = joint_grid(
-        joint_names, xlabel="frequency [Hz]", ylabel="residual [N m/√Hz]", sharey=False
-    )
+    """Amplitude density of the residual before and after, joint by joint.
+
+    The noise floor is drawn as if it were white from 0 to the band's edge.
+
+    Args:
+        frequency: (F,) [Hz].
+        before: (F, n) power density of the base model's residual [unit²/Hz].
+        after: (F, n) the same of the augmented model's.
+        floor: (n,) standard deviation of the noise in the band [unit].
+        cutoff: Edge of the analysis band [Hz].
+        joint_names: (n,) names.
+        units: (n,) unit of each joint's residual, "N m" or "N".
+    """
+    titles = [f"{name} [{unit}/√Hz]" for name, unit in zip(joint_names, units, strict=True)]
+    figure, panels = page_panels(titles, "residual, amplitude density")
     for j, panel in enumerate(panels):
-        for power, colour, label in ((before, VERMILION, "before"), (after, BLUE, "after")):
+        for (label, colour), power in zip(SINCE, (before, after), strict=True):
             panel.semilogy(frequency[1:], np.sqrt(power[1:, j]), color=colour, label=label)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=2)
+        level = float(floor[j]) / np.sqrt(cutoff)
+        panel.plot([0.0, cutoff], [level, level], color=GREY, linestyle="--", label=FLOOR)
+        panel.axvline(cutoff, color=GREY, linestyle=":", label="edge of the analysis band")
+        panel.set_xlabel("frequency [Hz]")
+        _three_decades(panel)
+    legend_above(figure, panels[0])
     return figure
 
 
@@ -71,41 +122,41 @@ def plot_proof(
     roles: Mapping[str, tuple[Float[ndarray, "joints 3"], Float[ndarray, "joints 3"]]],
     floor: Float[ndarray, " joints"],
     joint_names: Sequence[str],
+    units: Sequence[str],
 ) -> Figure:
     """Error before and after on each kind of recording, with intervals and the noise floor.
 
     Args:
-        roles: For each role (value, lower, upper) of every joint before and after [N m].
-        floor: (n,) noise floor [N m].
+        roles: For each role (value, lower, upper) of every joint before and after [unit].
+        floor: (n,) noise floor [unit].
         joint_names: (n,) names.
+        units: (n,) unit of each joint's error, "N m" or "N".
     """
-    n = len(joint_names)
-    figure = new_figure(max(COLUMN, 1.1 * n + 0.6), 2.2)
-    panels = figure.subplots(1, n, squeeze=False)[0]
-    names = list(roles)
+    titles = [f"{name} [{unit}]" for name, unit in zip(joint_names, units, strict=True)]
+    figure, panels = page_panels(titles, "rms error")
+    places = np.arange(len(roles))
     for j, panel in enumerate(panels):
-        panel.axhline(floor[j], color=GREY, linestyle="--", label="noise floor")
-        for k, role in enumerate(names):
-            pairs = zip(
-                roles[role], (VERMILION, BLUE), ("before", "after"), (-0.14, 0.14), strict=False
+        panel.axhline(floor[j], color=GREY, linestyle="--", label=FLOOR)
+        for when, ((label, colour), shift) in enumerate(zip(SINCE, (-0.14, 0.14), strict=True)):
+            value, lower, upper = np.stack([errors[when][j] for errors in roles.values()], axis=1)
+            panel.errorbar(
+                places + shift,
+                value,
+                yerr=np.maximum([value - lower, upper - value], 0.0),
+                color=colour,
+                marker="o",
+                markersize=3,
+                linestyle="none",
+                label=label,
             )
-            for values, colour, label, shift in pairs:
-                value, lower, upper = values[j]
-                panel.errorbar(
-                    k + shift,
-                    value,
-                    yerr=[[max(value - lower, 0.0)], [max(upper - value, 0.0)]],
-                    color=colour,
-                    marker="o",
-                    markersize=3,
-                    linestyle="none",
-                    label=label if k == 0 else None,
-                )
-        panel.set_xticks(range(len(names)), [name[:5] for name in names])
-        panel.set_xlim(-0.5, len(names) - 0.5)
+        panel.set_xticks(places, list(roles))
+        panel.set_xlim(-0.5, len(roles) - 0.5)
         panel.set_ylim(bottom=0.0)
-        panel.set_title(joint_names[j], parse_math=False)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=3)
-    panels[0].set_ylabel("rms error [N m]")
+    legend_above(figure, panels[0])
     return figure
+
+
+def _three_decades(panel: Axes) -> None:
+    """Keep the flank beyond the band from squeezing what lies within it."""
+    lower, upper = panel.get_ylim()
+    panel.set_ylim(bottom=max(lower, upper / 1e3))

@@ -8,6 +8,7 @@ from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.report.effect_words import known_parameters
 from oed.report.provenance import Provenance
 
 FORMAT = 1
@@ -29,7 +30,7 @@ def diagnosis_record(
         "data": data,
         "joints": list(joints),
         "verdict": found.verdict,
-        "effects": [_effect(effect) for effect in found.effects],
+        "effects": [_effect(effect, found) for effect in found.effects],
         "unexplained": [
             {
                 "joint": u.joint,
@@ -70,12 +71,16 @@ def diagnosis_record(
     }
 
 
-def _effect(effect: FoundEffect) -> dict[str, object]:
+def _effect(effect: FoundEffect, found: Diagnosis) -> dict[str, object]:
+    known = known_parameters(effect, found.shop.context, found.before.model.robot.joints)
     return {
         "name": effect.name,
         "joint": effect.joint,
         "parameters": {
-            p.name: {"value": p.value, "std": p.std, "unit": p.unit} for p in effect.parameters
+            # A note says where the standard deviation is no measurement.
+            p.name: {"value": p.value, "std": p.std, "unit": p.unit}
+            | ({} if p.note is None else {"note": p.note})
+            for p in known
         },
         "p_value": effect.p_value,
         "validation_gain": effect.validation_gain,

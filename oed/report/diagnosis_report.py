@@ -10,11 +10,19 @@ from matplotlib.figure import Figure
 
 from oed.design.export import SetPoints, write_csv
 from oed.diagnosis.diagnosis import Diagnosis
+from oed.diagnosis.evidence.dependence import Dependence
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.report.diagnosis_page import diagnosis_page
-from oed.report.diagnosis_plots import MOST_PANELS, plot_dependences, plot_proof, plot_spectra
+from oed.report.diagnosis_plots import (
+    Curve,
+    DependencePanel,
+    plot_dependences,
+    plot_proof,
+    plot_spectra,
+)
 from oed.report.diagnosis_record import FORMAT, NEXT, diagnosis_record
+from oed.report.joint_words import coordinate_label, joint_labels, torque_units
 from oed.report.json_file import plain_value, write_json
 from oed.report.page import write_page
 from oed.report.provenance import Provenance
@@ -82,15 +90,21 @@ def write_next(following: NextExperiment, joints: Sequence[str], folder: Path) -
 
 def draw_figures(found: Diagnosis, joints: Sequence[str]) -> dict[str, Figure]:
     """The figures by file name."""
+    robot = found.before.model.robot
+    labels, units = joint_labels(joints), torque_units(robot.joints)
     pairs = list(zip(found.dependences, found.dependences_after, strict=True))
     pairs.sort(key=lambda pair: -_strength(pair[0], found))
-    curves, floors = [], []
-    for before, after in pairs[:MOST_PANELS]:
-        title = f"joint {before.joint + 1} over {before.coordinate}"
-        old = (before.centre, before.mean, before.deviation)
-        new = (after.centre, after.mean, after.deviation)
-        curves.append((title, old, new))
-        floors.append(float(found.noise_floor[before.joint]))
+    panels = [
+        DependencePanel(
+            joint=labels[before.joint],
+            unit=units[before.joint],
+            coordinate=coordinate_label(before.coordinate, robot.joints),
+            floor=float(found.noise_floor[before.joint]),
+            before=_curve(before),
+            after=_curve(after),
+        )
+        for before, after in pairs
+    ]
     roles = {
         p.role: (
             np.column_stack([p.before, p.before_interval]),
@@ -100,13 +114,25 @@ def draw_figures(found: Diagnosis, joints: Sequence[str]) -> dict[str, Figure]:
     }
     s = found.spectrum
     return {
-        "proof": plot_proof(roles, found.noise_floor, joints),
-        "dependence": plot_dependences(curves, floors),
-        "spectrum": plot_spectra(s.frequency, s.before, s.after, joints),
+        "proof": plot_proof(roles, found.noise_floor, labels, units),
+        "dependence": plot_dependences(panels),
+        "spectrum": plot_spectra(
+            s.frequency,
+            s.before,
+            s.after,
+            floor=found.noise_floor,
+            cutoff=found.cutoff,
+            joint_names=labels,
+            units=units,
+        ),
     }
 
 
-def _strength(dependence, found: Diagnosis) -> float:
+def _curve(dependence: Dependence) -> Curve:
+    return Curve(dependence.centre, dependence.mean, dependence.deviation)
+
+
+def _strength(dependence: Dependence, found: Diagnosis) -> float:
     """How far the mean residual leaves its own uncertainty, in noise floors."""
     if len(dependence.mean) == 0:
         return 0.0

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 
 import matplotlib as mpl
 from jaxtyping import Float
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy import ndarray
 
 from oed.report.joint_grid import joint_grid
+from oed.report.panels import legend_above
 from oed.report.signal_lines import draw_signal
 from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
@@ -49,7 +49,7 @@ def plot_torques(
         draw_signal(panel, t, measured[:, j], color=GREY, label="measured", linewidth=1.6)
         draw_signal(panel, t, predicted[:, j], color=BLUE, label="predicted", linewidth=0.7)
         panel.margins(x=0)
-    _legend_above(figure, panels[0])
+    legend_above(figure, panels[0])
     return figure
 
 
@@ -84,7 +84,7 @@ def plot_residuals(
             f"rms {rms[j]:#.3g}".rstrip("."), loc="right", color=VERMILION, fontsize=7.0
         )
         panel.margins(x=0)
-    _legend_above(figure, panels[0])
+    legend_above(figure, panels[0])
     return figure
 
 
@@ -122,13 +122,8 @@ def plot_residual_spectrum(
             )
         panel.margins(x=0)
     if cutoff is not None:
-        _legend_above(figure, panels[0])
+        legend_above(figure, panels[0])
     return figure
-
-
-def _legend_above(figure: Figure, panel: Axes) -> None:
-    handles, labels = panel.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
 
 
 def _require_names(joint_names: Sequence[str], joints: int) -> None:

@@ -44,6 +44,15 @@ class Joint:
     R_LJ: Float[ndarray, "3 3"]
     p_LJ: Float[ndarray, "3"]
 
+    def unit(self, rotary: str) -> str:
+        """The unit at this joint of what has the unit `rotary` at a revolute one.
+
+        "N m s/rad" is "N s/m" at a prismatic joint.
+        """
+        if self.kind == "revolute":
+            return rotary
+        return rotary.replace("N m", "N").replace("kg m^2", "kg").replace("rad", "m")
+
 
 @dataclass(frozen=True)
 class InertiaFault:

@@ -1,0 +1,82 @@
+"""What a report says of a named effect: its place, and how well its parameters are known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from oed.diagnosis.evidence.verdict import FoundEffect
+from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
+from oed.robot.robot import Joint
+
+WHOLE_RANGE = 0.999  # of the spread of a uniform distribution: the data say no more than the range
+AT_BOUND = 1e-3  # of the range
+
+
+@dataclass(frozen=True)
+class KnownParameter:
+    """A parameter of an effect as it may be told.
+
+    Attributes:
+        name: Symbol in words.
+        value: In `unit`.
+        std: Standard deviation; of a shape no more than that of its plausible range.
+        unit: At this joint.
+        note: In words why `std` is no measurement; None where it is one.
+    """
+
+    name: str
+    value: float
+    std: float
+    unit: str
+    note: str | None = None
+
+    @property
+    def uncertainty(self) -> float | str:
+        """The standard deviation, or why there is none."""
+        return self.std if self.note is None else self.note
+
+
+def place_of(name: str, joint: int | None, labels: Sequence[str]) -> str:
+    """Such as "stribeck on joint 2"; an effect of the whole arm by its name alone."""
+    return name if joint is None else f"{name} on {labels[joint]}"
+
+
+def known_parameters(
+    effect: FoundEffect, context: Context, joints: Sequence[Joint]
+) -> list[KnownParameter]:
+    """Coefficients and shapes of an effect, with their units at its joint.
+
+    Args:
+        effect: Found.
+        context: In which it was tried: it narrows the shapes' ranges.
+        joints: Of the robot.
+    """
+    trial = effect.trial
+    shapes = CATALOGUE[effect.name].shapes_for(context, trial.target)
+    coefficients = len(effect.parameters) - len(trial.values)
+    notes = [None] * coefficients + [
+        _shape_note(p.value, p.std, shape)
+        for p, shape in zip(effect.parameters[coefficients:], shapes, strict=True)
+    ]
+    return [
+        KnownParameter(p.name, p.value, p.std, _unit(p.unit, effect.joint, joints), note)
+        for p, note in zip(effect.parameters, notes, strict=True)
+    ]
+
+
+def _shape_note(value: float, std: float, shape: Shape) -> str | None:
+    width = shape.upper - shape.lower
+    if shape.scale == "choice" or width <= 0:
+        return "chosen, not estimated"
+    if std < WHOLE_RANGE * width / np.sqrt(12):
+        return None
+    if min(value - shape.lower, shape.upper - value) < AT_BOUND * width:
+        return "at its bound, unknown"
+    return f"unknown between {shape.lower:.3g} and {shape.upper:.3g}"
+
+
+def _unit(unit: str, joint: int | None, joints: Sequence[Joint]) -> str:
+    return unit if joint is None else joints[joint].unit(unit)
