@@ -22,7 +22,8 @@ from numpy import ndarray
 
 from oed.design.bound.efficiency import QUICK, DEfficiency, d_efficiency
 from oed.design.clear_limits import ClearLimits, clear_limits
-from oed.design.collision import ClearanceCheck, Surroundings
+from oed.design.clearance import ClearanceCheck, check_clearance
+from oed.design.collision import Surroundings
 from oed.design.collision_free import avoid_collision
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
@@ -146,9 +147,9 @@ def run(config: Config) -> Result:
     design = Design.from_result(problem, found, optimiser="interior_point", seed=config.seed)
     seen = design.motion(np.linspace(0.0, design.horizon, CHECKED_INSTANTS))
     clearance = (
-        ClearanceCheck(None, None, None, 0, unchecked)
+        ClearanceCheck.not_made(unchecked)
         if surroundings is None
-        else surroundings.check(seen)
+        else check_clearance(surroundings, seen)
     )
     efficiency = d_efficiency(design, rng, QUICK if config.quick_bound else None)
     return Result(design, tuple(notes), efficiency, clearance)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from oed.design.bound.efficiency import DEfficiency
-from oed.design.collision import ClearanceCheck
+from oed.design.clearance import ClearanceCheck
 from oed.design.design import Design
 
 

@@ -1,7 +1,6 @@
-"""How near a motion brings the arm to itself, and to the walls of a box, by Drake's geometry.
+"""How near an arm is to itself, and to the walls of a box, in a posture, by Drake's geometry.
 
-Drake checks the convex hull of every collision mesh. A check is made at instants and is no
-proof: it says how near the arm came, and when.
+Drake looks at the convex hull of every collision mesh.
 """
 
 from __future__ import annotations
@@ -24,8 +23,6 @@ from pydrake.geometry import (
 from pydrake.multibody.tree import BodyIndex, Frame, JacobianWrtVariable, RigidBody
 
 from oed.design.scene import Scene, load_scene
-from oed.dynamics.motion import Motion
-from oed.errors import OedError
 from oed.robot import Robot
 from oed.robot.robot_file import joints_of, warnings_off
 
@@ -52,31 +49,6 @@ class Nearness:
     slope: Float[ndarray, " joints"]
 
 
-@dataclass(frozen=True)
-class ClearanceCheck:
-    """What a check found.
-
-    Attributes:
-        least: Least distance of two bodies, or of a body and a wall [m]; negative where they
-            overlap. None where there is nothing to check, or where nothing came within `FAR`.
-        pair: Names of those two.
-        time: When [s].
-        instants: Number of instants looked at.
-        note: What could not be checked, or is not judged.
-    """
-
-    least: float | None
-    pair: Pair | None
-    time: float | None
-    instants: int
-    note: str
-
-    @property
-    def is_clear(self) -> bool:
-        """Whether the check was made and nothing overlaps."""
-        return self.instants > 0 and (self.least is None or self.least > 0.0)
-
-
 class Surroundings:
     """A robot's shapes and the walls of its box, posed at will.
 
@@ -98,7 +70,7 @@ class Surroundings:
         if not np.isfinite(robot.limits.position).all():
             raise ValueError("a clearance check needs finite position limits of every joint")
         self._scene: Scene = load_scene(robot)
-        self._box = box
+        self.box = box
         plant = self._scene.plant
         planes = _leave_out_planes(self._scene.scene_graph)
         with warnings_off():  # of planes and soft bodies
@@ -184,17 +156,6 @@ class Surroundings:
             distance >= self.wanted(pair) / 2 for pair, distance in self.distances(q).items()
         )
 
-    def check(self, motion: Motion) -> ClearanceCheck:
-        """The least distance at the instants of a motion."""
-        if not self.has_shapes and self._box is None:
-            return ClearanceCheck(None, None, None, 0, self.note)
-        worst: tuple[float | None, Pair | None, float | None] = (None, None, None)
-        for t, q in zip(motion.t, motion.q, strict=True):
-            for pair, distance in self.distances(q).items():
-                if worst[0] is None or distance < worst[0]:
-                    worst = (distance, pair, float(t))
-        return ClearanceCheck(*worst, len(motion), self.note)
-
     def _neighbours(self, robot: Robot) -> set[Pair]:
         """Pairs of bodies that no random posture parts by more than `NEIGHBOURLY`."""
         if not self.has_shapes:
@@ -210,7 +171,7 @@ class Surroundings:
 
     def _near_walls(self) -> list[Nearness]:
         """Origins of bodies that a joint moves, near or beyond a wall."""
-        if self._box is None:
+        if self.box is None:
             return []
         plant, found = self._scene.plant, []
         for index, movers in self._moved_by.items():
@@ -218,7 +179,7 @@ class Surroundings:
                 continue
             body = plant.get_body(BodyIndex(index))
             at = plant.EvalBodyPoseInWorld(self._plant_context, body).translation()
-            room = np.stack([at - self._box[:, 0], self._box[:, 1] - at], axis=1)
+            room = np.stack([at - self.box[:, 0], self.box[:, 1] - at], axis=1)
             if room.min() > FAR:
                 continue
             rates = self._velocity(body.body_frame(), np.zeros(3))
@@ -256,26 +217,6 @@ class Surroundings:
             return walk(int(joint.parent_body().index())) | moved
 
         return {i: walk(i) for i in range(plant.num_bodies())}
-
-
-def check_clearance(
-    robot: Robot, motion: Motion, box: Float[ndarray, "3 2"] | None = None
-) -> ClearanceCheck:
-    """Look for the least distance at every instant of a motion.
-
-    Args:
-        robot: Loaded from a file, with finite position limits.
-        motion: At the instants to check.
-        box: Lower and upper bound of x, y, z in the base frame [m], for the origins of the
-            bodies; None for no box.
-
-    Raises:
-        ValueError: If a position is not limited.
-    """
-    try:
-        return Surroundings(robot, box).check(motion)
-    except OedError as error:
-        return ClearanceCheck(None, None, None, 0, f"not checked: {error}")
 
 
 def _leave_out_planes(scene_graph: SceneGraph) -> str:

@@ -17,7 +17,6 @@ from oed.design.extrema import split_intervals
 from oed.design.interval import Interval
 from oed.design.trajectories import TrajectoryClass
 from oed.dynamics.effects import Effect, State
-from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError
@@ -139,11 +138,3 @@ def _signal_on(
     return [
         Interval(low, high) for low, high in zip((value - reach).T, (value + reach).T, strict=True)
     ]
-
-
-def sampled_torque(
-    model: TorqueModel, parameters: Float[ndarray, " parameters"], motion: Motion
-) -> Float[ndarray, "joints 2"]:
-    """Smallest and largest torque at the instants of a motion: no proof."""
-    torque = model.torque(parameters, motion)
-    return np.stack([torque.min(axis=0), torque.max(axis=0)], axis=1)

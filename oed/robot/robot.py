@@ -124,13 +124,6 @@ class Robot:
             ]
         return tuple(order)
 
-    def path_to(self, joint: int) -> tuple[int, ...]:
-        """Joint indices from the base to `joint`, both ends included."""
-        path = [joint]
-        while self.joints[path[0]].parent != -1:
-            path.insert(0, self.joints[path[0]].parent)
-        return tuple(path)
-
     @property
     def parameter_names(self) -> tuple[str, ...]:
         """(10 n) names such as "mx_2": symbol and joint number from 1."""

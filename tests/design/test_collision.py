@@ -9,7 +9,8 @@ import pytest
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.collision import FAR, Surroundings, check_clearance
+from oed.design.clearance import check_clearance
+from oed.design.collision import FAR, Surroundings
 from oed.design.scene import load_scene
 from oed.dynamics.motion import Motion
 from oed.errors import RobotError
@@ -139,14 +140,16 @@ def test_walls_are_as_far_as_the_bodies_origins(tmp_path: Path) -> None:
 
 def test_check_names_pair_and_time_of_the_least_distance(tmp_path: Path) -> None:
     robot = arm_and_post(tmp_path)
-    check = check_clearance(robot, at_instants([-2.0, 0.0], [1.2, 0.4], [1.0, 0.4], [2.5, 0.0]))
+    check = check_clearance(
+        Surroundings(robot), at_instants([-2.0, 0.0], [1.2, 0.4], [1.0, 0.4], [2.5, 0.0])
+    )
     least = min(to_post(np.array(q)) for q in ([1.2, 0.4], [1.0, 0.4]))
     assert check.least == pytest.approx(least, abs=1e-9)
     assert check.pair == PAIR
     assert check.time == (0.1 if to_post(np.array([1.2, 0.4])) == least else 0.2)
     assert check.instants == 4
     assert check.is_clear == (least > 0)
-    far = check_clearance(robot, at_instants([-2.0, 0.0]))
+    far = check_clearance(Surroundings(robot), at_instants([-2.0, 0.0]))
     assert far.least is None
     assert far.is_clear
 
@@ -154,7 +157,7 @@ def test_check_names_pair_and_time_of_the_least_distance(tmp_path: Path) -> None
 def test_an_overlap_is_not_clear(tmp_path: Path) -> None:
     robot = arm_and_post(tmp_path)
     inside = next(q for q in postures(1000) if to_post(q) < -0.05)
-    assert not check_clearance(robot, at_instants(list(inside))).is_clear
+    assert not check_clearance(Surroundings(robot), at_instants(list(inside))).is_clear
 
 
 def test_neighbours_are_not_judged_but_named(tmp_path: Path) -> None:
@@ -201,7 +204,7 @@ def test_wanted_is_a_centimetre_or_half_of_what_there_is(tmp_path: Path) -> None
 @pytest.mark.parametrize("visual", ["", sphere(0.1, kind="visual")])
 def test_a_robot_without_collision_shapes_is_not_called_clear(visual: str, tmp_path: Path) -> None:
     robot = planar_arm(tmp_path, base=visual, lower=visual)
-    check = check_clearance(robot, at_instants([0.0, 0.0]))
+    check = check_clearance(Surroundings(robot), at_instants([0.0, 0.0]))
     assert (check.instants, check.least) == (0, None)
     assert "no shapes" in check.note
     assert not check.is_clear
@@ -209,19 +212,16 @@ def test_a_robot_without_collision_shapes_is_not_called_clear(visual: str, tmp_p
 
 def test_walls_are_checked_without_shapes_and_the_lack_is_said(tmp_path: Path) -> None:
     walls = np.array([[-1.0, 1.0]] * 3)
-    check = check_clearance(planar_arm(tmp_path), at_instants([0.5, 0.0]), walls)
+    check = check_clearance(Surroundings(planar_arm(tmp_path), walls), at_instants([0.5, 0.0]))
     assert check.least is None
     assert check.instants == 1
     assert "no shapes" in check.note
 
 
 def test_a_builtin_robot_has_no_geometry() -> None:
-    check = check_clearance(imi_scara(), at_instants([0.0, 0.0]))
-    assert check.instants == 0
-    assert not check.is_clear
-    assert "does not come from a file" in check.note
-    with pytest.raises(RobotError, match="does not come from a file"):
-        load_scene(imi_scara())
+    for look in (Surroundings, load_scene):
+        with pytest.raises(RobotError, match="does not come from a file"):
+            look(imi_scara())
 
 
 def test_refuses_positions_without_limits(tmp_path: Path) -> None:

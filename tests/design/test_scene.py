@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oed.design.collision import Surroundings, check_clearance
+from oed.design.clearance import check_clearance
+from oed.design.collision import Surroundings
 from oed.design.default_limits import with_default_limits
 from oed.dynamics.motion import Motion
 from oed.robot import load_robot
@@ -88,7 +89,7 @@ def test_a_colour_that_drake_refuses_costs_the_drawing_only(colour: str, tmp_pat
 def test_shapes_that_drake_refuses_are_said(tmp_path: Path) -> None:
     (tmp_path / "bad.obj").write_text("v a b c\n")
     bad = '<collision><geometry><mesh filename="bad.obj"/></geometry></collision>'
-    check = check_clearance(planar_arm(tmp_path, lower=bad), STILL)
+    check = check_clearance(Surroundings(planar_arm(tmp_path, lower=bad)), STILL)
     assert check.instants == 0
     assert "shapes cannot be read" in check.note
 

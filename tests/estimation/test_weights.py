@@ -20,6 +20,17 @@ def test_repetitions_give_the_papers_formula():
     assert np.allclose(variances_from_repetitions(tau), by_hand, rtol=1e-12)
 
 
+def test_repetitions_give_an_unbiased_variance_whatever_the_motion():
+    rng = np.random.default_rng(1)
+    motion = np.sin(np.linspace(0, 2 * np.pi, 80))[:, None] * [10.0, 1.0]
+    sigma = np.array([0.3, 2.0])
+    found = [
+        variances_from_repetitions(motion + sigma * rng.normal(size=(6, 80, 2))) for _ in range(500)
+    ]
+    # 400 degrees of freedom x 500 draws: standard error sqrt(2 / 200 000) = 0.3 %.
+    assert np.allclose(np.mean(found, axis=0), sigma**2, rtol=0.015)
+
+
 def test_one_repetition_has_no_variance():
     with pytest.raises(ValueError, match="at least two"):
         variances_from_repetitions(np.zeros((1, 80, 2)))
