@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from oed.report.experiment_plots import draw_residuals
-from paper_figures.reading import reproduced, settings, torque
+from paper_figures.drawing import draw_residual
 from paper_figures.writing import write
 
 CAPTION = (
@@ -23,16 +21,7 @@ def draw(results: Path) -> Figure:
     Args:
         results: Folder that `studies.paper_experiment` wrote.
     """
-    t, measured, predicted = torque(results, "J_k", "test")
-    residual = measured - predicted
-    rms = np.sqrt((residual**2).mean(axis=0))
-    for j, value in enumerate(rms):
-        stated = reproduced(results, "J_k", f"rms, test set, joint {j + 1}")
-        assert abs(value - stated) < 1e-3 * stated, "the table states another rms"
-        assert value < 0.5 * np.sqrt((measured[:, j] ** 2).mean())
-    given = settings(results)
-    breaks = [float(given["horizon"]) * k for k in range(1, int(given["repetitions"]))]
-    return draw_residuals(t, residual, breaks)
+    return draw_residual(results, "J_k", "test")
 
 
 if __name__ == "__main__":

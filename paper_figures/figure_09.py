@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from oed.report.experiment_plots import draw_trajectories
-from paper_figures.reading import design_value, settings, trajectory
+from paper_figures.drawing import draw_design
+from paper_figures.reading import design_value
 from paper_figures.writing import write
 
 CAPTION = (
@@ -24,13 +23,8 @@ def draw(results: Path) -> Figure:
     Args:
         results: Folder that `studies.paper_experiment` wrote.
     """
-    t, q, dq, ddq = trajectory(results, "J_d, GA")
-    given = settings(results)
-    limits = [np.array(given[f"{kind}_limit"]) for kind in ("position", "velocity", "acceleration")]
-    for values, limit in zip((q, dq, ddq), limits, strict=True):
-        assert (np.abs(values) <= limit * (1 + 1e-6)).all(), "a limit is left"
     assert design_value(results, "J_d, GA", "J_d") > design_value(results, "J_k, GA", "J_d")
-    return draw_trajectories(t, q, dq, ddq, limits)
+    return draw_design(results, "J_d, GA")
 
 
 if __name__ == "__main__":

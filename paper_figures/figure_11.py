@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from oed.report.experiment_plots import draw_torque
-from paper_figures.reading import settings, torque
+from paper_figures.drawing import draw_reconstruction
 from paper_figures.writing import write
 
 CAPTION = (
@@ -23,12 +21,7 @@ def draw(results: Path) -> Figure:
     Args:
         results: Folder that `studies.paper_experiment` wrote.
     """
-    t, measured, predicted = torque(results, "J_d", "estimation")
-    one = slice(0, int(settings(results)["samples"]))
-    t, measured, predicted = t[one], measured[one], predicted[one]
-    for j in range(measured.shape[1]):
-        assert np.corrcoef(measured[:, j], predicted[:, j])[0, 1] > 0.8
-    return draw_torque(t, measured, predicted)
+    return draw_reconstruction(results, "J_d")
 
 
 if __name__ == "__main__":
