@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entries import (
     friction,
     history,
@@ -18,7 +19,7 @@ from oed.dynamics.effects.entries import (
     position,
     transmission,
 )
-from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 
 __all__ = ["CATALOGUE", "CatalogueEntry", "Context", "EffectPage", "Shape", "Target"]
 

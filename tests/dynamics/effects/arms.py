@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects.entry import Context
+from oed.dynamics.effects.context import Context
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot, imi_scara, load_robot

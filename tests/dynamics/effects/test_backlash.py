@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.deflection import deflect
-from oed.dynamics.effects.entry import Context, evaluate
+from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.transmission import Backlash
 from oed.dynamics.torque_model import TorqueModel

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.effect import State
-from oed.dynamics.effects.entry import Context, evaluate
+from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.torque_model import TorqueModel
 from tests.dynamics.effects.arms import context_of, panda, scara, smooth_motion, vertical_arm
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from oed.dynamics.effects import State, TorqueOffset
 from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.effects.entry import Context
+from oed.dynamics.effects.context import Context
 from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import imi_scara

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.effects.entry import Context, evaluate
+from oed.dynamics.effects.context import Context
+from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.effects.thermal import ThermalDrift
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel

@@ -7,6 +7,7 @@ import dataclasses
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entries.plausibility import (
     at_most,
     first_reason,
@@ -14,7 +15,7 @@ from oed.dynamics.effects.entries.plausibility import (
     positive,
     share_of_coulomb,
 )
-from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.nonlinear_viscous import AsymmetricViscous, NonlinearViscous
 from oed.dynamics.effects.offset import TorqueOffset
 from oed.dynamics.effects.stribeck import Stribeck

@@ -10,6 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.base_parameters import find_base_parameters
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entries.plausibility import (
     at_most,
     finite,
@@ -18,7 +19,7 @@ from oed.dynamics.effects.entries.plausibility import (
     positive,
     share_of_coulomb,
 )
-from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.hysteresis import PreslidingHysteresis
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.rigid_body import RigidBody

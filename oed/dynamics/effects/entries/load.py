@@ -6,13 +6,14 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.effects.actuator import GainError, TorqueGain
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entries.plausibility import (
     at_most,
     first_reason,
     joint_of,
     positive,
 )
-from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.load import LoadFriction, TorqueSaturation
 from oed.dynamics.torque_model import TorqueModel
 

@@ -8,17 +8,12 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.delay import FilterLag, TimeDelay
 from oed.dynamics.effects.effect import MeasurementEffect
 from oed.dynamics.effects.encoder import EccentricityColumns, EncoderEccentricity
 from oed.dynamics.effects.entries.plausibility import at_most, by_construction, joint_of
-from oed.dynamics.effects.entry import (
-    CatalogueEntry,
-    Context,
-    EffectPage,
-    Shape,
-    Target,
-)
+from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.gravity import GravityDirection, tilt_directions, tilted
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.torque_change import TorqueChange

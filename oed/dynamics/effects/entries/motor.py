@@ -5,6 +5,7 @@ from __future__ import annotations
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entries.plausibility import (
     finite,
     first_reason,
@@ -12,7 +13,7 @@ from oed.dynamics.effects.entries.plausibility import (
     pair_of,
     positive,
 )
-from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInertia
 
 ONE_WAY = 0.05  # a ratio below this: the motor is the joint's own, recorded in another row

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects.entry import Context, Target
+from oed.dynamics.effects.context import Context
+from oed.dynamics.effects.entry import Target
 
 
 def joint_of(target: Target) -> int:

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entries.plausibility import (
     at_most,
     first_reason,
@@ -16,7 +17,7 @@ from oed.dynamics.effects.entries.plausibility import (
     positive,
     share_of_coulomb,
 )
-from oed.dynamics.effects.entry import CatalogueEntry, Context, EffectPage, Shape, Target
+from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.position import JointSpring, PositionFriction, TorqueRipple
 
 # Harmonics closer than this over the range of motion share most of their wave: two trial

@@ -8,16 +8,9 @@ from collections.abc import Callable
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entries.plausibility import by_construction, joint_of
-from oed.dynamics.effects.entry import (
-    Build,
-    CatalogueEntry,
-    Context,
-    EffectPage,
-    Install,
-    Shape,
-    Target,
-)
+from oed.dynamics.effects.entry import Build, CatalogueEntry, EffectPage, Install, Shape, Target
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.transmission import (
     Backlash,

@@ -1,0 +1,155 @@
+"""What is known when an effect is tried: the model so far and what the data cover."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.effects.effect import Effect
+from oed.dynamics.effects.friction import Coulomb, Viscous
+from oed.dynamics.effects.offset import TorqueOffset
+from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.motion import Motion
+from oed.dynamics.torque_model import TorqueModel
+
+# Share of the samples up to which speed and torque count: beyond lie starts and gaps of the log.
+HIGHEST = 0.995
+Known = tuple[tuple[Effect, Float[ndarray, " columns"]], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """What is known when an effect is tried: the model so far and what the data cover.
+
+    Attributes:
+        model: The torque model before the effect.
+        parameters: (p,) its current estimate; base parameters with the rest zero will do.
+        duration: Of the longest recording [s].
+        position_range: (n, 2) least and largest position [rad].
+        top_speed: (n,) largest speed, but for a few samples [rad/s].
+        peak_torque: (n,) largest predicted torque, but for a few samples [N m].
+        gear_ratio: Motor turns a joint turn, None where unknown.
+        session: First and last time of recordings that one clock timed, one after another [s];
+            None for a single recording, or if every one starts its own clock.
+        recordings: How many show the effect.
+        beside: Effects found so far, each with its coefficients: delay, gain and load feel
+            their torque too.
+    """
+
+    model: TorqueModel
+    parameters: Float[ndarray, " parameters"]
+    duration: float
+    position_range: Float[ndarray, "joints 2"]
+    top_speed: Float[ndarray, " joints"]
+    peak_torque: Float[ndarray, " joints"]
+    gear_ratio: tuple[float, ...] | None = None
+    session: tuple[float, float] | None = None
+    recordings: int = 1
+    beside: Known = ()
+
+    @classmethod
+    def of(
+        cls,
+        model: TorqueModel,
+        parameters: Float[ndarray, " parameters"],
+        motions: Sequence[Motion],
+        gear_ratio: tuple[float, ...] | None = None,
+        beside: Known = (),
+        *,
+        later: Sequence[Motion] = (),
+    ) -> Context:
+        """The context of recordings, one motion each.
+
+        Args:
+            model: As the attribute, and so are the next.
+            parameters: Of the model.
+            motions: Of the recordings that show the effect.
+            gear_ratio: As the attribute.
+            beside: As the attribute.
+            later: Of further recordings, which tell whether the clock of a single one goes on.
+        """
+        if not motions:
+            raise ValueError("a context needs at least one motion to say what is covered")
+        reference = _reference(model, parameters, beside)
+        q, dq = (np.concatenate([getattr(m, x) for m in motions]) for x in ("q", "dq"))
+        torque = np.concatenate([reference.parts(motion).sum(axis=2) for motion in motions])
+        return cls(
+            model=model,
+            parameters=parameters,
+            duration=float(max(motion.t[-1] - motion.t[0] for motion in motions)),
+            position_range=np.stack([q.min(axis=0), q.max(axis=0)], axis=1),
+            top_speed=np.quantile(np.abs(dq), HIGHEST, axis=0),
+            peak_torque=np.quantile(np.abs(torque), HIGHEST, axis=0),
+            gear_ratio=gear_ratio,
+            session=_session(motions if len(motions) > 1 else [*motions, *later]),
+            recordings=len(motions),
+            beside=beside,
+        )
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.model.robot.n
+
+    @cached_property
+    def reference(self) -> ReferenceTorque:
+        """The model with the current estimate put in, and the effects found so far."""
+        return _reference(self.model, self.parameters, self.beside)
+
+    def sign_width(self, joint: int) -> float:
+        """Width over which the model's own Coulomb friction turns its sign [rad/s]."""
+        widths = [
+            effect.width
+            for effect in self.model.effects
+            if isinstance(effect, Coulomb) and effect.joint == joint
+        ]
+        return max(widths, default=0.0)
+
+    def coulomb(self, joint: int) -> float:
+        """Current estimate of Coulomb friction [N m]; 0 if the model has none."""
+        return self._friction[Coulomb].get(joint, 0.0)
+
+    def viscous(self, joint: int) -> float:
+        """Current estimate of viscous friction [N m s/rad]; 0 if the model has none."""
+        return self._friction[Viscous].get(joint, 0.0)
+
+    def has_offset(self, joint: int) -> bool:
+        """Whether the model already has a constant torque on the joint."""
+        return any(
+            isinstance(effect, TorqueOffset) and effect.joint == joint
+            for effect in self.model.effects
+        )
+
+    @cached_property
+    def _friction(self) -> dict[type[Coulomb] | type[Viscous], dict[int, float]]:
+        """Current estimates by kind and joint; several terms of one kind add up."""
+        found: dict[type[Coulomb] | type[Viscous], dict[int, float]] = {Coulomb: {}, Viscous: {}}
+        start = 0
+        for effect in self.model.effects:
+            for kind, by_joint in found.items():
+                if isinstance(effect, kind):
+                    before = by_joint.get(effect.joint, 0.0)
+                    by_joint[effect.joint] = before + float(self.parameters[start])
+            start += len(effect.parameters)
+        return found
+
+
+def _reference(
+    model: TorqueModel, parameters: Float[ndarray, " parameters"], beside: Known
+) -> ReferenceTorque:
+    effects = (*model.effects, *(effect for effect, _ in beside))
+    values = np.concatenate([parameters, *(coefficients for _, coefficients in beside)])
+    return ReferenceTorque.of(model.robot, effects, values)
+
+
+def _session(motions: Sequence[Motion]) -> tuple[float, float] | None:
+    """First and last time of motions that follow one another on one clock [s]."""
+    spans = sorted((float(motion.t[0]), float(motion.t[-1])) for motion in motions)
+    one_clock = all(later[0] > earlier[1] for earlier, later in pairwise(spans))
+    return (spans[0][0], spans[-1][1]) if len(spans) > 1 and one_clock else None
