@@ -21,20 +21,7 @@ from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
-from studies.data_folders import EXAMPLE_ROBOTS
-
-ARMS = (
-    "ur_description/urdf/ur3_robot.urdf",
-    "ur_description/urdf/ur5_robot.urdf",
-    "ur_description/urdf/ur10_robot.urdf",
-    "panda_description/urdf/panda.urdf",
-    "xarm_description/urdf/xarm7.urdf",
-    "z1_description/urdf/z1.urdf",
-    "kinova_description/robots/kinova.urdf",
-    "so_arm_description/urdf/so101.urdf",
-    "tiago_description/robots/tiago.urdf",
-    "double_pendulum_description/urdf/double_pendulum.urdf",
-)
+from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS
 
 
 @dataclass(frozen=True)
@@ -56,7 +43,10 @@ class Config:
 
 def run(config: Config) -> list[Row]:
     """One row a robot; a robot that cannot be compared is a row that says why."""
-    robots = config.robots or ("builtin:imi_scara", *(str(EXAMPLE_ROBOTS / arm) for arm in ARMS))
+    robots = config.robots or (
+        "builtin:imi_scara",
+        *(str(EXAMPLE_ROBOTS / arm) for arm in EXAMPLE_ARMS),
+    )
     rows = []
     for source in progress(robots, "cross-check"):
         try:
@@ -125,7 +115,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     given.out = given.out or results_folder("cross_check", smoke=given.smoke)
     robots = tuple(given.robot)
     if given.smoke and not robots:
-        robots = ("builtin:imi_scara", str(EXAMPLE_ROBOTS / ARMS[1]))
+        robots = ("builtin:imi_scara", str(EXAMPLE_ROBOTS / EXAMPLE_ARMS[1]))
     states = 50 if given.smoke else Config.states
     return Config(robots=robots, out=given.out, states=states, seed=given.seed)
 

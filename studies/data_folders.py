@@ -8,6 +8,18 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 SHARED = REPOSITORY.parent / "shared" / "data"
 # The URDF files of the package example-robot-data.
 EXAMPLE_ROBOTS = Path(sysconfig.get_path("purelib"), "cmeel.prefix/share/example-robot-data/robots")
+EXAMPLE_ARMS = (
+    "ur_description/urdf/ur3_robot.urdf",
+    "ur_description/urdf/ur5_robot.urdf",
+    "ur_description/urdf/ur10_robot.urdf",
+    "panda_description/urdf/panda.urdf",
+    "xarm_description/urdf/xarm7.urdf",
+    "z1_description/urdf/z1.urdf",
+    "kinova_description/robots/kinova.urdf",
+    "so_arm_description/urdf/so101.urdf",
+    "tiago_description/robots/tiago.urdf",
+    "double_pendulum_description/urdf/double_pendulum.urdf",
+)
 PANDA = EXAMPLE_ROBOTS / "panda_description/urdf/panda.urdf"
 
 

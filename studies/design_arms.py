@@ -25,20 +25,11 @@ from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, number_of, write_csv
-from studies.data_folders import EXAMPLE_ROBOTS, REPOSITORY
+from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS, REPOSITORY
 
 ARMS = (
-    "ur_description/urdf/ur3_robot.urdf",
-    "ur_description/urdf/ur5_robot.urdf",
-    "ur_description/urdf/ur10_robot.urdf",
-    "panda_description/urdf/panda.urdf",
-    "xarm_description/urdf/xarm7.urdf",
-    "z1_description/urdf/z1.urdf",
-    "kinova_description/robots/kinova.urdf",
-    "so_arm_description/urdf/so101.urdf",
+    *EXAMPLE_ARMS,
     "so_arm_description/urdf/so100.urdf",
-    "tiago_description/robots/tiago.urdf",
-    "double_pendulum_description/urdf/double_pendulum.urdf",
     "asr_twodof_description/urdf/TwoDofs.urdf",
 )
 LONGEST = 300.0  # [s] after which an arm counts as failed

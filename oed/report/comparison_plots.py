@@ -14,14 +14,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy import ndarray
 
+from oed.report.panels import page_panels
 from oed.report.style import (
     BLACK,
     BLUE,
     COLUMN,
     GREEN,
     ORANGE,
-    PAGE,
-    PAGE_HEIGHT,
     PURPLE,
     STYLE,
     VERMILION,
@@ -62,15 +61,9 @@ def plot_target_hits(panels: Sequence[HitPanel], *, columns: int = 2) -> Figure:
     Raises:
         ValueError: If there is no panel.
     """
-    if not panels:
-        raise ValueError("no panel to draw")
-    rows = -(-len(panels) // columns)
-    figure = new_figure(PAGE, min(0.5 + 1.45 * rows, PAGE_HEIGHT))
-    grid = figure.subplots(rows, columns, sharey=True, squeeze=False).ravel()
-    for spare in grid[len(panels) :]:
-        spare.remove()
+    figure, grid = page_panels(len(panels), columns=columns, row=1.45, sharey=True)
     names = list(dict.fromkeys(name for panel in panels for name in panel.curves))
-    for axes, panel in zip(grid, panels, strict=False):
+    for axes, panel in zip(grid, panels, strict=True):
         _draw_hits(axes, panel, names)
     lines, labels = grid[0].get_legend_handles_labels()
     figure.legend(lines, labels, loc="outside upper center", ncols=len(labels))
@@ -129,12 +122,8 @@ def plot_dependence(panels: Sequence[DependencePanel], *, columns: int = 2) -> F
     Raises:
         ValueError: If there is no panel.
     """
-    if not panels:
-        raise ValueError("no panel to draw")
-    rows = -(-len(panels) // columns)
-    figure = new_figure(PAGE, min(0.3 + 1.9 * rows, PAGE_HEIGHT))
-    grid = figure.subplots(rows, columns, sharey="row", squeeze=False).ravel()
-    for axes, panel in zip(grid, panels, strict=False):
+    figure, grid = page_panels(len(panels), columns=columns, row=1.9, sharey="row")
+    for axes, panel in zip(grid, panels, strict=True):
         axes.plot(panel.best_bounds, panel.best_values, color=BLUE, label="best")
         axes.plot(panel.bounds, panel.values, "o", color=VERMILION, markersize=3, label="a run")
         axes.set_xscale("log", base=2)

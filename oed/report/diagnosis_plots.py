@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy import ndarray
 
-from oed.report.panels import legend_above, page_panels
+from oed.report.panels import legend_above, titled_panels
 from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
 MOST_PANELS = 9  # strongest dependences that a reader looks at
@@ -36,7 +36,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class DependencePanel:
+class ResidualPanel:
     """The residual of one joint over one coordinate.
 
     Attributes:
@@ -57,7 +57,7 @@ class DependencePanel:
 
 
 @mpl.rc_context(STYLE)
-def plot_dependences(shown: Sequence[DependencePanel]) -> Figure:
+def plot_dependences(shown: Sequence[ResidualPanel]) -> Figure:
     """Mean residual over coordinates, before and after, with two standard errors.
 
     Args:
@@ -67,7 +67,7 @@ def plot_dependences(shown: Sequence[DependencePanel]) -> Figure:
         ValueError: If there is none.
     """
     shown = shown[:MOST_PANELS]
-    figure, panels = page_panels([f"{s.joint} [{s.unit}]" for s in shown], "mean residual")
+    figure, panels = titled_panels([f"{s.joint} [{s.unit}]" for s in shown], "mean residual")
     for panel, s in zip(panels, shown, strict=True):
         panel.axhspan(-s.floor, s.floor, color="#EEEEEE", zorder=0, label=FLOOR)
         for (label, colour), curve in zip(SINCE, (s.before, s.after), strict=True):
@@ -104,7 +104,7 @@ def plot_spectra(
         units: (n,) unit of each joint's residual, "N m" or "N".
     """
     titles = [f"{name} [{unit}/√Hz]" for name, unit in zip(joint_names, units, strict=True)]
-    figure, panels = page_panels(titles, "residual, amplitude density")
+    figure, panels = titled_panels(titles, "residual, amplitude density")
     for j, panel in enumerate(panels):
         for (label, colour), power in zip(SINCE, (before, after), strict=True):
             panel.semilogy(frequency[1:], np.sqrt(power[1:, j]), color=colour, label=label)
@@ -133,7 +133,7 @@ def plot_proof(
         units: (n,) unit of each joint's error, "N m" or "N".
     """
     titles = [f"{name} [{unit}]" for name, unit in zip(joint_names, units, strict=True)]
-    figure, panels = page_panels(titles, "rms error")
+    figure, panels = titled_panels(titles, "rms error")
     places = np.arange(len(roles))
     for j, panel in enumerate(panels):
         panel.axhline(floor[j], color=GREY, linestyle="--", label=FLOOR)

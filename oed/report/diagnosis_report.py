@@ -16,7 +16,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.report.diagnosis_page import diagnosis_page
 from oed.report.diagnosis_plots import (
     Curve,
-    DependencePanel,
+    ResidualPanel,
     plot_dependences,
     plot_proof,
     plot_spectra,
@@ -95,7 +95,7 @@ def draw_figures(found: Diagnosis, joints: Sequence[str]) -> dict[str, Figure]:
     pairs = list(zip(found.dependences, found.dependences_after, strict=True))
     pairs.sort(key=lambda pair: -_strength(pair[0], found))
     panels = [
-        DependencePanel(
+        ResidualPanel(
             joint=labels[before.joint],
             unit=units[before.joint],
             coordinate=coordinate_label(before.coordinate, robot.joints),

@@ -3,38 +3,53 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from oed.report.style import PAGE, PAGE_HEIGHT, new_figure
 
-_COLUMNS = 3
-_ROW = 1.6  # [in] height with its labels
+ROW = 1.6  # [in] height of titled panels with their labels
+COLUMNS = 3
 
 
-def page_panels(titles: Sequence[str], ylabel: str) -> tuple[Figure, list[Axes]]:
-    """A figure as wide as the page with one titled panel each, at most three in a row.
+def page_panels(
+    count: int, *, columns: int, row: float, sharey: bool | Literal["row"] = False
+) -> tuple[Figure, list[Axes]]:
+    """A figure as wide as the page, its panels row by row.
+
+    Args:
+        count: Of panels.
+        columns: Panels a row.
+        row: Height of each [in].
+        sharey: Whether all panels, or those of one row, have one ordinate.
+
+    Raises:
+        ValueError: If there is no panel to draw.
+    """
+    if count == 0:
+        raise ValueError("no panel to draw")
+    rows = -(-count // columns)
+    figure = new_figure(PAGE, min(0.4 + row * rows, PAGE_HEIGHT))
+    grid = list(figure.subplots(rows, columns, sharey=sharey, squeeze=False).ravel())
+    for spare in grid[count:]:
+        spare.remove()
+    return figure, grid[:count]
+
+
+def titled_panels(titles: Sequence[str], ylabel: str) -> tuple[Figure, list[Axes]]:
+    """A titled panel each, at most three in a row.
 
     Args:
         titles: Of the panels.
         ylabel: Of the whole figure.
 
-    Returns:
-        The figure and a panel a title.
-
     Raises:
         ValueError: If there is no panel to draw.
     """
-    if not titles:
-        raise ValueError("no panel to draw")
-    columns = min(_COLUMNS, len(titles))
-    rows = -(-len(titles) // columns)
-    figure = new_figure(PAGE, min(0.4 + _ROW * rows, PAGE_HEIGHT))
-    grid = list(figure.subplots(rows, columns, squeeze=False).ravel())
-    for spare in grid[len(titles) :]:
-        spare.remove()
-    panels = grid[: len(titles)]
+    columns = max(1, min(COLUMNS, len(titles)))
+    figure, panels = page_panels(len(titles), columns=columns, row=ROW)
     for panel, title in zip(panels, titles, strict=True):
         panel.set_title(title, parse_math=False)
     figure.supylabel(ylabel, fontsize=8.0)

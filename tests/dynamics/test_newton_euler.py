@@ -14,20 +14,8 @@ from oed.dynamics.planar import planar_regressor
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot, arm_joints, imi_scara, load_robot
 from oed.robot.builtin import IMI_BASE_PARAMETERS, IMI_LINK_LENGTHS
+from studies.data_folders import EXAMPLE_ARMS
 from tests.paths import example_robot
-
-ARMS = [
-    "ur_description/urdf/ur3_robot.urdf",
-    "ur_description/urdf/ur5_robot.urdf",
-    "ur_description/urdf/ur10_robot.urdf",
-    "panda_description/urdf/panda.urdf",
-    "xarm_description/urdf/xarm7.urdf",
-    "z1_description/urdf/z1.urdf",
-    "kinova_description/robots/kinova.urdf",
-    "so_arm_description/urdf/so101.urdf",
-    "tiago_description/robots/tiago.urdf",
-    "double_pendulum_description/urdf/double_pendulum.urdf",
-]
 
 
 def _arm(name: str) -> Robot:
@@ -35,7 +23,7 @@ def _arm(name: str) -> Robot:
     return load_robot(path, joints=arm_joints(path))
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", EXAMPLE_ARMS)
 def test_torques_are_drakes(name: str) -> None:
     check = cross_check(_arm(name), states=50)
     assert check.agrees, check
