@@ -108,12 +108,18 @@ def _row(source: str, config: Config) -> Row:
 def _parse(arguments: Sequence[str] | None) -> Config:
     parser = argparse.ArgumentParser(prog="python -m studies.cross_check", description=__doc__)
     parser.add_argument("--robot", nargs="+", default=(), help="robot files")
-    parser.add_argument("--out", type=output_folder, help="results/cross_check if not given")
+    parser.add_argument(
+        "--out",
+        type=output_folder,
+        help="results/cross_check if not given, out/cross_check with --robot",
+    )
     parser.add_argument("--seed", type=int, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="few states, first robots only")
     given = parser.parse_args(arguments)
-    given.out = given.out or results_folder("cross_check", smoke=given.smoke)
     robots = tuple(given.robot)
+    # The results that are kept are of the default list: a robot of one's own must not replace them.
+    only_trying = given.smoke or bool(robots)
+    given.out = given.out or results_folder("cross_check", smoke=only_trying)
     if given.smoke and not robots:
         robots = ("builtin:imi_scara", str(EXAMPLE_ROBOTS / EXAMPLE_ARMS[1]))
     states = 50 if given.smoke else Config.states

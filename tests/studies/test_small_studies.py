@@ -32,6 +32,15 @@ def test_cross_check_of_a_file_that_is_no_robot_is_a_row(tmp_path: Path) -> None
     assert "no such robot file" in read_csv(out / "runs.csv")[0]["problem"]
 
 
+def test_cross_check_of_ones_own_robot_leaves_the_kept_results_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cross_check.main(["--robot", "builtin:imi_scara", "--smoke"]) == 0
+    assert cross_check.main(["--robot", "absent.urdf"]) == 1
+    assert [folder.name for folder in tmp_path.iterdir()] == ["out"]
+
+
 def test_streaming_finds_the_truth(tmp_path: Path) -> None:
     assert streaming.main(["--smoke", "--out", str(tmp_path)]) == 0
     row = read_csv(tmp_path / "runs.csv")[0]
