@@ -11,7 +11,8 @@ import numpy as np
 from oed.diagnosis.search.crests import climbed
 from oed.diagnosis.search.judgement import Accepted, held_out_fault, too_little
 from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import AT_REST, MOST_ROUNDS, at_rest, implausible, score
+from oed.diagnosis.search.ripening import is_unripe
+from oed.diagnosis.search.scan import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
 from oed.diagnosis.search.telling import may_replace, replaces
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
@@ -87,7 +88,10 @@ def _best_in_place(
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)
     # Of any joint: what is better by far elsewhere may be why this one looked needed.
-    for rival in ranked(shop, pool, others, 2):
+    for rival in [
+        *_plainer_gears(shop, current.trial, others, pool),
+        *ranked(shop, pool, others, 2),
+    ]:
         if rival.trial.key == here.trial.key or not may_replace(shop, here, rival):
             continue
         if (
@@ -98,3 +102,17 @@ def _best_in_place(
         ):
             return Accepted(rival.trial, rival.gain, current.p_value)
     return Accepted(here.trial, here.gain, current.p_value)
+
+
+def _plainer_gears(
+    shop: Workshop, current: Trial, others: Sequence[Trial], pool: Sequence[Trial]
+) -> list[Score]:
+    """Gears with fewer shapes at the place of one, on the torque that they leave.
+
+    A gap that was found before a delay was known may have been a spring and that delay.
+    """
+    if not is_unripe(current):
+        return []
+    own = [t for t in pool if is_unripe(t) and t.target == current.target]
+    plainer = [t for t in own if t.shapes < current.shapes]
+    return ranked(shop, plainer, others, 1, thorough=True) if plainer else []

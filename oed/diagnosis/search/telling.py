@@ -24,8 +24,9 @@ RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be th
 # Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
 # err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
 SYSTEMATIC = 0.01
-# Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling.
-NESTED = frozenset({"lag", "acceleration"})
+# Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling, a
+# spring of a spring with a gap.
+NESTED = frozenset({"lag", "acceleration", "compliance"})
 FAR_MORE = 1.5  # ratio of gains
 MOST = 0.5  # share of the validation squares beyond noise
 
