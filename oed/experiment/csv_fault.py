@@ -71,7 +71,9 @@ def _cell_fault(cell: str) -> str:
     if cell.lower().lstrip("+-") in NOT_A_NUMBER:
         return f"{cell} is not a finite number; remove the row or repair the log"
     if not NUMBER.fullmatch(cell):
-        return f"{cell[:40]!r} is not a number"
+        is_quoted = NUMBER.fullmatch(cell.strip("\"'"))
+        hint = "; write numbers without quotes" if is_quoted else ""
+        return f"{cell[:40]!r} is not a number{hint}"
     if not abs(float(cell)) <= LARGEST:
         return f"{cell[:40]} is beyond {LARGEST:g}; check its unit"
     return ""

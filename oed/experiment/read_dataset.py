@@ -23,6 +23,7 @@ from oed.experiment.recording_checks import (
     check_rows,
     check_signals,
     check_time,
+    check_turns,
     derive_repetition,
     repetition_index,
 )
@@ -130,6 +131,7 @@ def _read_recording(path: Path, entry: RecordingEntry, robot: Robot, drive: Driv
     check_rows(t, robot.n, file)
     q = fields.stacked("q")
     check_positions(q, robot, file, read.first_row)
+    check_turns(t, q, robot, file, read.first_row)
     dq = fields.stacked("dq") if "dq" in names.fields else None
     if dq is not None:
         check_velocity(t, q, dq, robot, file)

@@ -10,6 +10,7 @@ from numpy import ndarray
 
 from oed.errors import DataSetError
 from oed.experiment.manifest import RecordingEntry
+from oed.experiment.signals.gaps import find_gaps
 from oed.robot import Robot
 
 PARAMETERS_PER_JOINT = 12  # ten inertial parameters, Coulomb and viscous friction
@@ -21,6 +22,7 @@ LEAST_TRAVEL = 1e-3  # [rad or m] of the joint that moves most: encoders read a 
 # milliseconds has this step.
 LARGEST_STEP = 0.2
 TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
+TURN_TOLERANCE = 0.5  # [rad] that an arm may move between two rows beside the turn
 PERIOD_TOLERANCE = 0.002  # of the span: clocks of motion and logger differ by far less
 
 
@@ -77,6 +79,28 @@ def check_positions(
             f"{joint.name!r}, {bound[j]:.4g} {unit}: {advice}"
         )
         raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
+
+
+def check_turns(
+    t: Float[ndarray, " samples"],
+    q: Float[ndarray, "samples joints"],
+    robot: Robot,
+    file: str,
+    first_row: int,
+) -> None:
+    """Refuse an angle that is folded into one turn: it leaps by a turn where the arm goes on."""
+    is_gap = np.zeros(len(t) - 1, dtype=bool)
+    is_gap[find_gaps(t, np.inf)] = True
+    for j, joint in enumerate(robot.joints):
+        leap = np.diff(q[:, j])
+        turns = (np.abs(np.abs(leap) - 2 * np.pi) < TURN_TOLERANCE) & ~is_gap
+        if joint.kind == "revolute" and turns.any():
+            row = int(np.flatnonzero(turns)[0]) + 1
+            message = (
+                f"joint {joint.name!r} leaps by {leap[row - 1]:.4g} rad from the row before, a "
+                "whole turn: the angle is folded; unfold it (NumPy: unwrap)"
+            )
+            raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
 
 
 def check_signals(

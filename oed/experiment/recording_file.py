@@ -20,7 +20,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.errors import DataSetError
-from oed.experiment.csv_fault import find_fault
+from oed.experiment.csv_fault import NUMBER, find_fault
 from oed.experiment.toml_table import LARGEST
 
 
@@ -116,11 +116,20 @@ def _decode(content: bytes, path: Path) -> bytes:
 
 
 def _header(line: str, path: Path) -> tuple[str, ...]:
-    for separator, name in ((";", "semicolons"), ("\t", "tabs")):
-        if separator in line and "," not in line:
+    if line.lstrip().startswith("#"):
+        message = "a comment stands where the header belongs; remove it"
+        raise DataSetError(message, file=str(path), row=1)
+    for separator, name in ((";", "semicolons"), ("\t", "tabs"), (" ", "spaces")):
+        if separator in line.strip(" ") and "," not in line:
             message = f"columns are separated by {name}; separate them by commas (decimal point)"
             raise DataSetError(message, file=str(path), row=1)
     header = tuple(name.strip().strip("\"'").strip() for name in line.split(","))
+    if all(NUMBER.fullmatch(name) for name in header):
+        message = (
+            "holds numbers where the names of the columns belong; add a header line such as "
+            "t,q_1,q_2,tau_1,tau_2 above them"
+        )
+        raise DataSetError(message, file=str(path), row=1)
     for i, name in enumerate(header):
         if not name:
             message = f"column number {i + 1} has no name; name it in the header or remove it"

@@ -355,7 +355,9 @@ def test_the_same_file_by_two_paths(tmp_path):
     assert "same file" in str(refused(folder))
 
 
-@pytest.mark.parametrize(("separator", "name"), [(";", "semicolons"), ("\t", "tabs")])
+@pytest.mark.parametrize(
+    ("separator", "name"), [(";", "semicolons"), ("\t", "tabs"), (" ", "spaces")]
+)
 def test_other_separators(tmp_path, separator, name):
     files = tiny_files()
     files["test.csv"] = files["test.csv"].replace(b",", separator.encode())
@@ -543,3 +545,33 @@ def test_speeds_beyond_all_limits(tmp_path):
     frame["t"] /= 20
     frame.to_csv(tmp_path / "test.csv", index=False)
     assert "times its velocity limit" in str(refused(tmp_path))
+
+
+def test_an_angle_that_is_folded_into_one_turn(tmp_path):
+    folder = write_files(tmp_path, tiny_files())
+    frame = pd.read_csv(folder / "test.csv")
+    turning = np.pi - 0.5 + frame["t"]  # within the joint's range, once through pi
+    frame["q_2"] = np.mod(turning + np.pi, 2 * np.pi) - np.pi
+    frame.to_csv(folder / "test.csv", index=False)
+    error = refused(folder)
+    assert error.column == "q_2"
+    assert error.row == int(np.argmax(turning >= np.pi)) + 2
+    frame["q_2"] = turning
+    frame.to_csv(folder / "test.csv", index=False)
+    assert np.array_equal(read_dataset(folder).test[0].q[:, 1], turning)
+
+
+@pytest.mark.parametrize(
+    ("spoil_text", "row", "why"),
+    [
+        (lambda text: text.partition("\n")[2], 1, "add a header line"),
+        (lambda text: "# by a logger\n" + text, 1, "comment stands where the header belongs"),
+        (lambda text: text.replace("\n0,", '\n"0",'), 2, "without quotes"),
+    ],
+)
+def test_first_lines_of_another_kind(tmp_path, spoil_text, row, why):
+    files = tiny_files()
+    files["test.csv"] = spoil_text(files["test.csv"].decode()).encode()
+    error = refused(write_files(tmp_path, files))
+    assert error.row == row
+    assert why in str(error)
