@@ -88,7 +88,8 @@ def _load_robot(
         robot = load_robot(source, joints=names, locked=locked, gravity=tuple(manifest.gravity))
         return robot.with_limits(robot.limits.with_(**limits))
     except (OedError, ValueError, RuntimeError, OSError) as error:
-        key = "joints" if "joint" in str(error) else "robot"
+        is_of_names = any(word in str(error) for word in ("no joint", "named twice", "mimics"))
+        key = "joints" if is_of_names else "robot"
         message = f"the robot cannot be used: {error}"
         raise DataSetError(message, file=str(folder / MANIFEST), column=key) from error
 

@@ -575,3 +575,31 @@ def test_first_lines_of_another_kind(tmp_path, spoil_text, row, why):
     error = refused(write_files(tmp_path, files))
     assert error.row == row
     assert why in str(error)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "why"),
+    [
+        ('lower="-3" upper="3"', 'lower="3" upper="-3"', "robot", "lower limit 3 is above"),
+        (
+            '<joint name="joint_2" type="revolute">',
+            '<joint name="joint_2" type="revolute"><mimic joint="joint_1"/>',
+            "joints",
+            "'joint_2' mimics 'joint_1'",
+        ),
+    ],
+)
+def test_a_robot_file_that_contradicts_itself_or_the_list_of_joints(tmp_path, old, new, key, why):
+    folder = with_urdf(tmp_path, 2)
+    text = (folder / "robot.urdf").read_text()
+    (folder / "robot.urdf").write_text(text.replace(old, new, 1))
+    error = refused(folder)
+    assert error.column == key
+    assert why in str(error)
+
+
+def test_placeholder_inertias_do_not_stop_a_data_set(tmp_path):
+    folder = with_urdf(tmp_path, 2)
+    text = (folder / "robot.urdf").read_text()
+    (folder / "robot.urdf").write_text(text.replace('mass value="1"', 'mass value="-1"'))
+    assert len(read_dataset(folder).robot.inertia_faults) == 2
