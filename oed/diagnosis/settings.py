@@ -28,7 +28,8 @@ class DiagnosisSettings:
             that one's formula, if a free-form term of the same coordinate would do as well.
         own_family_share: As `family_share`, for a free-form term of nothing but the named
             effect's own coordinate: the catalogue is then sure to hold the physics.
-        floor_ratio: Residual over noise floor up to which a model counts as complete.
+        floor_ratio: Residual over noise floor up to which a model counts as complete if no term
+            locates what is left.
         lowest_cutoff: Of the analysis band [Hz].
         highest_cutoff: Of the analysis band [Hz].
         folds: Of the cross-validation within the estimation recordings.
@@ -51,7 +52,7 @@ class DiagnosisSettings:
     own_family_share: float = 0.6
     foreign_share: float = 0.95
     mending_share: float = 0.25
-    floor_ratio: float = 1.15
+    floor_ratio: float = 1.4
     lowest_cutoff: float = 8.0
     highest_cutoff: float = 30.0
     folds: int = 5

@@ -11,7 +11,6 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
-from oed.diagnosis.baseline.noise_floor import NoiseSource
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.search.judgement import is_own
@@ -30,9 +29,8 @@ from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import since
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
-# Ratio of residual to floor above which a lack of fit without a located cause is stated.
-CLEAR_LACK = 1.4
-# The same on recordings that no parameter was fitted to.
+# Error over floor, on recordings that no parameter was fitted to, above which something is missing
+# though no term locates it.
 CLEAR_UNSEEN = 2.0
 
 
@@ -172,29 +170,24 @@ def decide(
     unexplained: Sequence[Unexplained],
     left: LackOfFit,
     unseen: Float[ndarray, " joints"],
-    *,
-    source: NoiseSource,
     settings: DiagnosisSettings,
 ) -> Outcome:
     """The verdict in the interface's words.
 
     A free-form term that mends the formula of a named effect is no riddle. A lack of fit that no
-    term locates counts only where it is clear: a floor that was not read off repetitions is itself
-    uncertain by some tenths.
+    term locates counts only where it is clear: of a mean of repetitions it is little beside the
+    noise of any, and a floor that was not read off repetitions is itself uncertain by some tenths.
 
     Args:
         effects: Found.
         unexplained: Free-form terms.
         left: Lack of fit of the augmented model.
         unseen: (n,) error on the validation recordings, in noise floors; zero without them.
-        source: Of the noise floor.
         settings: Level of the tests.
     """
     if any(r.contender for e in effects for r in e.rivals):
         return "ambiguous"
-    certain = effects and source == "repetitions"
-    limit = settings.floor_ratio if certain else max(settings.floor_ratio, CLEAR_LACK)
-    significant = (left.p_value < settings.level) & (left.ratio > limit)
+    significant = (left.p_value < settings.level) & (left.ratio > settings.floor_ratio)
     strange = [u for u in unexplained if not any(_mends(u, e) for e in effects)]
     if strange or np.any(significant) or np.any(unseen > CLEAR_UNSEEN):
         return "unexplained"
