@@ -16,12 +16,13 @@ class LoadFriction(Effect):
 
     Gogoussis and Donath 1988; Hamon, Gautier and Garrec 2010; Bittencourt and Gunnarsson
     2012. The load is tau_rigid + share * (the rest of the modelled torque): the torque at the
-    gear's output for share 0, at its input for 1.
+    gear's output for share 0, at its input for 1. A negative share is that of the inertial torque
+    that it lacks: the weight alone for -1, which is what static tests see.
 
     Attributes:
         joint: Index of the joint.
         reference: Gives the load.
-        share: Of friction in the load, 0 to 1.
+        share: Of friction in the load, 0 to 1; of what the load lacks of inertial torque, 0 to -1.
         width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
     """
 
@@ -47,6 +48,9 @@ class LoadFriction(Effect):
         if self.share > 0:
             rest = self.reference.beside_rigid(state)[self.joint]
             load = add(load, mul(self.share, rest))
+        elif self.share < 0:
+            weight = self.reference.weight(state)[self.joint]
+            load = add(mul(1 + self.share, load), mul(-self.share, weight))
         direction = state.sign(state.dq[self.joint], self.width)
         return [{self.joint: mul(_magnitude(load), direction)}]
 

@@ -84,6 +84,13 @@ class ReferenceTorque:
             "rigid", state, lambda: inverse_dynamics(self.robot, state.q, state.dq, state.ddq)
         )
 
+    def weight(self, state: State) -> list[Scalar]:
+        """Rigid-body torque of every joint at rest [N m]."""
+        rest = [0.0] * self.robot.n
+        return self._remembered(
+            "weight", state, lambda: inverse_dynamics(self.robot, state.q, rest, rest)
+        )
+
     def gravity(self, state: State, gravity: Float[ndarray, "3"]) -> list[Scalar]:
         """Torque of the arm at rest under another gravity [m/s^2]."""
         rest = [0.0] * self.robot.n

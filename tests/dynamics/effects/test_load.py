@@ -8,6 +8,7 @@ from oed.dynamics.effects.effect import State
 from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.effects.load import LoadFriction, TorqueSaturation
 from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import joint_components, rigid_body_torque
 from tests.dynamics.effects.arms import context_of, panda, smooth_motion, vertical_arm
 
@@ -54,6 +55,18 @@ def test_reference_refuses_a_vector_of_another_model() -> None:
 def test_load_friction_follows_either_load(share: float, load: np.ndarray) -> None:
     column = evaluate(LoadFriction(1, CONTEXT.reference, share), MOTION, 2)[:, 1, 0]
     assert column == pytest.approx(np.abs(load[:, 1]) * np.sign(MOTION.dq[:, 1]), abs=1e-10)
+
+
+@pytest.mark.parametrize(("share", "inertial"), [(-1.0, 0.0), (-0.25, 0.75)])
+def test_of_a_load_the_weight_alone_may_count(share: float, inertial: float) -> None:
+    arm = panda()
+    motion = smooth_motion(arm, step=0.05)
+    still = Motion(motion.t, motion.q, 0 * motion.dq, 0 * motion.ddq)
+    weight, load = (rigid_body_torque(arm, m)[:, 3] for m in (still, motion))
+    friction = LoadFriction(3, context_of(arm, motion).reference, share)
+    column = evaluate(friction, motion, 7)[:, 3, 0]
+    expected = np.abs(weight + inertial * (load - weight)) * np.sign(motion.dq[:, 3])
+    assert column == pytest.approx(expected, abs=1e-9)
 
 
 def test_saturation_takes_away_its_size_at_the_peak() -> None:

@@ -20,6 +20,8 @@ from oed.dynamics.effects.nonlinear_viscous import AsymmetricViscous, NonlinearV
 from oed.dynamics.effects.offset import TorqueOffset
 from oed.dynamics.effects.stribeck import Stribeck
 
+MOST_RISE = 2.5  # of Coulomb friction, towards standstill: boundary lubrication has no more
+
 
 def _stribeck(context: Context, target: Target, values: tuple[float, ...]) -> Stribeck:
     joint = joint_of(target)
@@ -47,7 +49,7 @@ def _stribeck_plausible(
     return first_reason(
         [
             positive(rise, "the rise towards standstill", "N m"),
-            share_of_coulomb(context, joint, rise, 5.0, "the rise towards standstill"),
+            share_of_coulomb(context, joint, rise, MOST_RISE, "the rise towards standstill"),
             at_most(
                 values[0],
                 float(context.top_speed[joint]),

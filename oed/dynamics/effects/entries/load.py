@@ -44,15 +44,16 @@ LOAD_DEPENDENT_FRICTION = CatalogueEntry(
     name="load_dependent_friction",
     families=("friction over position",),
     scope="joint",
-    shapes=(Shape("share", "1", 0.0, 1.0, "linear", 2, 0.0),),
+    shapes=(Shape("share", "1", -1.0, 1.0, "linear", 3, 0.0),),
     build=_load_friction,
     plausible=_load_friction_plausible,
     page=EffectPage(
-        equation="μ |τ_rigid + ρ τ_rest| s",
+        equation="μ |τ_rigid + ρ τ_rest| s; for negative ρ: μ |τ_weight + (1 + ρ) τ_inertial| s",
         source="Gogoussis and Donath 1988, IEEE Int. Conf. Robotics and Automation; Hamon, Gautier, "
         "Garrec 2010, IEEE/RSJ IROS, 6187-6193; Bittencourt and Gunnarsson 2012, J. Dynamic "
         "Systems, Measurement, and Control 134(5)",
-        parameters="μ 0.02 to 0.12; ρ 0 (load at the gear's output) to 1 (at its input)",
+        parameters="μ 0.02 to 0.12; ρ 0 (load at the gear's output) to 1 (at its input), or to -1 "
+        "(the weight alone)",
         signature="friction grows with the load; turns its sign with the velocity",
         confused_with=("torque_saturation", "torque_gain", "position_dependent_friction"),
         exposed_by="a payload; both directions at high and at low load",
