@@ -161,7 +161,8 @@ def test_recordings_of_one_clock_make_a_session():
     model = TorqueModel.standard(dataset.robot)
     parameters = np.ones(len(model.parameters))
     motions = [p.motion for p in prepare(dataset.estimation, SETTINGS)]
-    assert Context.of(model, parameters, motions).session is None
+    restarted = dataclasses.replace(motions[1], t=motions[0].t[: len(motions[1])])
+    assert Context.of(model, parameters, [motions[0], restarted]).session is None
     later = dataclasses.replace(motions[1], t=motions[1].t + 100.0)
     session = Context.of(model, parameters, [motions[0], later]).session
     assert session == (motions[0].t[0], later.t[-1])

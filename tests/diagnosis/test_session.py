@@ -89,7 +89,7 @@ def test_a_load_that_is_taken_up_in_one_recording_and_stays_is_found():
     (effect,) = found.effects
     assert effect.name == "payload_change"
     values = {p.name: p.value for p in effect.parameters}
-    assert values["moment"] == pytest.approx(3 * PERIOD + TAKEN_UP, abs=0.3)
+    assert values["moment"] == pytest.approx(3 * PERIOD + TAKEN_UP, abs=0.02)
     assert values["load_mx_2"] == pytest.approx(MASS * REACH, rel=0.05)
     after = next(p.after for p in found.proof if p.role == "test")
     assert np.all(after < 1.2 * found.noise_floor)

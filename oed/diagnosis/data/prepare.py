@@ -153,7 +153,7 @@ def _laid(recordings: tuple[Recording, ...]) -> list[float] | list[None]:
     offsets, end = [], 0.0
     for recording in recordings:
         offsets.append(end - float(recording.t[0]))
-        end += recording.duration + 1e-6
+        end += recording.duration + float(np.median(np.diff(recording.t)))
     return offsets
 
 

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
+from oed.diagnosis.data.prepare import EDGE
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.search.judgement import is_own
@@ -241,10 +242,12 @@ def _estimates(
         deviations = deviations[len(parameters) :]
     shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
     for shape, value, on_axis in zip(shapes, trial.values, deviations, strict=False):
+        lead = 0.0
         std = 0.0 if shape.scale == "choice" else float(on_axis) * axis_slope(value, shape)
         if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
             std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
+            lead = EDGE  # since the log's first sample, not since the first that is used
         # A shape can be no less certain than anywhere in its range.
         spread = (shape.upper - shape.lower) / np.sqrt(12)
-        estimates.append(Estimated(shape.name, value, min(std, float(spread)), shape.unit))
+        estimates.append(Estimated(shape.name, value + lead, min(std, float(spread)), shape.unit))
     return tuple(estimates)
