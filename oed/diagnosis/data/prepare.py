@@ -10,9 +10,9 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
-from scipy.interpolate import BPoly
 
 from oed.diagnosis.data.band import Band, choose_band, position_noise
+from oed.diagnosis.data.bridge import bridged
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.motion import Motion
 from oed.experiment.choose_settings import search_cutoff
@@ -190,48 +190,13 @@ def _uniform(
         q, tau = (
             lowpass(x, rate * step, 0.4 * rate)
             for x in (
-                _bridged(t, q, dense, rate),
+                bridged(t, q, dense, rate),
                 resample(t, tau, dense, "linear"),
             )
         )
         return dense[::step], q[::step], tau[::step]
     grid = uniform_grid(t, rate)
-    return grid, _bridged(t, q, grid, rate), resample(t, tau, grid, "linear")
-
-
-def _bridged(
-    t: Float[ndarray, " logged"],
-    q: Float[ndarray, "logged joints"],
-    grid: Float[ndarray, " samples"],
-    rate: float,
-) -> Float[ndarray, "samples joints"]:
-    """Positions on a grid, across gaps as smoothly as an arm that goes on would move.
-
-    Nothing is compared within a gap, but what remembers, such as a spring, would ring for long
-    from any jump of the acceleration.
-    """
-    result = resample(t, q, grid, "linear")
-    for k in find_gaps(t, rate):
-        before, after = (t > t[k] - EDGE) & (t <= t[k]), (t >= t[k + 1]) & (t < t[k + 1] + EDGE)
-        states = [
-            _state(t[near] - t[edge], q[near]) for near, edge in ((before, k), (after, k + 1))
-        ]
-        bridge = BPoly.from_derivatives(t[[k, k + 1]], states)
-        inside = (grid > t[k]) & (grid < t[k + 1])
-        result[inside] = bridge(grid[inside])
-    return result
-
-
-def _state(
-    t: Float[ndarray, " logged"], q: Float[ndarray, "logged joints"]
-) -> Float[ndarray, "3 joints"]:
-    """Position, velocity and acceleration at t = 0 of a parabola through the samples."""
-    state = np.zeros((3, q.shape[1]))
-    powers = np.vander(t, min(3, len(t)), increasing=True)
-    fitted = np.linalg.lstsq(powers, q, rcond=None)[0]
-    state[: len(fitted)] = fitted
-    state[2] *= 2
-    return state
+    return grid, bridged(t, q, grid, rate), resample(t, tau, grid, "linear")
 
 
 def _prepare_one(
