@@ -153,8 +153,9 @@ def _conclude(
     freedom = float(sum(p.rows for p in by_role["estimation"]))
     errors = rounding_torque(before.model, before.parameters, layout.rows.prepared, steps)
     rounding = rounding_squares(layout.rows, errors)
+    valid = [e[p.valid] for e, p in zip(errors, layout.rows.prepared, strict=True)]
     weights = baseline.certainty(layout.rows.prepared)
-    floor = np.hypot(baseline.floor.deviation, rms(errors, weights))
+    floor = np.hypot(baseline.floor.deviation, rms(valid, weights))
     left = lack_of_fit(after.fit, freedom, rounding)
     estimation = by_role["estimation"]
     old, new = errors_of(before, estimation), errors_of(after, estimation)

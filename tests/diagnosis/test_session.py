@@ -93,3 +93,21 @@ def test_a_load_that_is_taken_up_in_one_recording_and_stays_is_found():
     assert values["load_mx_2"] == pytest.approx(MASS * REACH, rel=0.05)
     after = next(p.after for p in found.proof if p.role == "test")
     assert np.all(after < 1.2 * found.noise_floor)
+
+
+def test_a_pause_of_the_log_within_a_repetition_is_no_obstacle():
+    dataset = data_set(4, roles=("estimation", "estimation", "validation"))
+    first = dataset.recordings[0]
+    kept = (first.t < 13.0) | (first.t > 13.4)
+    paused = dataclasses.replace(
+        first,
+        t=first.t[kept],
+        q=first.q[kept],
+        tau=first.tau[kept],
+        repetition=first.repetition[kept],
+    )
+    dataset = dataclasses.replace(dataset, recordings=(paused, *dataset.recordings[1:]))
+    settings = DiagnosisSettings(candidates=("joint_spring",))
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert found.verdict == "nothing found"
+    assert np.all(found.noise_floor > 0)
