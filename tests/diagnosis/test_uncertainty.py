@@ -11,6 +11,7 @@ from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.evidence.profile import left_by, profiled_deviation, widened
 from oed.diagnosis.evidence.uncertainty import robust_covariance, with_uncertainty
+from oed.diagnosis.evidence.verdict import doubtful_name
 from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.search.crests import climbed, crests
 from oed.diagnosis.search.scan import Score, at_rest, score
@@ -41,12 +42,18 @@ def power(size, exponent):
     return torque
 
 
+def coupled(q, dq, ddq):
+    own = 0.03 * ddq[:, 1] + 0.3 * dq[:, 1] + 0.4 * np.sign(dq[:, 1])
+    return np.stack([own, np.zeros(len(q))], axis=1)
+
+
 @cache
 def shop_of(kind, seed=0):
     extra = {
         "ripple": ripple(0.3, 12.0),
         "stribeck": stribeck(1.5, 0.1),
         "power": power(4.4, 0.45),
+        "coupled": coupled,
     }[kind]
     dataset = data_set(seed, extra=extra)
     settings = DiagnosisSettings()
@@ -147,6 +154,17 @@ def test_others_keep_what_they_are_known_to_once_the_widened_one_is_told():
         return c[np.ix_(rest, rest)] - np.outer(c[rest, 1], c[1, rest]) / c[1, 1]
 
     np.testing.assert_allclose(told(after), told(before), atol=1e-12)
+
+
+def test_a_shape_that_cannot_vary_leaves_what_is_known_of_the_sizes():
+    shop = shop_of("coupled")
+    # Of a two-joint arm without a wrist the motors' ratio has no range.
+    trial = trial_of(shop, "motor_coupling", (0, 1), (0.0,))
+    whole = with_uncertainty(shop, shop.fit([trial]))
+    deviations = np.sqrt(np.diag(whole.covariances[0]))[:3]
+    assert whole.coefficients[0] == pytest.approx([0.03, 0.3, 0.4], abs=4 * deviations.max())
+    assert np.all(deviations < 0.1)
+    assert doubtful_name(shop, whole) is None
 
 
 def test_squares_of_a_profile_are_those_of_a_fit_with_the_shape_moved():

@@ -29,6 +29,7 @@ from oed.diagnosis.search.workshop import Workshop
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
 STEPS = (1e-5, 0.25)
 FIRST_STEP = 0.1
+ROUNDING = 1e-9  # of a shape's range, below which a deviation is none
 ALIKE = 1.2  # ratio of two steps up to which a secant is taken for settled
 MOST_ROUNDS = 8
 
@@ -98,7 +99,8 @@ def _profiled(
         for k, axis in axes_of(trial, shop.context):
             at = first + k
             deviation = float(np.sqrt(covariance[at, at]))
-            if not 0 < deviation < UNIFORM:
+            # What the fit leaves out has no deviation but rounding.
+            if not ROUNDING < deviation < UNIFORM:
                 continue
             noise = float(covariance[at, at] / alone[at])
             wide = profiled_deviation(partial(squares, k), axis, deviation, noise)
