@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -14,6 +15,12 @@ from oed.robot import Robot
 
 UNBOUNDED_RANGE = np.pi  # [rad or m] half width used where a joint has no position limit
 UNBOUNDED_RATE = 3.0  # [rad/s] or [rad/s^2], where a joint has no such limit
+
+
+def follow_one_another(times: Sequence[Float[ndarray, " _"]]) -> bool:
+    """Whether no two of several stretches of increasing time overlap, in whatever order."""
+    spans = sorted((float(t[0]), float(t[-1])) for t in times)
+    return all(later[0] > earlier[1] for earlier, later in pairwise(spans))
 
 
 @dataclass(frozen=True)

@@ -98,6 +98,7 @@ def test_a_load_that_is_taken_up_in_one_recording_and_stays_is_found():
 def test_a_pause_of_the_log_within_a_repetition_is_no_obstacle():
     dataset = data_set(4, roles=("estimation", "estimation", "validation"))
     first = dataset.recordings[0]
+    assert first.repetition is not None
     kept = (first.t < 13.0) | (first.t > 13.4)
     paused = dataclasses.replace(
         first,

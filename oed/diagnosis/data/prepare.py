@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import accumulate
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -14,7 +14,7 @@ from numpy import ndarray
 from oed.diagnosis.data.band import Band, choose_band, position_noise
 from oed.diagnosis.data.bridge import bridged
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.dynamics.motion import Motion
+from oed.dynamics.motion import Motion, follow_one_another
 from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.processing import fresh_samples
 from oed.experiment.recording import Recording, Role
@@ -45,9 +45,10 @@ class Prepared:
         period: Of the motion, None without repetitions [s].
         sign_noise: (n,) standard deviation of the velocity on the fine grid [rad/s].
         recorded: (N,) whether a fine sample lies between logged ones, not in a gap of the log.
-        laid: Time that `motion` has more than the log, whose clock every recording started anew:
-            recordings are laid end to end in the order in which they are listed [s]. None if one
-            clock timed all.
+        laid: Whether every recording started its clock anew, so that the times of `motion` lay
+            them end to end in the order in which they are listed.
+        laps: Of a mean repetition, its motion at the times of all that it is the mean of, one
+            after another; None of others.
     """
 
     name: str
@@ -61,7 +62,7 @@ class Prepared:
     period: float | None
     sign_noise: Float[ndarray, " joints"]
     recorded: Bool[ndarray, " samples"]
-    laid: float | None = None
+    laid: bool = False
     laps: Motion | None = None
 
     @property
@@ -133,28 +134,26 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
         highest = min(highest, _motion_band(recordings, rate))
     band = choose_band(positions, rate, settings.lowest_cutoff, highest)
     noise = velocity_noise(position_noise(positions, rate)[0], band)
+    starts = _starts_end_to_end(recordings)
     return tuple(
-        _prepare_one(recording, *signals, band=band, noise=noise, laid=laid)
-        for recording, signals, laid in zip(recordings, raw, _laid(recordings), strict=True)
+        _prepare_one(recording, *signals, band=band, noise=noise, start=start)
+        for recording, signals, start in zip(
+            recordings, raw, starts or [None] * len(raw), strict=True
+        )
     )
 
 
-def _laid(recordings: tuple[Recording, ...]) -> list[float] | list[None]:
-    """Time to add to each recording so that they follow one another; None if they do already.
+def _starts_end_to_end(recordings: tuple[Recording, ...]) -> list[float] | None:
+    """When each recording starts if it follows the one before [s]; None where clocks stay.
 
-    Without repetitions too: what holds from one recording on passes there for anything in which
-    recordings differ.
+    They stay where one clock timed all. They stay without repetitions too: what holds from one
+    recording on passes there for anything in which recordings differ.
     """
     repeated = any(r.repetitions > 1 for r in recordings if r.role == "estimation")
-    spans = sorted((float(r.t[0]), float(r.t[-1])) for r in recordings)
-    apart = all(later[0] > earlier[1] for earlier, later in pairwise(spans))
-    if apart or not repeated:
-        return [None] * len(recordings)
-    offsets, end = [], 0.0
-    for recording in recordings:
-        offsets.append(end - float(recording.t[0]))
-        end += recording.duration + float(np.median(np.diff(recording.t)))
-    return offsets
+    if not repeated or follow_one_another([r.t for r in recordings]):
+        return None
+    lengths = [r.duration + float(np.median(np.diff(r.t))) for r in recordings]
+    return [0.0, *accumulate(lengths[:-1])]
 
 
 def _motion_band(recordings: tuple[Recording, ...], rate: float) -> float:
@@ -207,7 +206,7 @@ def _prepare_one(
     *,
     band: Band,
     noise: Float[ndarray, " joints"],
-    laid: float | None,
+    start: float | None,
 ) -> Prepared:
     smooth = lowpass(q, band.rate, band.smoothing)
     dq = central_difference(smooth, band.rate)
@@ -219,11 +218,12 @@ def _prepare_one(
             f"{band.cutoff:.3g} Hz"
         )
     inner = slice(cut, len(t) - cut)
+    shift = 0.0 if start is None else start - float(recording.t[0])
     rows_t = band.instants(t[inner])
     return Prepared(
         name=recording.name,
         role=recording.role,
-        motion=Motion(t + (laid or 0.0), smooth, dq, ddq, averaged=True)[inner],
+        motion=Motion(t + shift, smooth, dq, ddq, averaged=True)[inner],
         fine_torque=tau[inner],
         torque=band.apply(tau[inner]),
         t=rows_t,
@@ -232,7 +232,7 @@ def _prepare_one(
         period=_period(recording),
         sign_noise=noise,
         recorded=_recorded(recording, t[inner], band.rate),
-        laid=laid,
+        laid=start is not None,
     )
 
 

@@ -60,11 +60,11 @@ def left_by(
             y = y - others.residual(columns.sum(axis=2))
             sizes = np.ones(columns.shape[2], dtype=float)
         else:
-            free = [_beside(others, columns)]
-            sizes = project(free[0])
-            sizes = sizes.inverse @ sizes.coordinates(y)
+            free = [others.outside(columns)]
+            span = project(free[0])
+            sizes = span.inverse @ span.coordinates(y)
         slopes = np.delete(secants(own, sizes, rows, context, steps), place, axis=2)
-        whole = np.concatenate([*free, _beside(others, slopes)], axis=2)
+        whole = np.concatenate([*free, others.outside(slopes)], axis=2)
         return float(np.sum((project(whole).residual(y) if whole.shape[2] else y) ** 2))
 
     return squares
@@ -117,11 +117,3 @@ def axes_of(trial: Trial, context: Context) -> list[tuple[int, float]]:
     shapes = CATALOGUE[trial.name].shapes_for(context, trial.target)
     places = enumerate(zip(trial.values, shapes, strict=True))
     return [(k, to_axis(v, s)) for k, (v, s) in places if s.scale != "choice" and s.upper > s.lower]
-
-
-def _beside(
-    others: Projection, columns: Float[ndarray, "joints rows columns"]
-) -> Float[ndarray, "joints rows columns"]:
-    """Columns less their projection."""
-    inside = np.einsum("jrb,jrc->bc", others.basis, columns, optimize=True)
-    return columns - others.basis @ inside

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -34,6 +35,23 @@ ALIKE = 1.2  # ratio of two steps up to which a secant is taken for settled
 MOST_ROUNDS = 8
 
 
+@dataclass(frozen=True)
+class _Linearised:
+    """A fit in which every shape moves its columns along a secant.
+
+    Attributes:
+        columns: White, of base model, additions, secants and nuisances.
+        target: What they are to explain.
+        projection: On the columns.
+        covariance: Of all their parameters.
+    """
+
+    columns: Float[ndarray, "joints rows columns"]
+    target: Float[ndarray, "joints rows"]
+    projection: Projection
+    covariance: Float[ndarray, "columns columns"]
+
+
 def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
     """The fit with covariances of (coefficients, shapes on their axes) that hold all of this.
 
@@ -44,7 +62,8 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
     layout = shop.layout_for(found.chosen)
     places = _places(found, layout)
     steps = [np.full(len(t.values), FIRST_STEP) for t in found.chosen]
-    projection, target, covariance = _linearised(shop, found, layout, steps)
+    linear = _linearised(shop, found, layout, steps)
+    covariance = linear.covariance
     widest = np.sqrt(np.diag(covariance))
     for _ in range(MOST_ROUNDS):
         deviations = np.sqrt(np.diag(covariance))
@@ -56,20 +75,21 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
         if all(np.all(np.abs(np.log(w / s)) < np.log(ALIKE)) for w, s in pairs):
             break
         steps = wanted
-        projection, target, covariance = _linearised(shop, found, layout, steps)
+        linear = _linearised(shop, found, layout, steps)
+        covariance = linear.covariance
         widest = np.maximum(widest, np.sqrt(np.diag(covariance)))
     else:
         # Teeth that strike have no slope that settles: the flattest secant is the one to trust.
         last = np.sqrt(np.diag(covariance))
         scale = widest / np.where(last > 0, last, np.inf)
         covariance = covariance * np.outer(scale, scale)
-    covariance = _profiled(shop, found, layout, steps, covariance)
+    covariance = _profiled(shop, found, linear, steps, covariance)
     if layout is shop.mean:
         bias = noise_bias(
             shop,
             lambda own: _columns(shop, found, own, steps),
-            projection.inverse @ projection.coordinates(target),
-            projection,
+            linear.projection.inverse @ linear.projection.coordinates(linear.target),
+            linear.projection,
         )
         covariance = covariance + np.outer(bias, bias)
     return dataclasses.replace(found, covariances=tuple(covariance[p, p] for p in places))
@@ -78,7 +98,7 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
 def _profiled(
     shop: Workshop,
     found: Augmented,
-    layout: Layout,
+    linear: _Linearised,
     steps: Sequence[Float[ndarray, " shapes"]],
     covariance: Float[ndarray, "columns columns"],
 ) -> Float[ndarray, "columns columns"]:
@@ -86,13 +106,13 @@ def _profiled(
 
     A gear is left out: its gain has crests, and takes as long to evaluate as all others.
     """
-    columns, target = _columns(shop, found, layout, steps)
-    alone = np.sum(project(columns).inverse ** 2, axis=1)
+    layout, target = shop.layout_for(found.chosen), linear.target
+    alone = np.sum(linear.projection.inverse**2, axis=1)
     for trial, place, step in zip(found.chosen, _places(found, layout), steps, strict=True):
         if not trial.shapes or is_unripe(trial):
             continue
         own = moved(trial, layout.rows, shop.context)
-        others = project(np.delete(columns, place, axis=2))
+        others = project(np.delete(linear.columns, place, axis=2))
         whole = target + dense(own, *target.shape).sum(axis=2) if own.fixed else target
         squares = left_by(own, others, whole, layout.rows, shop.context, steps=step)
         first = place.stop - len(trial.values)
@@ -110,14 +130,14 @@ def _profiled(
 
 def _linearised(
     shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " shapes"]]
-) -> tuple[Projection, Float[ndarray, "joints rows"], Float[ndarray, "columns columns"]]:
-    """Projection on the columns with secants over these steps, the target, the covariance."""
+) -> _Linearised:
+    """The fit with secants over these steps."""
     columns, target = _columns(shop, found, layout, steps)
     projection = project(columns)
     covariance = robust_covariance(
         projection, projection.residual(target), layout.rows.weights, block_numbers(layout.rows)
     )
-    return projection, target, covariance
+    return _Linearised(columns, target, projection, covariance)
 
 
 def _columns(

@@ -44,6 +44,12 @@ class Projection:
         """Y less its projection."""
         return y - self.basis @ self.coordinates(y)
 
+    def outside(
+        self, columns: Float[ndarray, "joints rows columns"]
+    ) -> Float[ndarray, "joints rows columns"]:
+        """Columns less their projections."""
+        return columns - self.basis @ np.einsum("jrb,jrc->bc", self.basis, columns, optimize=True)
+
     @property
     def rank(self) -> int:
         """Dimension b of the span."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop, VaryingInertia
+from oed.dynamics.effects.thermal import since
 
 PIECES_ALONE = 8
 PIECES_FINE = 36  # what repeats along a turn: teeth, poles, balls
@@ -24,13 +25,11 @@ def coordinate(
 ) -> Coordinate:
     """A coordinate with the range that the recordings cover."""
     start = 0.0
-    if kind == "time" and any(p.laid is not None for p in prepared):
-        # A function of each recording's own time: what drifts does so again in recordings to come.
-        start, lower = None, 0.0
-        upper = max(float(p.motion.t[-1] - p.motion.t[0]) for p in prepared)
-    elif kind == "time":
-        lower = min(float(p.motion.t[0]) for p in prepared)
-        upper = max(float(p.motion.t[-1]) for p in prepared)
+    if kind == "time":
+        # Of recordings laid end to end each one's own: what drifts does so again in the next.
+        start = None if any(p.laid for p in prepared) else 0.0
+        times = [since(p.motion.t, start) for p in prepared]
+        lower, upper = min(float(t[0]) for t in times), max(float(t[-1]) for t in times)
     else:
         values = np.concatenate([getattr(p.motion, kind)[:, joint] for p in prepared])
         lower, upper = (float(x) for x in np.quantile(values, QUANTILES))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -15,7 +14,7 @@ from oed.dynamics.effects.effect import Effect
 from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.offset import TorqueOffset
 from oed.dynamics.effects.reference import ReferenceTorque
-from oed.dynamics.motion import Motion
+from oed.dynamics.motion import Motion, follow_one_another
 from oed.dynamics.torque_model import TorqueModel
 
 # Share of the samples up to which speed and torque count: beyond lie starts and gaps of the log.
@@ -150,6 +149,9 @@ def _reference(
 
 def _session(motions: Sequence[Motion]) -> tuple[float, float] | None:
     """First and last time of motions that follow one another on one clock [s]."""
-    spans = sorted((float(motion.t[0]), float(motion.t[-1])) for motion in motions)
-    one_clock = all(later[0] > earlier[1] for earlier, later in pairwise(spans))
-    return (spans[0][0], spans[-1][1]) if len(spans) > 1 and one_clock else None
+    if len(motions) < 2 or not follow_one_another([motion.t for motion in motions]):
+        return None
+    return (
+        min(float(motion.t[0]) for motion in motions),
+        max(float(motion.t[-1]) for motion in motions),
+    )
