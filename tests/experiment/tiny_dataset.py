@@ -1,8 +1,12 @@
-"""A tiny valid data set of the built-in SCARA, as text, to be spoilt by tests."""
+"""A tiny valid data set of the built-in SCARA, as text, to be spoilt by tests and refused."""
 
 from pathlib import Path
 
 import numpy as np
+import pytest
+
+from oed.errors import DataSetError
+from oed.experiment.read_dataset import read_dataset
 
 ROWS = 30
 HEADER = "t,q_1,q_2,tau_1,tau_2"
@@ -99,3 +103,24 @@ def urdf_text(joints: int) -> str:
         for i in range(1, joints + 1)
     )
     return URDF.format(links=links)
+
+
+def with_urdf(folder: Path, joints: int) -> Path:
+    """The data set with a URDF of that many joints; the manifest goes on listing two."""
+    files = tiny_files()
+    files["dataset.toml"] = MANIFEST.replace("builtin:imi_scara", "robot.urdf").encode()
+    files["robot.urdf"] = urdf_text(joints).encode()
+    return write_files(folder, files)
+
+
+def refused(folder: Path, **chosen) -> DataSetError:
+    """The error that reading the folder ends in; the folder must stay as it was."""
+    before = sorted((path, path.stat().st_mtime_ns) for path in folder.rglob("*"))
+    with pytest.raises(DataSetError) as caught:
+        read_dataset(folder, **chosen)
+    assert sorted((path, path.stat().st_mtime_ns) for path in folder.rglob("*")) == before
+    error = caught.value
+    assert error.file in str(error)
+    assert error.row is None or f"row {error.row}" in str(error)
+    assert error.column is None or error.column in str(error)
+    return error
