@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 
 from oed.report.table import Cell, Row, markdown_table, number_of
 from studies.paper_experiment import values as paper
-from studies.paper_experiment.claims import Finding
+from studies.paper_experiment.finding import Finding
 
 
 @dataclass(frozen=True)
