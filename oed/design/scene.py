@@ -119,7 +119,7 @@ def _parse(robot: Robot, file: Path, readable: _Readable | None, note: str) -> S
         raise RobotError(f"{robot.source}: no geometry: {error}") from error
     weld_free_bodies(plant)
     plant.Finalize()
-    for name, position in zip(robot.locked, robot.locked_at, strict=False):
+    for name, position in robot.held.items():
         plant.GetJointByName(name).set_default_positions([position])
     columns = np.array([plant.GetJointByName(name).position_start() for name in robot.joint_names])
     return Scene(builder, plant, scene_graph, columns, note, readable)

@@ -23,6 +23,7 @@ from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.newton_euler import rigid_body_regressor, rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot
+from oed.robot.pinocchio_pose import held_displacement
 from oed.robot.robot_file import load_plant
 
 AGREEMENT = 1e-10  # of the largest torque: a thousand times what rounding explains
@@ -91,29 +92,30 @@ def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck
 
 
 def file_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
-    """Torque by Drake's MultibodyPlant of the robot's own file, other joints locked at 0."""
+    """Torque by Drake's MultibodyPlant of the robot's own file, other joints where they are held."""
     plant = load_plant(robot.source)
     plant.mutable_gravity_field().set_gravity_vector(robot.gravity)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
     context = plant.CreateDefaultContext()
     joints = [plant.GetJointByName(name) for name in robot.joint_names]
-    for name in robot.locked:
+    for name, position in robot.held.items():
         joint = plant.GetJointByName(name)
         is_revolute = isinstance(joint, RevoluteJoint)
-        (joint.set_angle if is_revolute else joint.set_translation)(context, 0.0)
+        (joint.set_angle if is_revolute else joint.set_translation)(context, position)
     positions = np.array([joint.position_start() for joint in joints])
     velocities = np.array([joint.velocity_start() for joint in joints])
     return _inverse_dynamics(plant, context, motion, positions, velocities)
 
 
 def pinocchio_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
-    """Torque by Pinocchio of the robot's own URDF, other joints locked at 0."""
+    """Torque by Pinocchio of the robot's own URDF, other joints where they are held."""
     model = pinocchio.buildModelFromUrdf(robot.source)
     model.gravity.linear = robot.gravity
     data = model.createData()
     order = [model.joints[model.getJointId(name)].idx_v for name in robot.joint_names]
+    rest = held_displacement(model, robot)
     torques = np.empty(motion.q.shape)
     for k in range(len(motion)):
-        q, dq, ddq = np.zeros((3, model.nv))
+        q, dq, ddq = rest.copy(), np.zeros(model.nv), np.zeros(model.nv)
         q[order], dq[order], ddq[order] = motion.q[k], motion.dq[k], motion.ddq[k]
         # A continuous joint is kept as cosine and sine: move there from zero.
         pose = pinocchio.integrate(model, pinocchio.neutral(model), q)

@@ -125,6 +125,11 @@ class Robot:
         return tuple(order)
 
     @property
+    def held(self) -> dict[str, float]:
+        """Where each joint of the source that is not active is held, by name [rad or m]."""
+        return dict(zip(self.locked, self.locked_at or (0.0,) * len(self.locked), strict=True))
+
+    @property
     def parameter_names(self) -> tuple[str, ...]:
         """(10 n) names such as "mx_2": symbol and joint number from 1."""
         return tuple(f"{s}_{i + 1}" for i in range(self.n) for s in PARAMETER_SYMBOLS)

@@ -35,6 +35,15 @@ def test_a_tree_of_48_joints_agrees_with_drake() -> None:
     assert cross_check(robot, states=10).agrees
 
 
+def test_a_bent_arm_agrees_with_drake_and_pinocchio_where_joints_are_held() -> None:
+    file = example_robot("ur_description/urdf/ur5_robot.urdf")
+    first, second, elbow, *_ = load_robot(file).joint_names
+    robot = load_robot(file, joints=[first, second], locked={elbow: 1.2})
+    check = cross_check(robot, states=10)
+    assert check.agrees
+    assert check.pinocchio is not None
+
+
 def test_any_gravity_agrees_with_drake() -> None:
     robot = _arm("ur_description/urdf/ur5_robot.urdf").with_gravity(np.array([3.0, -5.0, 2.0]))
     assert cross_check(robot, states=20).agrees

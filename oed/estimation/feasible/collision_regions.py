@@ -13,6 +13,7 @@ from numpy import ndarray
 from oed.errors import RobotError
 from oed.estimation.feasible.feasible_set import MassRegion
 from oed.robot import Robot
+from oed.robot.pinocchio_pose import held_displacement
 
 # Covers and cables stick out of a collision shape by about this much.
 CLEARANCE = 0.01  # [m]
@@ -24,7 +25,7 @@ def collision_regions(robot: Robot, *, clearance: float = CLEARANCE) -> tuple[Ma
     """A box in the body frame around all collision shapes that each joint carries.
 
     Read by Pinocchio, which knows all common kinds of mesh. Links whose file states no collision
-    shape get none; joints that the robot holds are taken at zero.
+    shape get none; what hangs on a joint that the robot holds is where that joint is held.
 
     Args:
         robot: Loaded from a URDF file.
@@ -64,7 +65,8 @@ def _corners(
 ) -> list[tuple[int, Float[ndarray, "8 3"]]]:
     """Corners of each moving shape's box, in the frame of the body that carries it [m]."""
     data = model.createData()
-    pinocchio.forwardKinematics(model, data, pinocchio.neutral(model))
+    posture = pinocchio.integrate(model, pinocchio.neutral(model), held_displacement(model, robot))
+    pinocchio.forwardKinematics(model, data, posture)
     column = {model.getJointId(name): i for i, name in enumerate(robot.joint_names)}
     corners = []
     for shape in shapes.geometryObjects:

@@ -48,6 +48,18 @@ def test_a_box_holds_all_shapes_that_a_joint_carries(tmp_path):
         assert np.sign(np.round(values.min(), 9)) == inside
 
 
+def test_a_held_joint_carries_its_shapes_where_it_is_held(tmp_path):
+    welded, held = tmp_path / "welded.urdf", tmp_path / "held.urdf"
+    welded.write_text(BOXES, encoding="utf-8")
+    hinge = '<axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>'
+    text = BOXES.replace('name="weld" type="fixed"', 'name="weld" type="revolute"')
+    text = text.replace(' rpy="0 0 1.5707963267948966"/>\n  </joint>', "/>" + hinge)
+    held.write_text(text, encoding="utf-8")
+    robots = load_robot(welded), load_robot(held, joints=["turn"], locked={"weld": np.pi / 2})
+    (expected,), (found,) = (collision_regions(robot) for robot in robots)
+    assert np.allclose(found.matrices, expected.matrices, rtol=0, atol=1e-9)
+
+
 def test_the_makers_bodies_lie_inside_their_meshes():
     robot = load_robot(example_robot("kinova_description/robots/kinova.urdf"))
     model = build_model("standard", robot)
