@@ -45,7 +45,7 @@ def base_parameters(model: TorqueModel, *, seed: int = 0) -> BaseParameters:
     joints = bare.robot.n
     samples = 20 + SAMPLES_PER_COLUMN * len(bare.parameters) // joints
     motion = random_motion(_unlimited(bare.robot), samples, rng)
-    square = _with_robot(bare, with_right_angles(bare.robot))
+    square = bare.with_robot(with_right_angles(bare.robot))
     return _reduce(
         given=bare.regressor(motion),
         square=square.regressor(motion),
@@ -127,13 +127,6 @@ def _preference(parameters: tuple[Parameter, ...], robot: Robot) -> list[int]:
 
 def _unlimited(robot: Robot) -> Robot:
     return robot.with_limits(JointLimits.unlimited(robot.n))
-
-
-def _with_robot(model: TorqueModel, robot: Robot) -> TorqueModel:
-    effects = tuple(
-        RigidBody(robot) if isinstance(effect, RigidBody) else effect for effect in model.effects
-    )
-    return dataclasses.replace(model, robot=robot, effects=effects)
 
 
 def _torque(robot: Robot, motion: Motion) -> Float[ndarray, "rows standard"]:

@@ -70,6 +70,11 @@ class TorqueModel:
         """This model seen through further measurement effects."""
         return dataclasses.replace(self, measurement=(*self.measurement, *effects))
 
+    def with_robot(self, robot: Robot) -> TorqueModel:
+        """This model of another robot, such as the same one under another gravity."""
+        effects = tuple(RigidBody(robot) if isinstance(e, RigidBody) else e for e in self.effects)
+        return dataclasses.replace(self, robot=robot, effects=effects)
+
     def columns(self, motion: Motion) -> Float[ndarray, "samples joints parameters"]:
         """Torque per unit parameter at every instant and joint."""
         evaluate: Callable[[Motion], Float[ndarray, "samples joints parameters"]]

@@ -10,7 +10,6 @@ from numpy import ndarray
 
 from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.delay import FilterLag, TimeDelay
-from oed.dynamics.effects.effect import MeasurementEffect
 from oed.dynamics.effects.encoder import EccentricityColumns, EncoderEccentricity
 from oed.dynamics.effects.entries.plausibility import at_most, by_construction, joint_of
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
@@ -23,14 +22,8 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot
 
 
-def _change(
-    context: Context, measurement: MeasurementEffect, joint: int | None = None
-) -> TorqueChange:
-    return TorqueChange(measurement, context.reference, joint)
-
-
 def _delay(context: Context, _target: Target, values: tuple[float, ...]) -> TorqueChange:
-    return _change(context, TimeDelay(values[0]))
+    return TorqueChange(TimeDelay(values[0]), context.reference)
 
 
 def _with_delay(
@@ -65,7 +58,7 @@ TIME_DELAY = CatalogueEntry(
 
 
 def _lag(context: Context, _target: Target, values: tuple[float, ...]) -> TorqueChange:
-    return _change(context, FilterLag(values[0], values[1]))
+    return TorqueChange(FilterLag(values[0], values[1]), context.reference)
 
 
 def _with_lag(
@@ -204,11 +197,7 @@ def _with_gravity(
 ) -> TorqueModel:
     robot = context.model.robot
     turned = robot.with_gravity(tilted(robot.gravity, _tilt(robot, estimates)))
-    effects = tuple(
-        RigidBody(turned) if isinstance(effect, RigidBody) else effect
-        for effect in context.model.effects
-    )
-    return dataclasses.replace(context.model, robot=turned, effects=effects)
+    return context.model.with_robot(turned)
 
 
 GRAVITY_DIRECTION = CatalogueEntry(
