@@ -7,7 +7,7 @@ body i are in its own frame, at its origin; gravity enters as the base accelerat
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -168,12 +168,18 @@ def regressor_entries(
 
 def rigid_body_regressor(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints standard"]:
     """The regressor of the 10 n standard parameters at every instant of a motion."""
-    entries = regressor_entries(robot, *joint_components(motion))
-    regressor = np.zeros((len(motion), robot.n, len(entries)))
+    return filled(regressor_entries(robot, *joint_components(motion)), len(motion), robot.n)
+
+
+def filled(
+    entries: Sequence[Mapping[int, Scalar]], samples: int, joints: int
+) -> Float[ndarray, "samples joints columns"]:
+    """Columns from their entries, joint -> (N,) array or number, zero where there is none."""
+    columns = np.zeros((samples, joints, len(entries)))
     for column, by_joint in enumerate(entries):
         for joint, entry in by_joint.items():
-            regressor[:, joint, column] = entry
-    return regressor
+            columns[:, joint, column] = entry
+    return columns
 
 
 def rigid_body_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:

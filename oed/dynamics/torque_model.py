@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi
-import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -22,6 +21,7 @@ from oed.dynamics.effects import (
     Viscous,
 )
 from oed.dynamics.motion import Motion
+from oed.dynamics.newton_euler import filled
 from oed.robot import Robot
 
 
@@ -113,12 +113,7 @@ class TorqueModel:
         return result
 
     def _effect_columns(self, motion: Motion) -> Float[ndarray, "samples joints parameters"]:
-        entries = self._entries(State.along(motion))
-        columns = np.zeros((len(motion), self.robot.n, len(entries)))
-        for column, by_joint in enumerate(entries):
-            for joint, entry in by_joint.items():
-                columns[:, joint, column] = entry
-        return columns
+        return filled(self._entries(State.along(motion)), len(motion), self.robot.n)
 
     def _entries(self, state: State) -> list:
         return [entry for effect in self.effects for entry in effect.entries(state)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy import ndarray
 from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.effect import Effect, State
 from oed.dynamics.motion import Motion
+from oed.dynamics.newton_euler import filled
 from oed.dynamics.torque_model import TorqueModel
 
 WRIST = 3  # last joints of an arm of six or more, whose drives may share a gear
@@ -144,10 +144,6 @@ class CatalogueEntry:
         """The nonlinear parameters with ranges that the data at hand can tell apart."""
         return self.narrow(context, target, self.shapes)
 
-    def trials(self, context: Context, target: Target) -> tuple[tuple[float, ...], ...]:
-        """Values of the shapes for a first scan, every combination; one empty tuple if none."""
-        return tuple(product(*(shape.grid for shape in self.shapes_for(context, target))))
-
     def apply(
         self,
         context: Context,
@@ -172,9 +168,4 @@ def evaluate(
     effect: Effect, motion: Motion, joints: int
 ) -> Float[ndarray, "samples joints columns"]:
     """The columns of one effect over a motion of that many joints."""
-    entries = effect.entries(State.along(motion))
-    columns = np.zeros((len(motion), joints, len(entries)))
-    for column, by_joint in enumerate(entries):
-        for joint, entry in by_joint.items():
-            columns[:, joint, column] = entry
-    return columns
+    return filled(effect.entries(State.along(motion)), len(motion), joints)
