@@ -17,6 +17,8 @@ from numpy import ndarray
 from oed.dynamics.effects import Parameter
 from oed.errors import RankUndetermined
 
+# Singular values, and lengths of columns, below this fraction of the largest count as zero.
+RANK_TOLERANCE = 1e-8
 # A regrouping coefficient below this is rounding: it moves no torque that can be measured.
 NEGLIGIBLE = 1e-9
 # Length of a normalised column outside the span of others from which it counts as new: the
@@ -72,9 +74,8 @@ def find_base_parameters(
     *,
     preference: Sequence[int] | None = None,
     lengths: Sequence[float] = (),
-    tolerance: float = 1e-8,
+    tolerance: float = RANK_TOLERANCE,
     gap: float = 1e3,
-    note: str = "",
 ) -> BaseParameters:
     """Find the base parameters that a stacked regressor reveals.
 
@@ -86,7 +87,6 @@ def find_base_parameters(
         lengths: Kinematic lengths [m] by which coefficients are made readable.
         tolerance: Singular values below this fraction of the largest count as zero.
         gap: Least ratio of the last kept to the first dropped singular value.
-        note: Kept in the result.
 
     Raises:
         ValueError: If there are fewer rows than columns.
@@ -119,12 +119,11 @@ def find_base_parameters(
         ),
         units=tuple(parameters[c].unit for c in kept),
         joints=tuple(parameters[c].joint for c in kept),
-        note=note,
     )
 
 
 def normalised_factor(
-    regressor: Float[ndarray, "rows parameters"], tolerance: float = 1e-8
+    regressor: Float[ndarray, "rows parameters"], tolerance: float = RANK_TOLERANCE
 ) -> tuple[Float[ndarray, "parameters parameters"], Float[ndarray, " parameters"]]:
     """Triangular factor of a regressor with unit columns, and the columns' lengths.
 

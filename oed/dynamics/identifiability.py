@@ -10,6 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.base_parameters import (
+    RANK_TOLERANCE,
     BaseParameters,
     find_base_parameters,
     normalised_factor,
@@ -97,7 +98,7 @@ def _reduce(
         square, parameters, preference=_preference(parameters, robot), lengths=lengths
     )
     singular_values = np.linalg.svd(normalised_factor(given)[0], compute_uv=False)
-    extra = int((singular_values > 1e-8 * singular_values[0]).sum()) - len(exact)
+    extra = int((singular_values > RANK_TOLERANCE * singular_values[0]).sum()) - len(exact)
     note = _rounding_note(given, exact, extra) if extra > 0 else ""
     return dataclasses.replace(exact, singular_values=singular_values, note=note)
 

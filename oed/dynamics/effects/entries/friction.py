@@ -12,6 +12,7 @@ from oed.dynamics.effects.entries.plausibility import (
     at_most,
     first_reason,
     joint_of,
+    peak_torque,
     positive,
     share_of_coulomb,
 )
@@ -109,7 +110,7 @@ def _nonlinear_viscous_plausible(
         [
             at_most(
                 at_top,
-                max(3.0 * float(context.peak_torque[joint]), 1e-9),
+                3.0 * peak_torque(context, joint),
                 "the friction at top speed",
                 "N m",
                 "3 times the peak torque",
@@ -198,7 +199,7 @@ def _offset_plausible(
     joint = joint_of(target)
     return at_most(
         float(estimates[0]),
-        max(float(context.peak_torque[joint]), 1e-9),
+        peak_torque(context, joint),
         "the offset",
         "N m",
         "the peak torque",

@@ -11,13 +11,12 @@ from oed.dynamics.effects.entries.plausibility import (
     at_most,
     first_reason,
     joint_of,
+    peak_torque,
     positive,
 )
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.load import LoadFriction, TorqueSaturation
 from oed.dynamics.torque_model import TorqueModel
-
-LEAST_PEAK = 1e-9  # [N m] of a joint that was predicted no torque
 
 
 def _load_friction(context: Context, target: Target, values: tuple[float, ...]) -> LoadFriction:
@@ -63,8 +62,7 @@ LOAD_DEPENDENT_FRICTION = CatalogueEntry(
 
 def _saturation(context: Context, target: Target, values: tuple[float, ...]) -> TorqueSaturation:
     joint = joint_of(target)
-    peak = max(float(context.peak_torque[joint]), LEAST_PEAK)
-    return TorqueSaturation(joint, context.reference, peak, values[0])
+    return TorqueSaturation(joint, context.reference, peak_torque(context, joint), values[0])
 
 
 def _saturation_plausible(

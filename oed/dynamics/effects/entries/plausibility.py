@@ -11,6 +11,8 @@ from numpy import ndarray
 from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entry import Target
 
+LEAST_PEAK = 1e-9  # [N m] of a joint that was predicted no torque
+
 
 def joint_of(target: Target) -> int:
     """The joint that a target names.
@@ -32,6 +34,11 @@ def pair_of(target: Target) -> tuple[int, int]:
     if isinstance(target, tuple):
         return target
     raise ValueError(f"{target=} must be a pair of joint indices")
+
+
+def peak_torque(context: Context, joint: int) -> float:
+    """Largest predicted torque of a joint [N m]; above zero even where none was predicted."""
+    return max(float(context.peak_torque[joint]), LEAST_PEAK)
 
 
 def positive(value: float, name: str, unit: str) -> str | None:

@@ -14,6 +14,7 @@ from oed.dynamics.effects.entries.plausibility import (
     at_most,
     first_reason,
     joint_of,
+    peak_torque,
     positive,
     share_of_coulomb,
 )
@@ -135,7 +136,7 @@ def _spring_plausible(
     joint, stiffness = joint_of(target), float(estimates[0])
     least, largest = context.position_range[joint]
     swing = stiffness * float(largest - least) / 2
-    bound = max(float(context.peak_torque[joint]), 1e-9)
+    bound = peak_torque(context, joint)
     return first_reason(
         [
             positive(stiffness, "stiffness", "N m/rad"),
