@@ -81,8 +81,9 @@ def arm_joints(source: str | Path) -> tuple[str, ...]:
     """
     if str(source).startswith("builtin:"):
         return load_robot(source).joint_names
-    # Fingers that mimic one another fork like others.
-    tree = MergedTree(plant := load_plant(source), names := outward_names(plant), {})
+    plant = load_plant(source)
+    names = outward_names(plant)  # fingers that mimic one another fork like others
+    tree = MergedTree(plant, names, held={})
     children = {
         i: [c for c in range(len(names)) if tree.joints[c].parent == i]
         for i in range(-1, len(names))

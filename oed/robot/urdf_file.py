@@ -46,9 +46,12 @@ def read_urdf(path: Path) -> UrdfFacts:
     effort, mimics, faults = {}, {}, {}
     for joint in root.findall("joint"):
         name = joint.get("name", "")
-        largest = _check_limits(joint, path, name)
-        if largest is not None:
-            effort[name] = largest
+        limit = joint.find("limit")
+        if limit is not None:
+            _check_limit(limit, path, name)
+            largest = _number(limit, "effort")
+            if largest is not None:
+                effort[name] = largest
         leader = joint.find("mimic")
         if leader is not None:
             mimics[name] = leader.get("joint", "")
@@ -59,26 +62,21 @@ def read_urdf(path: Path) -> UrdfFacts:
     return UrdfFacts(effort, mimics, faults)
 
 
-def _check_limits(joint: ElementTree.Element, path: Path, name: str) -> float | None:
-    """The effort limit; None without one."""
-    limit = joint.find("limit")
-    if limit is None:
-        return None
-    lower, upper, velocity, effort = (
-        _number(limit, key) for key in ("lower", "upper", "velocity", "effort")
-    )
-    if (0.0 if lower is None else lower) > (0.0 if upper is None else upper):
+def _check_limit(limit: ElementTree.Element, path: Path, name: str) -> None:
+    """Refuse a limit that contradicts itself; a bound that is left out is zero."""
+    lower, upper = _number(limit, "lower") or 0.0, _number(limit, "upper") or 0.0
+    if lower > upper:
         raise RobotError(
-            f"{path}: joint {name!r}: lower limit {lower or 0.0:g} is above upper limit "
-            f"{upper or 0.0:g}; exchange or correct them"
+            f"{path}: joint {name!r}: lower limit {lower:g} is above upper limit "
+            f"{upper:g}; exchange or correct them"
         )
-    for kind, value in (("velocity", velocity), ("effort", effort)):
+    for kind in ("velocity", "effort"):
+        value = _number(limit, kind)
         if value is not None and value < 0:
             raise RobotError(
                 f"{path}: joint {name!r}: {kind} limit {value:g} is negative; a limit is a "
                 "magnitude, 0 where none is known"
             )
-    return effort
 
 
 def _inertia_fault(link: ElementTree.Element) -> InertiaFault | None:

@@ -11,8 +11,6 @@ from numpy import ndarray
 
 from oed.dynamics.motion import Motion
 
-JERK = 3  # highest derivative of position that limits speak of
-
 
 class TrajectoryClass(ABC):
     """A family of joint motions on [0, horizon], one decision vector z a motion.
