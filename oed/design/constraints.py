@@ -71,6 +71,20 @@ class LimitConstraints:
         entries = (self.jacobian_values(z), (self.rows, self.columns))
         return scipy.sparse.csr_matrix(entries, shape=shape)
 
+    def room(self, z: Float[ndarray, " size"]) -> Float[ndarray, " sides"]:
+        """Distance to every finite bound, lower ones first; not negative where they are kept."""
+        values, (below, above) = self.values(z), self._bounded
+        return np.concatenate([(values - self.lower)[below], (self.upper - values)[above]])
+
+    def room_jacobian(self, z: Float[ndarray, " size"]) -> Float[ndarray, "sides size"]:
+        """D room / dz, zeros written out."""
+        own = self.trajectory.variables.shape[1]
+        whole = np.zeros((self.count, self.trajectory.size))
+        entries = self.jacobian_values(z).reshape(-1, own)
+        whole[np.arange(self.count)[:, None], self.columns.reshape(-1, own)] = entries
+        below, above = self._bounded
+        return np.concatenate([whole[below], -whole[above]])
+
     @cached_property
     def rows(self) -> ndarray:
         """Row of each structural nonzero of the Jacobian."""
@@ -85,6 +99,11 @@ class LimitConstraints:
             np.tile(variables[kind.joints].reshape(-1), len(self.instants)) for kind in self._kinds
         ]
         return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
+
+    @cached_property
+    def _bounded(self) -> tuple[ndarray, ndarray]:
+        """Which rows have a lower bound, and which an upper one."""
+        return np.isfinite(self.lower), np.isfinite(self.upper)
 
     def _stack(self, bounds: list[ndarray]) -> ndarray:
         tiled = [np.tile(bound, len(self.instants)) for bound in bounds]

@@ -8,7 +8,6 @@ instants join and the last problem is solved again. Which solver does a stage is
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -16,12 +15,9 @@ from numpy import ndarray
 
 from oed.design.constraints import LimitConstraints
 from oed.design.limits import KINEMATIC
-from oed.design.optimisers.nonlinear_program import (
-    LocalSolution,
-    ValueAndGradient,
-    solve_program,
-)
+from oed.design.optimisers.nonlinear_program import solve_program
 from oed.design.optimisers.result import EvaluationLog
+from oed.design.optimisers.smooth_program import ProgramSolver
 from oed.design.problem import DesignProblem
 
 UNBOUNDED = 1_000_000  # iterations, where a budget does not bound them
@@ -38,24 +34,6 @@ class Stage:
 
     sign_width: float
     exponent: float
-
-
-@runtime_checkable
-class ProgramSolver(Protocol):
-    """Minimises a smooth objective under sampled limits; see `nonlinear_program`."""
-
-    def __call__(
-        self,
-        objective: ValueAndGradient,
-        constraints: LimitConstraints,
-        start: Float[ndarray, " size"],
-        *,
-        iterations: int,
-        cpu_seconds: float = np.inf,
-        is_warm: bool = False,
-    ) -> LocalSolution:
-        """A local solution."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ remembered pair, and took five times longer.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import casadi
 import numpy as np
@@ -17,30 +16,10 @@ from numpy import ndarray
 
 from oed.design.constraints import LimitConstraints
 from oed.design.optimisers.bfgs import DampedBfgs
+from oed.design.optimisers.smooth_program import SINGULAR, LocalSolution, ValueAndGradient
 
-ValueAndGradient = Callable[[Float[ndarray, " size"]], tuple[float, Float[ndarray, " size"]]]
 CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 WARM_BARRIER = 1e-3  # first barrier parameter of a start that is close to a solution
-# Stands for an infinite objective, which IPOPT would not step back from: any cost in decades is
-# far below.
-SINGULAR = 1e3
-
-
-@dataclass(frozen=True)
-class LocalSolution:
-    """Where IPOPT stopped.
-
-    Attributes:
-        z: (size,) the last point, which may violate a limit between the instants.
-        evaluations: Of the objective, with its gradient where that was needed.
-        is_converged: By IPOPT's own word.
-        status: That word.
-    """
-
-    z: Float[ndarray, " size"]
-    evaluations: int
-    is_converged: bool
-    status: str
 
 
 def solve_program(

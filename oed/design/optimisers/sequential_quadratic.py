@@ -15,7 +15,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.constraints import LimitConstraints
-from oed.design.optimisers.nonlinear_program import SINGULAR, LocalSolution, ValueAndGradient
+from oed.design.optimisers.smooth_program import SINGULAR, LocalSolution, ValueAndGradient
 
 # Evaluations between two looks at the clock of CPU time, which can take longer than one of them.
 CLOCK_EVERY = 10
@@ -48,41 +48,26 @@ def solve_quadratic(
     """
     lower, upper = constraints.trajectory.bounds.T
     middle, half = (lower + upper) / 2, (upper - lower) / 2
-    below, above = np.isfinite(constraints.lower), np.isfinite(constraints.upper)
     deadline = time.process_time() + cpu_seconds
     last, evaluations = np.array(start), 0
 
     def cost(u: ndarray) -> tuple[float, ndarray]:
-        nonlocal last, evaluations
+        nonlocal evaluations
         evaluations += 1
         if evaluations % CLOCK_EVERY == 0 and time.process_time() >= deadline:
             raise _OutOfTime
         value, gradient = objective(middle + half * u)
-        if not np.isfinite(value):
-            return SINGULAR, gradient * half
-        return value, gradient * half
+        return (value if np.isfinite(value) else SINGULAR), gradient * half
 
     def keep(u: ndarray) -> None:
         nonlocal last
         last = middle + half * u
 
-    def room(u: ndarray) -> ndarray:
-        values = constraints.values(middle + half * u)
-        return np.concatenate(
-            [(values - constraints.lower)[below], (constraints.upper - values)[above]]
-        )
-
-    own = constraints.trajectory.variables.shape[1]
-    dense = np.zeros((constraints.count, len(start)))
-    first = np.arange(constraints.count)[:, None]
-    columns = constraints.columns.reshape(-1, own)
-
-    def slope(u: ndarray) -> ndarray:
-        z = middle + half * u
-        dense[first, columns] = constraints.jacobian_values(z).reshape(-1, own) * half[columns]
-        return np.concatenate([dense[below], -dense[above]])
-
-    limits = {"type": "ineq", "fun": room, "jac": slope} if constraints.count else ()
+    limits = {
+        "type": "ineq",
+        "fun": lambda u: constraints.room(middle + half * u),
+        "jac": lambda u: constraints.room_jacobian(middle + half * u) * half,
+    }
     try:
         result = scipy.optimize.minimize(
             cost,
@@ -90,7 +75,7 @@ def solve_quadratic(
             jac=True,
             method="SLSQP",
             bounds=[(-1.0, 1.0)] * len(start),
-            constraints=limits,
+            constraints=limits if constraints.count else (),
             callback=keep,
             options={"maxiter": iterations, "ftol": tolerance},
         )

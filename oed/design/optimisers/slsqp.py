@@ -6,7 +6,6 @@ grid of instants; what it visits is repaired into the limits, evaluated exactly 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,9 +16,6 @@ from numpy import ndarray
 from oed.design.constraints import LimitConstraints
 from oed.design.optimisers.result import Budget, EvaluationLog, OptimiserResult
 from oed.design.problem import DesignProblem
-
-# Values that must not be negative, and their derivatives, (rows,) and (rows, size).
-Inequalities = tuple[Callable[[ndarray], ndarray], Callable[[ndarray], ndarray]]
 
 
 @dataclass(frozen=True)
@@ -105,7 +101,8 @@ def _descend(
         if not log.is_spent:
             log.evaluate(problem.cost, problem.quick_repair(lower + x * span))
 
-    room, slope = limit_inequalities(problem, settings.instants)
+    instants = np.linspace(0.0, problem.trajectory.horizon, settings.instants)
+    limits = LimitConstraints(problem.trajectory, problem.limits, instants)
     result = scipy.optimize.minimize(
         cost,
         (start - lower) / span,
@@ -114,8 +111,8 @@ def _descend(
         bounds=[(0.0, 1.0)] * len(span),
         constraints={
             "type": "ineq",
-            "fun": lambda x: room(lower + x * span),
-            "jac": lambda x: slope(lower + x * span) * span,
+            "fun": lambda x: limits.room(lower + x * span),
+            "jac": lambda x: limits.room_jacobian(lower + x * span) * span,
         },
         callback=keep,
         options={"maxiter": settings.iterations, "ftol": settings.tolerance},
@@ -123,26 +120,3 @@ def _descend(
     end = result.x if np.isfinite(result.x).all() else (start - lower) / span
     keep(end)
     return problem.quick_repair(lower + np.clip(end, 0.0, 1.0) * span)
-
-
-def limit_inequalities(problem: DesignProblem, instants: int) -> Inequalities:
-    """Room left to every limit at equally spaced instants, and its derivative.
-
-    Where the box alone keeps the limits there are no rows.
-    """
-    size = problem.trajectory.size
-    if getattr(problem.trajectory, "box_keeps_limits", False):
-        return (lambda _: np.zeros(0)), (lambda _: np.zeros((0, size)))
-    t = np.linspace(0.0, problem.trajectory.horizon, instants)
-    rows = LimitConstraints(problem.trajectory, problem.limits, t)
-    below, above = np.isfinite(rows.lower), np.isfinite(rows.upper)
-
-    def room(z: Float[ndarray, " size"]) -> Float[ndarray, " rows"]:
-        values = rows.values(z)
-        return np.concatenate([(values - rows.lower)[below], (rows.upper - values)[above]])
-
-    def slope(z: Float[ndarray, " size"]) -> Float[ndarray, "rows size"]:
-        slopes = rows.jacobian(z).toarray()
-        return np.concatenate([slopes[below], -slopes[above]])
-
-    return room, slope

@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 
+from oed.design.constraints import LimitConstraints
 from oed.design.optimisers import evolution, genetic, random_search, slsqp
 from oed.design.optimisers.genetic import GeneticSettings
 from oed.design.optimisers.random_search import RandomSearchSettings
@@ -143,7 +144,9 @@ def test_limit_inequalities_have_the_derivatives_they_claim(
     scara: dict[str, DesignProblem],
 ) -> None:
     problem = scara["fourier"]
-    room, slope = slsqp.limit_inequalities(problem, 7)
+    instants = np.linspace(0.0, problem.trajectory.horizon, 7)
+    limits = LimitConstraints(problem.trajectory, problem.limits, instants)
+    room, slope = limits.room, limits.room_jacobian
     z = problem.random_start(np.random.default_rng(0))
     step = 1e-6
     for variable in (0, 3, problem.size - 1):
