@@ -107,12 +107,20 @@ def _short_distances(surroundings: Surroundings, q: ndarray) -> tuple[list[_Shor
 def _nearest(
     problem: DesignProblem, z: ndarray, t: ndarray, short: list[_Short]
 ) -> Float[ndarray, " size"]:
-    """Least squared change in units of the box, and of distances that stay short all the same.
+    """The motion with the least squared change, in units of the box, that is not short."""
+    half = np.diff(problem.trajectory.bounds, axis=1)[:, 0] / 2
+    change = _least_change(*_inequalities(problem, z, t, short, half), size=len(z))
+    return z + half * change if np.isfinite(change).all() else z
+
+
+def _inequalities(
+    problem: DesignProblem, z: ndarray, t: ndarray, short: list[_Short], half: ndarray
+) -> tuple[scipy.sparse.csc_matrix, ndarray]:
+    """A and b of A x <= b: limits, most of a step, distances, and shortfalls that are none.
 
     Unknowns: u, the change in half widths of the box, and one shortfall for each distance.
     """
     trajectory = problem.trajectory
-    half = np.diff(trajectory.bounds, axis=1)[:, 0] / 2
     size, count = len(z), len(short)
     grid = np.linspace(0.0, trajectory.horizon, LIMIT_INSTANTS)
     limits = LimitConstraints(trajectory, problem.limits, grid)
@@ -138,19 +146,23 @@ def _nearest(
     right = [limits.upper - at, at - limits.lower, step, step, room, np.zeros(count)]
     bounds = np.concatenate(right)
     kept = np.isfinite(bounds)
-    matrix = scipy.sparse.vstack(blocks).tocsc()[np.flatnonzero(kept)]
+    return scipy.sparse.vstack(blocks).tocsc()[np.flatnonzero(kept)], bounds[kept]
+
+
+def _least_change(
+    matrix: scipy.sparse.csc_matrix, bounds: ndarray, *, size: int
+) -> Float[ndarray, " size"]:
+    """The least u in squares, and the least shortfalls at their price, with A x <= b."""
+    count = matrix.shape[1] - size
     cost = scipy.sparse.block_diag(
         [scipy.sparse.identity(size), scipy.sparse.csc_matrix((count, count))]
     )
     price = np.concatenate([np.zeros(size), np.full(count, SHORTFALL)])
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    cones = [clarabel.NonnegativeConeT(int(kept.sum()))]
-    solver = clarabel.DefaultSolver(
-        cost.tocsc(), price, matrix.tocsc(), bounds[kept], cones, settings
-    )
-    change = np.array(solver.solve().x)[:size]
-    return z + half * change if np.isfinite(change).all() else z
+    cones = [clarabel.NonnegativeConeT(len(bounds))]
+    solver = clarabel.DefaultSolver(cost.tocsc(), price, matrix.tocsc(), bounds, cones, settings)
+    return np.array(solver.solve().x)[:size]
 
 
 def _by_position(

@@ -147,8 +147,7 @@ def repair(
     if trajectory.box_keeps_limits and not np.isfinite(limits.jerk).any():
         return z
     bound = quick_range if is_quick else proven_range
-    limited = [k for k in KINEMATIC if k == "position" or np.isfinite(getattr(limits, k)).any()]
-    ranges = {k: bound(trajectory, z, KINEMATIC.index(k)) for k in limited}
+    ranges = {k: bound(trajectory, z, KINEMATIC.index(k)) for k in _limited(limits)}
     if all((violation_of(b, getattr(limits, k)) <= 0).all() for k, b in ranges.items()):
         return z
     factors = np.minimum(_kinematic_factors(trajectory, z, limits, ranges), 1.0)
@@ -170,11 +169,15 @@ def fill(
 
     Joints that do not move, or whose limits leave them free, stay as they are.
     """
-    limited = [k for k in KINEMATIC if k == "position" or np.isfinite(getattr(limits, k)).any()]
-    ranges = {k: quick_range(trajectory, z, KINEMATIC.index(k)) for k in limited}
+    ranges = {k: quick_range(trajectory, z, KINEMATIC.index(k)) for k in _limited(limits)}
     factors = _kinematic_factors(trajectory, z, limits, ranges)
     grown = trajectory.shrink(z, np.where(np.isfinite(factors), factors, 1.0))
     return repair(trajectory, grown, limits, is_quick=True)
+
+
+def _limited(limits: JointLimits) -> list[str]:
+    """Kinds of which a joint has a limit, and position, about which it is scaled."""
+    return [k for k in KINEMATIC if k == "position" or np.isfinite(getattr(limits, k)).any()]
 
 
 def _kinematic_factors(
