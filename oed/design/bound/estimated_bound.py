@@ -118,18 +118,10 @@ def estimated_bound(
         float(atoms.dual(point).max()),
         float(source.search(point, atoms, settings, rng).dual(point).max()),
     )
-    return _bound(point, highest, source)
-
-
-def _bound(point: AscentPoint, highest: float, source: _Source) -> InformationBound:
-    b = len(point.information)
-    attained = float(np.linalg.slogdet(point.information)[1] / np.log(10))
-    return InformationBound(
+    return InformationBound.of_measure(
+        point.information,
+        highest,
         kind="estimated",
-        log10_det=attained + b * float(np.log10(highest / b)),
-        attained=attained,
-        excess=highest / b - 1,
-        information=point.information,
         functions=len(source.functions),
         boxes=0,
         longest_return=source.states.longest_return,

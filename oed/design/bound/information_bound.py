@@ -73,6 +73,42 @@ class InformationBound:
     boxes: int
     longest_return: float
 
+    @classmethod
+    def of_measure(
+        cls,
+        information: Float[ndarray, "base base"],
+        highest: float,
+        *,
+        kind: Literal["certified", "estimated"],
+        functions: int,
+        boxes: int,
+        longest_return: float,
+    ) -> InformationBound:
+        """The bound that a measure's inverse information M gives.
+
+        tr(M Lambda) <= highest for every measure, so det Lambda <= (highest / b)^b / det M.
+
+        Args:
+            information: (b, b) of the measure.
+            highest: Maximum of the dual over all states.
+            kind: As the attribute, and so are the rest.
+            functions: Of the dual.
+            boxes: Of the proof.
+            longest_return: Of the states.
+        """
+        b = len(information)
+        attained = float(np.linalg.slogdet(information)[1] / np.log(10))
+        return cls(
+            kind=kind,
+            log10_det=attained + b * float(np.log10(highest / b)),
+            attained=attained,
+            excess=highest / b - 1,
+            information=information,
+            functions=functions,
+            boxes=boxes,
+            longest_return=longest_return,
+        )
+
     @property
     def size(self) -> int:
         """Number of parameters b."""
@@ -129,28 +165,17 @@ def information_bound(
     source = StateInformation(model, base, states, functions, covariance)
     certify = states.joints <= 2 if certify is None else certify
     bounds = [
-        _bound(design, highest, boxes, source)
+        InformationBound.of_measure(
+            design.information,
+            highest,
+            kind="certified" if boxes else "estimated",
+            functions=len(functions),
+            boxes=boxes,
+            longest_return=states.longest_return,
+        )
         for design, highest, boxes in _tighten(source, rng, settings, certify)
     ]
     return min(bounds, key=lambda bound: bound.log10_det)
-
-
-def _bound(
-    design: WeightedDesign, highest: float, boxes: int, source: StateInformation
-) -> InformationBound:
-    """tr(M Lambda) <= highest for every measure, so det Lambda <= (highest / b)^b / det M."""
-    b = len(design.information)
-    attained = float(np.linalg.slogdet(design.information)[1] / np.log(10))
-    return InformationBound(
-        kind="certified" if boxes else "estimated",
-        log10_det=attained + b * float(np.log10(highest / b)),
-        attained=attained,
-        excess=highest / b - 1,
-        information=design.information,
-        functions=len(source.functions),
-        boxes=boxes,
-        longest_return=source.states.longest_return,
-    )
 
 
 def _tighten(
