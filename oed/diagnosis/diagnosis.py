@@ -27,16 +27,17 @@ from oed.diagnosis.evidence.verdict import (
     describe_unexplained,
     doubtful_name,
 )
+from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.judgement import Refused, costs, refusal
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selection import Selection, search
+from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
-
-ROLES = ("estimation", "validation", "test")
+from oed.experiment.recording import ROLES
 
 
 @dataclass(frozen=True)
@@ -136,39 +137,21 @@ def _conclude(
     steps: Float[ndarray, " joints"],
     settings: DiagnosisSettings,
 ) -> Diagnosis:
-    baseline = shop.baseline
+    baseline, estimation = shop.baseline, by_role["estimation"]
     layout = shop.layout_for(selection.trials)
     before = fit_final(shop.declared, layout, shop.declared.model)
-    while True:
-        selection, after = _never_worse(shop, selection, by_role["validation"], before)
-        found = with_uncertainty(shop, selection.found)
-        doubtful = doubtful_name(shop, found)
-        if doubtful is None:
-            break
-        selection = _without(shop, selection, doubtful, "its own interval holds zero")
+    selection, after, found = _sure(shop, selection, by_role["validation"], before)
     effects = describe_effects(shop, selection, found)
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
-        unexplained += _lines(after, by_role["estimation"], baseline)
-    freedom = float(sum(p.rows for p in by_role["estimation"]))
-    errors = rounding_torque(before.model, before.parameters, layout.rows.prepared, steps)
-    rounding = rounding_squares(layout.rows, errors)
-    valid = [e[p.valid] for e, p in zip(errors, layout.rows.prepared, strict=True)]
-    weights = baseline.certainty(layout.rows.prepared)
-    floor = np.hypot(baseline.floor.deviation, rms(valid, weights))
+        unexplained += _lines(after, estimation, baseline)
+    rounding, floor = _with_rounding(baseline, before, layout.rows, steps)
+    freedom = float(sum(p.rows for p in estimation))
     left = lack_of_fit(after.fit, freedom, rounding)
-    estimation = by_role["estimation"]
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
-    unseen = unseen_ratio(proof, floor)
     return Diagnosis(
-        verdict=decide(
-            effects,
-            unexplained,
-            left,
-            unseen,
-            settings,
-        ),
+        verdict=decide(effects, unexplained, left, unseen_ratio(proof, floor), settings),
         effects=effects,
         unexplained=unexplained,
         before=before,
@@ -186,6 +169,32 @@ def _conclude(
         sign_width=estimation[0].sign_noise,
         shop=shop,
     )
+
+
+def _sure(
+    shop: Workshop,
+    selection: Selection,
+    validation: tuple[Prepared, ...],
+    before: FinalModel,
+) -> tuple[Selection, FinalModel, Augmented]:
+    """What holds in its exact form and beyond its own uncertainty, installed and as it was fitted."""
+    while True:
+        selection, after = _never_worse(shop, selection, validation, before)
+        found = with_uncertainty(shop, selection.found)
+        doubtful = doubtful_name(shop, found)
+        if doubtful is None:
+            return selection, after, found
+        selection = _without(shop, selection, doubtful, "its own interval holds zero")
+
+
+def _with_rounding(
+    baseline: Baseline, before: FinalModel, rows: Rows, steps: Float[ndarray, " joints"]
+) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
+    """(n,) white squares of what encoder steps err, and (n,) the floor with that in it [N m]."""
+    errors = rounding_torque(before.model, before.parameters, rows.prepared, steps)
+    valid = [e[p.valid] for e, p in zip(errors, rows.prepared, strict=True)]
+    repeated = rms(valid, baseline.certainty(rows.prepared))
+    return rounding_squares(rows, errors), np.hypot(baseline.floor.deviation, repeated)
 
 
 def _lines(

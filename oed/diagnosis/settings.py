@@ -20,7 +20,7 @@ class DiagnosisSettings:
         least_share: Least share of a joint's residual variance that a named effect removes.
             Below it, errors of smoothing and sampling look like physics.
         decisive: Difference in -2 log likelihood that separates two rivals.
-        free_form_margin: By how much a free-form term must beat the physical ones (BIC).
+        free_form_margin: By how much a free-form term's evidence must exceed that of physical ones.
         family_share: Share of a free-form term's gain that a named effect must reach.
         foreign_share: As `family_share`, for a term that is linear in a signal with a coefficient
             that varies: no effect of the catalogue is, nor comes close to one in other words.

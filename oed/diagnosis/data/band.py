@@ -19,6 +19,10 @@ from scipy.signal import firwin, welch
 from scipy.sparse import csr_array
 
 SIGNAL_TO_NOISE = 4.0  # least ratio of the acceleration's power to that of encoder noise
+NOISE_ONLY = 0.3  # of the rate, above which no arm moves and the position is noise
+# The stretches in which motion is held against noise: from 1 Hz to short of the Nyquist frequency.
+LOWEST, HIGHEST, STEPS = 1.0, 0.45, 60  # [Hz], of the rate
+OVERLAP = 1.1  # ratio by which each is wider on both sides: the lowest hold few frequencies
 SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not touch the band
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
 SAMPLES_PER_CUTOFF = 2.5  # analysis rate over cut-off: the whole transition lies below Nyquist
@@ -84,7 +88,7 @@ def position_noise(
 ) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
     """Spectral density of encoder noise, and the frequency up to which motion exceeds it.
 
-    The noise is read off the upper half of the band, where arms do not move, and taken for
+    The noise is read off the upper part of the band, where arms do not move, and taken for
     white; second differences keep the motion's large slow part from leaking over it.
 
     Args:
@@ -104,21 +108,29 @@ def position_noise(
     power = np.mean([each for _, each in spectra], axis=0)
     # |1 - z^-1|^4 of the second difference.
     shape = (2 - 2 * np.cos(2 * np.pi * frequency / rate)) ** 2
-    upper = frequency > 0.3 * rate
+    upper = frequency > NOISE_ONLY * rate
     density = np.median(power[upper] / shape[upper, None], axis=0)
-    edges = np.geomspace(1.0, 0.45 * rate, 60)
-    reach = np.zeros(power.shape[1])
-    for joint in range(power.shape[1]):
-        for lower, higher in itertools.pairwise(edges):
-            inside = (frequency >= lower / 1.1) & (frequency <= higher * 1.1)
-            if not inside.any():
-                continue
-            if power[inside, joint].mean() < SIGNAL_TO_NOISE * (
-                density[joint] * shape[inside].mean()
-            ):
-                break
-            reach[joint] = higher
-    return density, reach
+    edges = np.geomspace(LOWEST, HIGHEST * rate, STEPS)
+    reach = [_reach(frequency, p, d * shape, edges) for p, d in zip(power.T, density, strict=True)]
+    return density, np.array(reach)
+
+
+def _reach(
+    frequency: Float[ndarray, " frequencies"],
+    power: Float[ndarray, " frequencies"],
+    noise: Float[ndarray, " frequencies"],
+    edges: Float[ndarray, " edges"],
+) -> float:
+    """Upper edge of the last stretch before motion drowns in noise; zero if in the first [Hz]."""
+    reach = 0.0
+    for lower, higher in itertools.pairwise(edges):
+        inside = (frequency >= lower / OVERLAP) & (frequency <= higher * OVERLAP)
+        if not inside.any():
+            continue
+        if power[inside].mean() < SIGNAL_TO_NOISE * noise[inside].mean():
+            break
+        reach = float(higher)
+    return reach
 
 
 def choose_band(
