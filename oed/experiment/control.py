@@ -113,9 +113,7 @@ def closed_loop_response(  # noqa: PLR0917  # the loop's elements, in order
         period: Sampling period [s].
     """
     z = np.exp(1j * frequency * period)
-    block = np.array([[0.0, 1.0, 0.0], [0.0, -viscous / inertia, 1 / inertia], [0.0, 0.0, 0.0]])
-    held = expm(block * period)
-    arm = _transfer(held[:2, :2], held[:2, 2], np.array([1.0, 0.0]), z)
+    arm = _transfer(*_held(inertia, viscous, period), np.array([1.0, 0.0]), z)
     A, B, D = observer.discretised(period)
     velocity = _transfer(A[joint], B[joint], np.array([0.0, 1.0]), z) + D[joint, 1]
     feedback = stiffness + damping * velocity
@@ -132,13 +130,12 @@ def closed_loop_poles(  # noqa: PLR0917  # as closed_loop_response
     period: float,
 ) -> Complex[ndarray, "4"]:
     """Eigenvalues of the sampled loop of arm and observer; inside the unit circle if stable."""
-    block = np.array([[0.0, 1.0, 0.0], [0.0, -viscous / inertia, 1 / inertia], [0.0, 0.0, 0.0]])
-    held = expm(block * period)
+    arm, push = _held(inertia, viscous, period)
     A, B, D = observer.discretised(period)
     feedback = np.array([-stiffness - damping * D[joint, 1], 0.0, 0.0, -damping])
     loop = np.zeros((4, 4))
-    loop[:2, :2] = held[:2, :2]
-    loop[:2] += np.outer(held[:2, 2], feedback)
+    loop[:2, :2] = arm
+    loop[:2] += np.outer(push, feedback)
     loop[2:, 2:] = A[joint]
     loop[2:, 0] = B[joint]
     return np.linalg.eigvals(loop).astype(complex)
@@ -230,6 +227,15 @@ def _least(margin: Callable[[float], float], low: float, high: float) -> float:
         middle = (low + high) / 2
         low, high = (middle, high) if margin(middle) > 0 else (low, middle)
     return high
+
+
+def _held(
+    inertia: float, viscous: float, period: float
+) -> tuple[Float[ndarray, "2 2"], Float[ndarray, "2"]]:
+    """A and B of position and velocity over one period under a held torque."""
+    block = np.array([[0.0, 1.0, 0.0], [0.0, -viscous / inertia, 1 / inertia], [0.0, 0.0, 0.0]])
+    step = expm(block * period)
+    return step[:2, :2], step[:2, 2]
 
 
 def _transfer(
