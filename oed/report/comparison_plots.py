@@ -1,4 +1,4 @@
-"""How optimisers compare: target hits against what they cost, and a genetic search's progress.
+"""How optimisers compare: target hits against what they cost, and what they depend on.
 
 Every function draws the arrays that it is given, computes nothing, and returns the figure.
 """
@@ -18,13 +18,11 @@ from oed.report.panels import page_panels
 from oed.report.style import (
     BLACK,
     BLUE,
-    COLUMN,
     GREEN,
     ORANGE,
     PURPLE,
     STYLE,
     VERMILION,
-    new_figure,
 )
 
 _COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BLACK)
@@ -132,29 +130,4 @@ def plot_dependence(panels: Sequence[DependencePanel], *, columns: int = 2) -> F
         axes.set_xlabel(panel.xlabel)
         axes.set_ylabel(panel.ylabel, parse_math=False)
     grid[0].legend(loc="best")
-    return figure
-
-
-@mpl.rc_context(STYLE)
-def plot_generations(
-    best: Float[ndarray, " generations"],
-    mean: Float[ndarray, " generations"],
-    *,
-    ylabel: str,
-) -> Figure:
-    """Best and mean fitness by generation (Calafiore 2001, figure 3).
-
-    Args:
-        best: (G,) of each generation.
-        mean: (G,) of each generation.
-        ylabel: What fitness is.
-    """
-    figure = new_figure(COLUMN, 2.2)
-    axes = figure.subplots()
-    axes.plot(best, color=BLUE, label="best")
-    axes.plot(mean, color=VERMILION, linestyle="--", label="mean")
-    axes.set_xlabel("generation")
-    axes.set_ylabel(ylabel)
-    axes.margins(x=0)
-    axes.legend(loc="best")
     return figure

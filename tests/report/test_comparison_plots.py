@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from oed.report.comparison_plots import HitPanel, plot_generations, plot_target_hits
+from oed.report.comparison_plots import HitPanel, plot_target_hits
 
 
 def panel(title: str, names: tuple[str, ...]) -> HitPanel:
@@ -29,11 +29,3 @@ def test_marks_the_budget() -> None:
 def test_refuses_an_empty_figure() -> None:
     with pytest.raises(ValueError, match="no panel"):
         plot_target_hits([])
-
-
-def test_shows_best_and_mean_of_every_generation() -> None:
-    best, mean = -np.arange(5.0, 0.0, -1), -np.arange(10.0, 5.0, -1)
-    (axes,) = plot_generations(best, mean, ylabel="fitness").axes
-    lines = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
-    np.testing.assert_array_equal(lines["best"], best)
-    np.testing.assert_array_equal(lines["mean"], mean)

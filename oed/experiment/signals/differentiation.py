@@ -30,25 +30,6 @@ def central_difference(
     return np.gradient(x, 1 / rate, axis=0, edge_order=2)
 
 
-def harmonic_content(
-    x: Float[ndarray, " samples *columns"], repetitions: int = 1
-) -> Float[ndarray, " harmonics *columns"]:
-    """Amplitude of each harmonic of a periodic signal, the mean first.
-
-    Args:
-        x: (N, ...) samples of exactly `repetitions` whole periods on a uniform grid, the
-            sample that would open the next period left out.
-        repetitions: Number of periods.
-
-    Raises:
-        ValueError: If N is not a multiple of `repetitions`.
-    """
-    _check_periods(len(x), repetitions)
-    amplitude = np.abs(np.fft.rfft(x, axis=0)[::repetitions]) / len(x)
-    amplitude[1:] *= 2
-    return amplitude
-
-
 def spectral_derivative(
     x: Float[ndarray, " samples *columns"],
     rate: float,

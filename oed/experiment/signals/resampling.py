@@ -1,4 +1,4 @@
-"""From the instants that were logged to a uniform grid, and to fewer samples."""
+"""From the instants that were logged to a uniform grid."""
 
 from typing import Literal
 
@@ -89,18 +89,3 @@ def resample(
     flat = x.reshape(len(x), -1)
     columns = [np.interp(grid, t, flat[:, j]) for j in range(flat.shape[1])]
     return np.stack(columns, axis=1).reshape(len(grid), *x.shape[1:])
-
-
-def decimate(
-    x: Float[ndarray, " samples *columns"], factor: int
-) -> Float[ndarray, " fewer *columns"]:
-    """Every `factor`-th sample, the first included.
-
-    Nothing is filtered here: what lies above half the new rate must be gone already.
-
-    Raises:
-        ValueError: If the factor is below 1.
-    """
-    if factor < 1:
-        raise ValueError(f"decimation by {factor} must be by at least 1")
-    return x[::factor]

@@ -5,7 +5,6 @@ import pytest
 
 from oed.experiment.signals.differentiation import (
     central_difference,
-    harmonic_content,
     spectral_derivative,
 )
 
@@ -54,14 +53,6 @@ def test_harmonics_above_the_last_kept_are_removed():
     x = 2 + np.cos(2 * np.pi * 2 * t) + np.cos(2 * np.pi * 7 * t)
     kept = spectral_derivative(x, RATE, harmonics=4, order=0)
     assert np.allclose(kept, 2 + np.cos(2 * np.pi * 2 * t), rtol=0, atol=1e-12)
-
-
-def test_harmonic_content_is_the_amplitude():
-    t = np.arange(300) / RATE  # three periods
-    content = harmonic_content(2 + 0.5 * np.sin(2 * np.pi * 4 * t), repetitions=3)
-    assert content[0] == pytest.approx(2)
-    assert content[4] == pytest.approx(0.5)
-    assert np.delete(content, [0, 4]).max() < 1e-12
 
 
 def test_refuses_what_is_no_whole_number_of_periods():

@@ -1,9 +1,9 @@
-"""Uniform grids, stale rows and decimation."""
+"""Uniform grids and stale rows."""
 
 import numpy as np
 import pytest
 
-from oed.experiment.signals.resampling import decimate, fresh_rows, resample, uniform_grid
+from oed.experiment.signals.resampling import fresh_rows, resample, uniform_grid
 
 
 def irregular(rng: np.random.Generator, samples: int = 2000) -> np.ndarray:
@@ -61,12 +61,6 @@ def test_dropping_stale_rows_comes_closer_to_the_truth():
     kept = np.abs(resample(t, read, grid) - truth).max()
     dropped = np.abs(resample(t[fresh], read[fresh], grid) - truth).max()
     assert dropped < 1e-3 * kept
-
-
-def test_decimation_keeps_the_first():
-    assert decimate(np.arange(10.0), 4).tolist() == [0.0, 4.0, 8.0]
-    with pytest.raises(ValueError, match="at least 1"):
-        decimate(np.arange(10.0), 0)
 
 
 def test_refuses_to_extrapolate():
