@@ -7,7 +7,7 @@ a column that is a combination of others is regrouped into them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,7 +98,8 @@ def find_base_parameters(
     factor, norms = normalised_factor(regressor, tolerance)
     singular_values = np.linalg.svd(factor, compute_uv=False)
     rank = _rank(singular_values, tolerance, gap)
-    kept = _first_independent(factor, preference if preference is not None else range(count))
+    order = range(count) if preference is None else preference
+    kept = list(independent_columns(factor, order, INDEPENDENT))
     if len(kept) != rank:
         raise RankUndetermined(
             f"{len(kept)} columns are independent one by one, but the singular values say {rank}",
@@ -148,19 +149,25 @@ def _rank(singular_values: Float[ndarray, " parameters"], tolerance: float, gap:
     return rank
 
 
-def _first_independent(factor: Float[ndarray, "rows columns"], order: Iterable[int]) -> list[int]:
-    """Columns, taken in order, that are no combination of those before them."""
-    kept: list[int] = []
+def independent_columns(
+    factor: Float[ndarray, "rows columns"], order: Iterable[int], tolerance: float
+) -> Iterator[int]:
+    """Columns, taken in order, that are no combination of those before them.
+
+    Args:
+        factor: With unit columns.
+        order: In which to take them.
+        tolerance: Least length of a column outside the span of those before it.
+    """
     basis = np.zeros((factor.shape[0], 0))
     for column in order:
         rest = factor[:, column]
-        for _ in range(2):  # once more, against the rounding of the first projection
+        for _ in range(2):  # twice is enough against cancellation (Kahan; Giraud et al. 2005)
             rest = rest - basis @ (basis.T @ rest)
         length = np.linalg.norm(rest)
-        if length > INDEPENDENT:
-            kept.append(column)
+        if length > tolerance:
+            yield column
             basis = np.column_stack([basis, rest / length])
-    return kept
 
 
 def _expression(

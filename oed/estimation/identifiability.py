@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.base_parameters import independent_columns
 from oed.estimation.triangular import triangularise, unit_columns
 
 # Regressors are evaluated from positions differentiated numerically, with entries good to
@@ -70,7 +72,8 @@ def find_identifiable(
     silent = np.linalg.norm(regressor, axis=0) == 0
     singular = np.linalg.svd(factor, compute_uv=False)
     rank = int(np.sum(singular > tolerance * singular[0]))
-    kept = _independent_columns(factor, rank, tolerance)
+    # The earliest columns that reach the rank: the order of names is the caller's preference.
+    kept = list(islice(independent_columns(factor, range(columns), tolerance), rank))
     combination = np.linalg.lstsq(factor[:, kept], factor, rcond=None)[0]
     combination[np.abs(combination) < SMALLEST_SHARE] = 0.0
     combination[:, kept] = np.eye(len(kept))
@@ -130,23 +133,6 @@ def badly_excited(
             f"other columns" + (f"; most correlated with {partners}" if partners else "")
         )
     return sentences
-
-
-def _independent_columns(factor: Float[ndarray, "p p"], rank: int, tolerance: float) -> list[int]:
-    # The earliest columns that reach the rank: the order of names is the caller's preference.
-    basis = np.zeros((len(factor), 0))
-    kept = []
-    for column in range(factor.shape[1]):
-        if len(kept) == rank:
-            break
-        rest = factor[:, column]
-        for _ in range(2):  # twice is enough against cancellation (Kahan; Giraud et al. 2005)
-            rest = rest - basis @ (basis.T @ rest)
-        length = np.linalg.norm(rest)
-        if length > tolerance:
-            basis = np.column_stack([basis, rest / length])
-            kept.append(column)
-    return kept
 
 
 def _expression(row: Float[ndarray, " p"], names: tuple[str, ...]) -> str:
