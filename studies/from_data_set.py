@@ -9,7 +9,7 @@ from pathlib import Path
 
 from oed.dynamics.models import MODELS, build_model
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.calibration import choose_velocity
+from oed.estimation.velocity_choice import choose_velocity
 from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
 from oed.experiment.processing import ProcessingSettings

@@ -1,0 +1,57 @@
+"""Which velocity the model explains better: that of the differentiated position, or the logged one."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.stacking import between_gaps, stack
+from oed.estimation.weights import variances_from_residuals
+from oed.experiment.dataset import DataSet
+from oed.experiment.processing import ProcessingSettings, process
+
+
+def choose_velocity(
+    dataset: DataSet, model: TorqueModel, settings: ProcessingSettings
+) -> ProcessingSettings:
+    """Settings with the velocity, differentiated or logged, that the model explains better.
+
+    A logged velocity can be better than a differentiated one (a drive's own sensor, a delay
+    of the position) or worse (coarse steps, an observer's lag): the estimation recordings decide,
+    by the product of the joints' residual variances.
+    """
+    if any(recording.dq is None for recording in dataset.recordings):
+        return settings
+    base = base_parameters(model)
+    estimation = between_gaps(dataset, settings).estimation
+    scores = {}
+    for source in ("differentiated", "logged"):
+        candidate = dataclasses.replace(settings, velocity=source)
+        training = tuple(process(recording, candidate) for recording in estimation)
+        regressor, torque = stack(model, base, training)
+        variances = variances_from_residuals(
+            _identifiable(regressor), torque.ravel(), model.robot.n
+        )
+        scores[source] = float(np.exp(0.5 * np.mean(np.log(variances))))
+    best = min(scores, key=scores.__getitem__)
+    reason = (
+        f"velocity: {best}, the residual of the estimation recordings is {scores[best]:.4g} N m "
+        f"(geometric mean over joints) against {max(scores.values()):.4g} N m"
+    )
+    kept = tuple(line for line in settings.reasons if not line.startswith("velocity:"))
+    return dataclasses.replace(settings, velocity=best, reasons=(*kept, reason))
+
+
+def _identifiable(regressor: Float[ndarray, "rows base"]) -> Float[ndarray, "rows kept"]:
+    """Columns without those that this motion leaves at zero, enough to compare residuals."""
+    norms = np.linalg.norm(regressor, axis=0)
+    _, singular_values, right = np.linalg.svd(
+        np.linalg.qr(regressor[:, norms > 0] / norms[norms > 0], mode="r")
+    )
+    kept = singular_values > 1e-8 * singular_values[0]
+    return regressor[:, norms > 0] / norms[norms > 0] @ right[kept].T
