@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -136,8 +135,19 @@ def _draw_convergence(calibration: Calibration, history: RecursiveEstimate) -> F
 
 
 def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Provenance) -> Page:
-    dataset, estimate = calibration.dataset, calibration.estimate
-    held_out: list[Role] = [role for role in HELD_OUT if role in calibration.validation]
+    return Page(
+        title=f"Dynamic parameters of {calibration.dataset.name}",
+        verdict=_verdict(calibration),
+        sections=(
+            _prediction_section(calibration, pictures),
+            _parameter_section(calibration, pictures),
+            _residual_section(pictures),
+            _origin_section(calibration, provenance),
+        ),
+    )
+
+
+def _prediction_section(calibration: Calibration, pictures: dict[str, Path]) -> Section:
     captions = {
         "torque": "Measured and reconstructed torque, recordings with role",
         "residual": "Measured minus reconstructed torque, recordings with role",
@@ -147,52 +157,55 @@ def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Prove
         for role in calibration.recordings
         for kind, caption in captions.items()
     ]
-    return Page(
-        title=f"Dynamic parameters of {dataset.name}",
-        verdict=_verdict(calibration, held_out),
-        sections=(
-            Section(
-                "How well it predicts",
-                (Table(validation_rows(calibration), caption=VALIDATION_CAPTION), *by_role),
-            ),
-            Section(
-                "Parameters",
-                (
-                    Text(f"{estimate.method}. Intervals are at 95 %."),
-                    Table(parameter_rows(calibration)),
-                    *_unidentified(calibration),
-                    Picture(pictures["parameters"], "Estimates with 95 % intervals."),
-                    Picture(
-                        pictures["convergence"],
-                        "Recursive estimates against samples used, with 95 % intervals of (8), "
-                        "which take residuals as white.",
-                    ),
-                ),
-            ),
-            Section(
-                "What is left",
-                (
-                    Text(
-                        "A flat spectrum below the cut-off is noise; a slope is a missing effect."
-                    ),
-                    Picture(pictures["spectrum_estimation"], "Spectral density of the residual."),
-                ),
-            ),
-            Section(
-                "How it was made",
-                (
-                    *(Text(reason) for reason in calibration.settings.reasons),
-                    *(Text(f"Gaps: {note}.") for note in gap_notes(gap_record(dataset))),
-                    Text(f"Data: {dataset.source}. Licence: {dataset.licence}."),
-                    Table([{"package": k, "version": v} for k, v in provenance.versions.items()]),
-                    Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),
-                ),
+    return Section(
+        "How well it predicts",
+        (Table(validation_rows(calibration), caption=VALIDATION_CAPTION), *by_role),
+    )
+
+
+def _parameter_section(calibration: Calibration, pictures: dict[str, Path]) -> Section:
+    return Section(
+        "Parameters",
+        (
+            Text(f"{calibration.estimate.method}. Intervals are at 95 %."),
+            Table(parameter_rows(calibration)),
+            *_unidentified(calibration),
+            Picture(pictures["parameters"], "Estimates with 95 % intervals."),
+            Picture(
+                pictures["convergence"],
+                "Recursive estimates against samples used, with 95 % intervals of (8), "
+                "which take residuals as white.",
             ),
         ),
     )
 
 
-def _verdict(calibration: Calibration, held_out: Sequence[Role]) -> Verdict:
+def _residual_section(pictures: dict[str, Path]) -> Section:
+    return Section(
+        "What is left",
+        (
+            Text("A flat spectrum below the cut-off is noise; a slope is a missing effect."),
+            Picture(pictures["spectrum_estimation"], "Spectral density of the residual."),
+        ),
+    )
+
+
+def _origin_section(calibration: Calibration, provenance: Provenance) -> Section:
+    dataset = calibration.dataset
+    return Section(
+        "How it was made",
+        (
+            *(Text(reason) for reason in calibration.settings.reasons),
+            *(Text(f"Gaps: {note}.") for note in gap_notes(gap_record(dataset))),
+            Text(f"Data: {dataset.source}. Licence: {dataset.licence}."),
+            Table([{"package": k, "version": v} for k, v in provenance.versions.items()]),
+            Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),
+        ),
+    )
+
+
+def _verdict(calibration: Calibration) -> Verdict:
+    held_out: list[Role] = [role for role in HELD_OUT if role in calibration.validation]
     figures = condition(calibration)
     count = int(calibration.estimate.determined.sum())
     lost = len(calibration.estimate.unidentifiable)
