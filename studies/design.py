@@ -28,7 +28,7 @@ from oed.design.collision_free import avoid_collision
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
 from oed.design.design import Design
-from oed.design.design_file import design_record, prior_information
+from oed.design.design_file import design_record
 from oed.design.export import (
     SetPoints,
     write_csv,
@@ -37,6 +37,8 @@ from oed.design.export import (
 )
 from oed.design.optimisers.interior_point import optimise
 from oed.design.optimisers.result import Budget
+from oed.design.prior_experiments import prior_information
+from oed.design.problem import DesignProblem
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError, RobotError
 from oed.experiment.read_dataset import read_dataset
@@ -136,7 +138,7 @@ def run(config: Config) -> Result:
     problem, more = default_problem(TorqueModel.standard(robot), config.problem, rng)
     notes += more
     if config.prior:
-        problem = dataclasses.replace(problem, prior=prior_information(config.prior, problem))
+        problem = _with_prior(problem, config.prior)
     found = optimise(problem, Budget(cpu_seconds=config.budget), rng)
     if room is not None and surroundings is not None:
         clear = avoid_collision(problem, found.z, surroundings, room.centre)
@@ -167,6 +169,13 @@ def _surroundings(robot: Robot, config: Config) -> tuple[Surroundings | None, st
         return Surroundings(robot, config.walls if config.box else None), ""
     except OedError as error:
         return None, f"not checked: {error}"
+
+
+def _with_prior(problem: DesignProblem, files: Sequence[str]) -> DesignProblem:
+    try:
+        return dataclasses.replace(problem, prior=prior_information(files, problem))
+    except ValueError as error:
+        raise ValueError(f"--prior {error}") from error
 
 
 def _narrowed(robot: Robot, room: ClearLimits) -> list[str]:

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from oed.design.design import Design
-from oed.design.design_file import design_record, prior_information
+from oed.design.design_file import design_record
 from oed.design.optimisers.result import OptimiserResult
+from oed.design.prior_experiments import prior_information
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass, HarmonicClass
 from oed.report.json_file import write_json
