@@ -12,7 +12,6 @@ from studies.bench.forms import FORMS
 from studies.bench.robots import ROBOTS
 
 NoiseKind = Literal["white", "coloured", "felt"]
-NOISE_KINDS: tuple[NoiseKind, ...] = ("white", "coloured", "felt")
 
 
 @dataclass(frozen=True)
