@@ -109,7 +109,7 @@ def _nearest(
 ) -> Float[ndarray, " size"]:
     """The motion with the least squared change, in units of the box, that is not short."""
     half = np.diff(problem.trajectory.bounds, axis=1)[:, 0] / 2
-    change = _least_change(*_inequalities(problem, z, t, short, half), size=len(z))
+    change = _least_change(*_inequalities(problem, z, t, short, half), len(z), len(short))
     return z + half * change if np.isfinite(change).all() else z
 
 
@@ -150,10 +150,9 @@ def _inequalities(
 
 
 def _least_change(
-    matrix: scipy.sparse.csc_matrix, bounds: ndarray, *, size: int
+    matrix: scipy.sparse.csc_matrix, bounds: ndarray, size: int, count: int
 ) -> Float[ndarray, " size"]:
-    """The least u in squares, and the least shortfalls at their price, with A x <= b."""
-    count = matrix.shape[1] - size
+    """The least `size` changes in squares, and `count` shortfalls at their price, with A x <= b."""
     cost = scipy.sparse.block_diag(
         [scipy.sparse.identity(size), scipy.sparse.csc_matrix((count, count))]
     )
