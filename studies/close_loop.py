@@ -47,7 +47,7 @@ class Config:
         out: Folder to leave results in.
         model: Name of the base model; None for the standard one, with rotor inertias if the data
             set declares them.
-        max_effects: Most effects that may be added.
+        max_effects: Most effects that may be added; None for two a joint, at least four.
         candidates: Names of the catalogue that may be given.
         smoke: Whether to use few surrogates and motions.
         seed: Of surrogates, bootstrap and motions.
@@ -56,13 +56,13 @@ class Config:
     data: Path
     out: Path
     model: str | None = None
-    max_effects: int = 4
+    max_effects: int | None = None
     candidates: tuple[str, ...] = tuple(CATALOGUE)
     smoke: bool = False
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.max_effects < 0:
+        if self.max_effects is not None and self.max_effects < 0:
             raise ValueError(
                 f"--max-effects {self.max_effects} must not be negative; 0 only tests the model"
             )
@@ -184,7 +184,11 @@ def _parse(arguments: Sequence[str] | None) -> Config:
         choices=sorted(MODELS),
         help="base model: standard unless given, rotor if the data set declares rotor inertias",
     )
-    parser.add_argument("--max-effects", type=int, default=4, help="most effects to add")
+    parser.add_argument(
+        "--max-effects",
+        type=int,
+        help="most effects to add: two a joint unless given, at least four",
+    )
     parser.add_argument(
         "--candidates",
         nargs="+",

@@ -6,13 +6,17 @@ from dataclasses import dataclass
 
 from oed.dynamics.effects.catalogue import CATALOGUE
 
+EFFECTS_PER_JOINT = 2
+LEAST_EFFECTS = 4
+
 
 @dataclass(frozen=True)
 class DiagnosisSettings:
     """How carefully to look, and how sure to be before a name is given.
 
     Attributes:
-        max_effects: Most effects that may be added.
+        max_effects: Most effects that may be added, and as many free-form terms; None for two a
+            joint, at least four.
         level: Family-wise error of a search over all candidates.
         mop_up_floor: Least gain of a further effect as a share of the first one's.
         family_floor: The same where an earlier one has the candidate's family: it is more
@@ -41,7 +45,7 @@ class DiagnosisSettings:
             cannot be there.
     """
 
-    max_effects: int = 4
+    max_effects: int | None = None
     level: float = 0.01
     mop_up_floor: float = 0.01
     family_floor: float = 0.1
@@ -66,3 +70,9 @@ class DiagnosisSettings:
         unknown = [name for name in self.candidates if name not in CATALOGUE]
         if unknown:
             raise ValueError(f"no effects {unknown} in the catalogue; there are {list(CATALOGUE)}")
+
+    def most_effects(self, joints: int) -> int:
+        """How many effects may be added to an arm."""
+        if self.max_effects is not None:
+            return self.max_effects
+        return max(LEAST_EFFECTS, EFFECTS_PER_JOINT * joints)

@@ -16,6 +16,7 @@ from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.search.judgement import is_own
 from oed.diagnosis.search.selection import Selection
+from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import total_tilt
 from oed.diagnosis.search.workbench import Augmented
@@ -97,7 +98,8 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
     A search believes the noise to be what repetitions show. Where it is not, the covariance that
     lets each block of rows err as it does is the wider one, and has the last word (Wald's test,
     Bonferroni's level for a choice among all candidates). A free form of the same coordinate that
-    mends a name can follow it whole, and says nothing against it.
+    mends a name can follow it whole, and says nothing against it. Nor is in doubt what foretells
+    most of what its joints do on a motion that it was not fitted to.
     """
     level = shop.settings.level / len({t.key for t in shop.physical})
     for trial, coefficients, covariance in zip(
@@ -110,7 +112,8 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
         own = covariance[:count, :count] - given @ covariance[count:, :count]
         values = _from_declared(shop, trial, coefficients)
         wald = float(values @ np.linalg.pinv(own, hermitian=True) @ values)
-        if chi2.sf(wald, count) > level:
+        others = [t for t in whole.chosen if t is not trial]
+        if chi2.sf(wald, count) > level and not foretells_most(shop, others, trial, ()):
             return trial
     return None
 

@@ -14,11 +14,13 @@ from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.ripening import is_unripe
 from oed.diagnosis.search.scan import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
 from oed.diagnosis.search.telling import may_replace, replaces
+from oed.diagnosis.search.usual import as_built
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
+AT_ONCE = 2  # additions that are left out together
 
 
 def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
@@ -36,11 +38,13 @@ def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
             if not item.stands_in or item.trial.is_free_form:
                 continue
             layout = shop.layout(item.trial)
-            fit = shop.fit([a.trial for a in kept if a.stands_in and a is not item], layout).fit
+            others = [a.trial for a in kept if a.stands_in and a is not item]
+            fit = shop.fit(others, layout).fit
             own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
             best = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
             if number == 0:
                 best = at_rest(climbed(shop, best, fit), fit, shop.context)
+            best = as_built(shop, others, best, fit)
             kept[k] = dataclasses.replace(item, trial=best.trial)
     return kept
 
@@ -62,17 +66,22 @@ def settled(shop: Workshop, accepted: list[Accepted], pool: Sequence[Trial]) -> 
 
 
 def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
-    """The subset of the additions with the best evidence: two that cancel both go."""
-    best, best_value = accepted, np.inf
+    """The additions that the evidence needs: two that cancel both go."""
     layout = shop.layout_for([a.trial for a in accepted])
     penalty = np.log(shop.full.rows.count)
-    for size in range(1, len(accepted) + 1):
-        for subset in combinations(accepted, size):
-            found = shop.fit([a.trial for a in subset], layout)
-            value = found.fit.squares + penalty * found.fit.projection.rank
-            # A larger subset must be better by a margin, since it had more chances.
-            if value < best_value - shop.settings.decisive:
-                best, best_value = list(subset), value
+
+    def cost(chosen: Sequence[Accepted]) -> float:
+        found = shop.fit([a.trial for a in chosen], layout)
+        return found.fit.squares + penalty * found.fit.projection.rank
+
+    best = accepted
+    while len(best) > 1:
+        sizes = range(max(len(best) - AT_ONCE, 1), len(best))
+        smaller = min((c for size in sizes for c in combinations(best, size)), key=cost)
+        # A larger set must be better by a margin, since it had more chances.
+        if cost(smaller) > cost(best) + shop.settings.decisive:
+            break
+        best = list(smaller)
     return best
 
 
@@ -85,6 +94,7 @@ def _best_in_place(
     fit = shop.fit(others, layout).fit
     own = moved(current.trial, layout.rows, shop.context, contrast=current.trial.contrast)
     here = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
+    here = as_built(shop, others, here, fit)
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)
     # Of any joint: what is better by far elsewhere may be why this one looked needed.

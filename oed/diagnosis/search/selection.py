@@ -111,7 +111,7 @@ class _State:
 
     def add_names(self) -> None:
         """Add, exchange and drop names until none passes all tests."""
-        most = self.shop.settings.max_effects
+        most = self.shop.most_effects
         while len(self.accepted) + self.shop.is_turned < most:
             pick = _next_physical(self.shop, self.accepted, self.refused, self._pool())
             if pick is None:
@@ -146,7 +146,7 @@ def _with_free_forms(
 ) -> list[Accepted]:
     """Names that hold their own beside what stands in for the rest, and that."""
     accepted = list(names)
-    for _ in range(shop.settings.max_effects):
+    for _ in range(shop.most_effects):
         pick = next_free_form(shop, accepted, refused)
         if pick is None:
             break

@@ -148,11 +148,12 @@ def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
 
 
 def _is_of_kind(one: Trial, other: Trial) -> bool:
-    """Whether two effects of one family are attached to the same joint, or to the arm."""
+    """Whether two effects of one family are attached to a common joint, or to the arm."""
     if one.is_free_form or other.is_free_form:
         return False
     families = (set(CATALOGUE[t.name].families) for t in (one, other))
-    return one.joint == other.joint and bool(set.intersection(*families))
+    places = (set(t.target if isinstance(t.target, tuple) else (t.target,)) for t in (one, other))
+    return bool(set.intersection(*places)) and bool(set.intersection(*families))
 
 
 def _foretold_share(

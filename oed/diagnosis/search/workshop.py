@@ -117,6 +117,11 @@ class Workshop:
         """Whether gravity points elsewhere than declared."""
         return self.baseline is not self.declared
 
+    @property
+    def most_effects(self) -> int:
+        """How many effects may be added."""
+        return self.settings.most_effects(self.context.n)
+
     def layout(self, trial: Trial) -> Layout:
         """The rows on which a trial is judged."""
         return self.full if trial.between_repetitions else self.mean

@@ -33,6 +33,7 @@ class Shape:
         scale: How to space trial values, "log" or "linear"; "choice" for whole numbers.
         points: Number of trial values in a first scan.
         default: The value if nothing is known.
+        usual: Values that machines are built with.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Shape:
     scale: Literal["log", "linear", "choice"]
     points: int
     default: float
+    usual: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.lower <= self.default <= self.upper:

@@ -86,7 +86,7 @@ MOTOR_COUPLING = CatalogueEntry(
     name="motor_coupling",
     families=("acceleration",),
     scope="pair",
-    shapes=(Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0),),
+    shapes=(Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0, usual=(-1.0, 1.0)),),
     build=_coupling,
     plausible=_coupling_plausible,
     equivalent=("the pair in the other order, for ratios of 1 and -1",),
