@@ -30,7 +30,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import terms_alone, terms_together
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of
-from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
 
 QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew
 WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made anew
@@ -204,11 +204,17 @@ class Workshop:
             contrast = entry.between_repetitions and self.full is not self.mean
             layout = self.full if entry.between_repetitions else self.mean
             for target in entry.targets(self.context):
+                shapes = entry.shapes_for(self.context, target)
                 trials += [
                     catalogue_trial(
-                        entry, self.context, target, values, layout.rows, contrast=contrast
+                        entry,
+                        self.context,
+                        target,
+                        values,
+                        layout.rows,
+                        contrast=contrast and not _between_recordings(values, shapes),
                     )
-                    for values in grid_of(entry.shapes_for(self.context, target))
+                    for values in grid_of(shapes)
                 ]
         return tuple(trials)
 
@@ -243,3 +249,8 @@ class Workshop:
             free_form_trials(still, self.mean.rows)
             + free_form_trials(timed, self.full.rows, contrast=repeated)
         )
+
+
+def _between_recordings(values: tuple[float, ...], shapes: Sequence[Shape]) -> bool:
+    """Whether something is tried that happened in a pause: no repetition differs from another."""
+    return any(value in shape.also for value, shape in zip(values, shapes, strict=True))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -37,6 +38,7 @@ class Context:
         session: First and last time of recordings that one clock timed, one after another [s];
             None for a single recording, or if every one starts its own clock.
         recordings: How many show the effect.
+        between: When one of these ended and the next had not begun, since the session's start [s].
         beside: Effects found so far, each with its coefficients: delay, gain and load feel
             their torque too.
     """
@@ -50,6 +52,7 @@ class Context:
     gear_ratio: tuple[float, ...] | None = None
     session: tuple[float, float] | None = None
     recordings: int = 1
+    between: tuple[float, ...] = ()
     beside: Known = ()
 
     @classmethod
@@ -78,6 +81,7 @@ class Context:
         reference = _reference(model, parameters, beside)
         q, dq = (np.concatenate([getattr(m, x) for m in motions]) for x in ("q", "dq"))
         torque = np.concatenate([reference.parts(motion).sum(axis=2) for motion in motions])
+        session = _session(motions if len(motions) > 1 else [*motions, *later])
         return cls(
             model=model,
             parameters=parameters,
@@ -86,8 +90,9 @@ class Context:
             top_speed=np.quantile(np.abs(dq), HIGHEST, axis=0),
             peak_torque=np.quantile(np.abs(torque), HIGHEST, axis=0),
             gear_ratio=gear_ratio,
-            session=_session(motions if len(motions) > 1 else [*motions, *later]),
+            session=session,
             recordings=len(motions),
+            between=() if session is None else _between(motions, session[0]),
             beside=beside,
         )
 
@@ -155,3 +160,10 @@ def _session(motions: Sequence[Motion]) -> tuple[float, float] | None:
         min(float(motion.t[0]) for motion in motions),
         max(float(motion.t[-1]) for motion in motions),
     )
+
+
+def _between(motions: Sequence[Motion], start: float) -> tuple[float, ...]:
+    """Middle of the pause before each motion but the first, since a start [s]."""
+    ordered = sorted((motion.t for motion in motions), key=lambda t: t[0])
+    pairs = itertools.pairwise(ordered)
+    return tuple(float(before[-1] + after[0]) / 2 - start for before, after in pairs)

@@ -34,6 +34,7 @@ class Shape:
         points: Number of trial values in a first scan.
         default: The value if nothing is known.
         usual: Values that machines are built with.
+        also: Values of a first scan besides those that are evenly spaced.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Shape:
     points: int
     default: float
     usual: tuple[float, ...] = ()
+    also: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.lower <= self.default <= self.upper:
@@ -57,7 +59,7 @@ class Shape:
         if self.points == 1 and self.scale != "choice":
             return (self.default,)
         space = np.geomspace if self.scale == "log" else np.linspace
-        return tuple(float(x) for x in space(self.lower, self.upper, self.points))
+        return (*(float(x) for x in space(self.lower, self.upper, self.points)), *self.also)
 
 
 @dataclass(frozen=True)

@@ -165,7 +165,8 @@ THERMAL_DRIFT = CatalogueEntry(
 
 
 def _moments(context: Context, _target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
-    return _by_duration(context, shapes, 0.03, 0.97)
+    moment, clock = _by_duration(context, shapes, 0.03, 0.97)
+    return dataclasses.replace(moment, also=context.between), clock
 
 
 def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> PayloadChange:
