@@ -15,8 +15,7 @@ class DiagnosisSettings:
     """How carefully to look, and how sure to be before a name is given.
 
     Attributes:
-        max_effects: Most effects that may be added, and as many free-form terms; None for two a
-            joint, at least four.
+        max_effects: Most effects that may be added; None for two a joint, at least four.
         level: Family-wise error of a search over all candidates.
         mop_up_floor: Least gain of a further effect as a share of the first one's.
         family_floor: The same where an earlier one has the candidate's family: it is more
@@ -76,3 +75,7 @@ class DiagnosisSettings:
         if self.max_effects is not None:
             return self.max_effects
         return max(LEAST_EFFECTS, EFFECTS_PER_JOINT * joints)
+
+    def most_free_forms(self, joints: int) -> int:
+        """How many free-form terms may be added: one a joint, at least four."""
+        return min(max(LEAST_EFFECTS, joints), self.most_effects(joints))

@@ -23,6 +23,12 @@ from oed.report.provenance import Provenance
 from oed.report.table import Row
 
 REFUSED = 20  # strongest of them that a reader looks at
+WORSE = 1.05  # ratio of errors that is mentioned whatever its interval
+RARE = 0.05  # share of draws in which noise alone would name the wrong one
+ANYWAY = (
+    " Noise alone would seldom hide which is right: it is what none of them explains that leaves it "
+    "open, and that may be another effect."
+)
 
 
 def diagnosis_page(
@@ -91,7 +97,9 @@ def _error_note(proof: RoleProof, found: Diagnosis) -> str:
     old, new = (over_floor(errors, found.noise_floor) for errors in (proof.before, proof.after))
     worse = [
         f"joint {j + 1} by {proof.after[j] / proof.before[j] - 1:.1%}"
-        for j in np.flatnonzero(proof.change_interval[:, 0] > 0)
+        for j in np.flatnonzero(
+            (proof.change_interval[:, 0] > 0) | (proof.after > WORSE * proof.before)
+        )
     ]
     note = f"{proof.role.capitalize()} error: {old:.2f} → {new:.2f} times the noise floor"
     return note + (f", but worse on {', '.join(worse)}." if worse else ".")
@@ -99,13 +107,15 @@ def _error_note(proof: RoleProof, found: Diagnosis) -> str:
 
 def _headline(found: Diagnosis) -> str:
     named = ", ".join(" or ".join(_possible(e)) for e in found.effects)
-    if found.verdict != "unexplained":
-        return found.verdict.capitalize() + (f": {named}" if named else "")
     left = sorted({u.joint + 1 for u in found.unexplained})
     where = f" on joint{'s' * (len(left) > 1)} {', '.join(map(str, left))}" if left else ""
+    rest = f"; something without a name is left{where}"
+    if found.verdict != "unexplained":
+        is_all = found.verdict != "ambiguous" or not left
+        return found.verdict.capitalize() + (f": {named}" if named else "") + rest * (not is_all)
     if not named:
         return f"Unexplained: something without a name{where}"
-    return f"Partly explained: {named}; something without a name is left{where}"
+    return f"Partly explained: {named}{rest}"
 
 
 def _possible(effect: FoundEffect) -> list[str]:
@@ -256,6 +266,8 @@ def _next_text(following: NextExperiment) -> str:
         "distance in variances of the noise; the chance of naming the wrong one is "
         f"{_rate(following.error_rate)} (now {_rate(following.error_rate_now)}). "
         f"Best of {following.tried} motions within the limits."
+        + ANYWAY
+        * (following.error_rate_now < RARE)
     )
 
 

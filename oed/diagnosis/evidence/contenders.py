@@ -9,8 +9,10 @@ import numpy as np
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.judgement import Accepted, held_out_fault
 from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import Score, implausible, score
+from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
 from oed.diagnosis.search.telling import decisive_between, telling
+from oed.diagnosis.search.tilt_review import stood_upright
+from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -42,6 +44,8 @@ class Rival:
 
 def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, ...]:
     """The best other candidates for the place of an addition, beside the rest."""
+    if own.trial.name == GRAVITY and shop.is_turned:
+        return _rivals_of_tilt(shop, others)
     layout = shop.layout(own.trial)
     fit = shop.fit(others, layout).fit
     contrast = own.trial.between_repetitions and shop.full is not shop.mean
@@ -65,6 +69,39 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
         rivals.append(
             Rival(found.trial.name, found.trial.joint, float(behind), found.trial, contender)
         )
+    return tuple(rivals)
+
+
+def _rivals_of_tilt(shop: Workshop, others: list[Trial]) -> tuple[Rival, ...]:
+    """What explains as much on the tables that a tilt has turned, as long as they are not turned."""
+    upright, levelled = stood_upright(shop, others)
+    cost = 2 * np.log(shop.full.rows.count)
+    rivals = []
+    for found in ranked(upright, upright.physical, levelled, RIVALS)[: RIVALS + 1]:
+        if found.trial.name == GRAVITY:
+            continue
+        mean = upright.layout_for([*levelled, found.trial]) is upright.mean
+        tilted = shop.fit(others, shop.mean if mean else shop.full, bend=False)
+        other = upright.fit(
+            [*levelled, found.trial], upright.mean if mean else upright.full, bend=False
+        )
+        unseen = [s.unseen if mean else s.unseen_full for s in (shop, upright)]
+        foretold = [u.left(fit) for u, fit in zip(unseen, (tilted, other), strict=True)]
+        unit = np.maximum(foretold[0] / unseen[0].counted, 1.0)
+        chance = float(inflation_of(tilted.fit).mean())
+        behind = float(
+            (other.fit.squares - tilted.fit.squares) / chance
+            + np.sum((foretold[1] - foretold[0]) / unit)
+            + (found.gain - found.evidence(shop.full.rows.count))
+            - cost
+        )
+        contender = (
+            behind < shop.settings.decisive
+            and implausible(found, upright.context) is None
+            and held_out_fault(upright, levelled, found.trial) is None
+        )
+        trial = found.trial
+        rivals.append(Rival(trial.name, trial.joint, behind, trial, contender))
     return tuple(rivals)
 
 

@@ -14,9 +14,11 @@ from scipy.stats import chi2
 from oed.diagnosis.data.prepare import EDGE
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
+from oed.diagnosis.evidence.profile import UNIFORM, axes_of
 from oed.diagnosis.search.judgement import is_own
 from oed.diagnosis.search.selection import Selection
 from oed.diagnosis.search.telling import foretells_most
+from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.turning import total_tilt
 from oed.diagnosis.search.workbench import Augmented
@@ -25,7 +27,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.shape_axes import axis_slope
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.effects.gravity import tilt_directions
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import since
@@ -34,6 +36,8 @@ Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 # Error over floor, on recordings that no parameter was fitted to, above which something is missing
 # though no term locates it.
 CLEAR_UNSEEN = 2.0
+OPEN = 0.9  # of the deviation of a shape of which nothing is known
+AT_BOUND = 0.01  # of its range
 
 
 @dataclass(frozen=True)
@@ -99,13 +103,18 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
     lets each block of rows err as it does is the wider one, and has the last word (Wald's test,
     Bonferroni's level for a choice among all candidates). A free form of the same coordinate that
     mends a name can follow it whole, and says nothing against it. Nor is in doubt what foretells
-    most of what its joints do on a motion that it was not fitted to.
+    most of what its joints do on a motion that it was not fitted to. What has its size in its
+    shapes is in doubt where none of these is known.
     """
     level = shop.settings.level / len({t.key for t in shop.physical})
     for trial, coefficients, covariance in zip(
         whole.chosen, whole.coefficients, whole.covariances, strict=True
     ):
-        if trial.is_free_form or trial.fixed or _is_mended(trial, whole.chosen):
+        if trial.is_free_form or _is_mended(trial, whole.chosen):
+            continue
+        if trial.fixed:
+            if _is_unknown(trial, covariance, shop.context):
+                return trial
             continue
         count = len(coefficients)
         given = covariance[:count, count:] @ np.linalg.pinv(covariance[count:, count:])
@@ -116,6 +125,18 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
         if chi2.sf(wald, count) > level and not foretells_most(shop, others, trial, ()):
             return trial
     return None
+
+
+def _is_unknown(
+    trial: Trial, covariance: Float[ndarray, "columns columns"], context: Context
+) -> bool:
+    """Whether the data leave every shape as open as its range."""
+    deviations = np.sqrt(np.diag(covariance))[-len(trial.values) :]
+    axes = axes_of(trial, context)
+    is_open = [
+        deviations[place] > OPEN * UNIFORM or min(axis, 1 - axis) < AT_BOUND for place, axis in axes
+    ]
+    return bool(axes) and all(is_open)
 
 
 def describe_effects(
@@ -144,7 +165,11 @@ def describe_effects(
                     shop, trial, _from_declared(shop, trial, coefficients), covariance
                 ),
                 p_value=own.p_value,
-                validation_gain=shop.validation_gain([*others, trial], trial),
+                validation_gain=(
+                    validation_gain_of_tilt(shop, others)
+                    if trial.name == GRAVITY and shop.is_turned
+                    else shop.validation_gain([*others, trial], trial)
+                ),
                 rivals=find_rivals(shop, own, others),
                 trial=trial,
             )

@@ -10,12 +10,16 @@ import numpy as np
 from oed.diagnosis.search.judgement import COVERED, Accepted, Refused, refusal, share_needed
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, inflation_of, score
-from oed.diagnosis.search.telling import foretells_most
+from oed.diagnosis.search.telling import foretells_most, is_of_kind
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial, free_form_trials
+
+# Share by which a name lowers the held-out error: what is less than a tenth of the noise is of no
+# use to anyone, and errors of the encoder may look like it.
+LEAST = 0.005
 
 
 def review_names(
@@ -98,8 +102,8 @@ def drop_superfluous(
         reason = None
         if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
             reason = f"gains {needed:.3g} beside the other additions"
-        elif predicts is not None and predicts <= 0:
-            reason = "beside the other additions it does not lower the validation error"
+        elif predicts is not None and predicts <= (0 if item.trial.between_repetitions else LEAST):
+            reason = f"beside the other additions it lowers the validation error by {predicts:.1%}"
         elif any(a.trial.is_free_form and a.trial.joint in item.trial.group for a in kept):
             reason = _outdone(shop, [a.trial for a in kept if a is not item], item)
         if reason is not None:
@@ -118,7 +122,7 @@ def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
     own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
     here = score(own, fit.projection, fit.residual).evidence(rows)
     for rival in ranked(shop, shop.in_place_of(item.trial), others, 1):
-        if rival.trial.key == item.trial.key:
+        if rival.trial.key == item.trial.key or is_of_kind(rival.trial, item.trial):
             continue
         gain = _gain_at(shop, rival, others, sorted(item.trial.group))
         evidence = gain - (rival.gain - rival.evidence(rows))

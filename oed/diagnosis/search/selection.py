@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 
 from oed.diagnosis.search.exchange import rested, settled
 from oed.diagnosis.search.judgement import (
@@ -18,6 +19,7 @@ from oed.diagnosis.search.judgement import (
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.review import drop_superfluous, review_names
 from oed.diagnosis.search.scan import Score, score
+from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.telling import foretells_most, most_telling_first
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
@@ -99,6 +101,7 @@ class _State:
         upright: Whether no tilt may be named.
         accepted: Names so far.
         barred: Keys of names that fell, and may not come back.
+        grouped: Names that were tried in several joints at once.
         p_value: Of a tilt, if the tables are turned.
     """
 
@@ -107,16 +110,20 @@ class _State:
     upright: bool
     accepted: list[Accepted] = field(default_factory=list)
     barred: set[tuple[str, object]] = field(default_factory=set)
+    grouped: set[str] = field(default_factory=set)
     p_value: float = 0.0
 
     def add_names(self) -> None:
         """Add, exchange and drop names until none passes all tests."""
-        most = self.shop.most_effects
+        most, seen = self.shop.most_effects, [self._names()]
         while len(self.accepted) + self.shop.is_turned < most:
             pick = _next_physical(self.shop, self.accepted, self.refused, self._pool())
             if pick is None:
-                break
-            if pick.trial.name == GRAVITY:
+                group = self._next_group(most - len(self.accepted) - self.shop.is_turned)
+                if not group:
+                    break
+                self.accepted += group
+            elif pick.trial.name == GRAVITY:
                 self.p_value = pick.p_value
                 self.shop = turned(self.shop, [a.trial for a in self.accepted])
                 if not self.shop.is_turned:
@@ -128,6 +135,26 @@ class _State:
             if sharper is not None:
                 self.shop = sharper
                 self._settle()
+            if pick is not None and self._names() in seen:
+                # It fell beside the others, or they change places for ever.
+                self.barred.add(pick.trial.key)
+            seen.append(self._names())
+
+    def _names(self) -> tuple[bool, set[tuple[str, object]]]:
+        return self.shop.is_turned, {a.trial.key for a in self.accepted}
+
+    def _next_group(self, most: int) -> list[Accepted]:
+        """One kind of effect in several joints at once; every kind has one turn."""
+        for name, kind in groupby(filter(_is_plain, self._pool()), key=lambda t: t.name):
+            taken = {a.trial.key for a in self.accepted}
+            free = [t for t in kind if t.key not in taken]
+            if name in self.grouped or len(free) > most:
+                continue
+            self.grouped.add(name)
+            found = several_at_once(self.shop, self.accepted, free, self.refused)
+            if found:
+                return found
+        return []
 
     def _settle(self) -> None:
         accepted = [at_home(self.shop, a) for a in self.accepted]
@@ -141,12 +168,17 @@ class _State:
         ]
 
 
+def _is_plain(trial: Trial) -> bool:
+    """Whether a trial is columns of one joint, without shapes and with sizes that are free."""
+    return isinstance(trial.target, int) and not trial.shapes and not trial.fixed
+
+
 def _with_free_forms(
     shop: Workshop, names: list[Accepted], refused: list[Refused]
 ) -> list[Accepted]:
     """Names that hold their own beside what stands in for the rest, and that."""
     accepted = list(names)
-    for _ in range(shop.most_effects):
+    for _ in range(shop.settings.most_free_forms(shop.context.n)):
         pick = next_free_form(shop, accepted, refused)
         if pick is None:
             break

@@ -25,10 +25,13 @@ RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be th
 # err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
 SYSTEMATIC = 0.01
 # Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling, a
-# spring of a spring with a gap.
-NESTED = frozenset({"lag", "acceleration", "compliance"})
+# spring of a spring with a gap, an offset of a spring in a joint.
+NESTED = frozenset({"lag", "acceleration", "compliance", "even in speed"})
 FAR_MORE = 1.5  # ratio of gains
-MOST = 0.5  # share of the validation squares beyond noise
+# Shares of the validation squares beyond noise. Where no free-form term foretells anything, an
+# effect need not do most of it: more than one thing may be missing.
+MOST = 0.5
+MUCH = 0.2
 
 
 def telling(
@@ -99,7 +102,7 @@ def most_telling_first(
 def decisive_between(shop: Workshop, one: Score, other: Score) -> float:
     """How much more one candidate must tell than another to be the one that is meant."""
     decisive = shop.settings.decisive
-    if _is_of_kind(one.trial, other.trial):
+    if is_of_kind(one.trial, other.trial):
         return max(decisive, SYSTEMATIC * max(one.gain, other.gain))
     return decisive
 
@@ -138,7 +141,7 @@ def _margin(shop: Workshop, one: Score, other: Score) -> float:
 
 def _is_first_order(one: Trial, other: Trial) -> bool:
     """Whether of two of a kind the plainer is the other's first order."""
-    return _is_of_kind(one, other) and bool(NESTED & set(CATALOGUE[one.name].families))
+    return is_of_kind(one, other) and bool(NESTED & set(CATALOGUE[one.name].families))
 
 
 def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
@@ -147,7 +150,7 @@ def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
     return (float(parameters), tied.cancelled)
 
 
-def _is_of_kind(one: Trial, other: Trial) -> bool:
+def is_of_kind(one: Trial, other: Trial) -> bool:
     """Whether two effects of one family are attached to a common joint, or to the arm."""
     if one.is_free_form or other.is_free_form:
         return False
@@ -175,6 +178,8 @@ def foretells_most(
 ) -> bool:
     """Whether an effect foretells most of what its joints do, and no free-form term more.
 
+    Without such a term, much of it will do.
+
     A free-form term explains more of the motion that it was fitted to than any physics does,
     where more than one thing is missing. What holds on another motion is no chance.
 
@@ -185,8 +190,8 @@ def foretells_most(
         free: Terms that have its place to themselves, one at a time, as far as the data
             determine them.
     """
-    joints = sorted(named.group)
+    joints, free = sorted(named.group), list(free)
     share = _foretold_share(shop, others, named, joints)
-    if share < MOST:
+    if share < (MOST if free else MUCH):
         return False
     return all(share >= _foretold_share(shop, others, term, joints) for term in free)

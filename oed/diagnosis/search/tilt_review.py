@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from oed.diagnosis.search.judgement import Accepted, at_home
+from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of
 from oed.diagnosis.search.turning import NAME, far_turned, moment_fault, squares_under
+from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
 
 # Mean squared white residual up to which a model leaves nothing for a rival to explain.
 COMPLETE = 1.2
@@ -26,11 +30,28 @@ def far_tilt(shop: Workshop) -> Workshop | None:
     return found if gain > best else None
 
 
+def stood_upright(shop: Workshop, others: Sequence[Trial]) -> tuple[Workshop, list[Trial]]:
+    """Turned tables under the gravity that was declared, with the same noise, and additions there."""
+    upright = shop.on(shop.baseline.standing_as(shop.declared))
+    return upright, [
+        moved(t, upright.layout(t).rows, upright.context, contrast=t.contrast) for t in others
+    ]
+
+
+def validation_gain_of_tilt(shop: Workshop, others: Sequence[Trial]) -> float | None:
+    """Share by which turned tables lower the held-out error beside other additions."""
+    upright, levelled = stood_upright(shop, others)
+    old = upright.validation_rms(upright.fit(levelled, upright.layout_for(levelled), bend=False))
+    new = shop.validation_rms(shop.fit(others, shop.layout_for(others), bend=False))
+    if old is None or new is None:
+        return None
+    return float(1 - np.sqrt(np.mean((new / old) ** 2)))
+
+
 def tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
     """Why turned tables are no better than declared ones beside the other additions."""
-    upright = shop.on(shop.baseline.standing_as(shop.declared))
-    levelled = [at_home(upright, a).trial for a in standing]
     trials = [a.trial for a in standing]
+    upright, levelled = stood_upright(shop, trials)
     old = upright.fit(levelled, upright.layout_for(levelled))
     new = shop.fit(trials, shop.layout_for(trials))
     fault = moment_fault(shop, new.fit)

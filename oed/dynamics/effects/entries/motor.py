@@ -17,6 +17,7 @@ from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInertia
 
 ONE_WAY = 0.05  # a ratio below this: the motor is the joint's own, recorded in another row
+LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
 
 
 def _rotor(_context: Context, target: Target, _values: tuple[float, ...]) -> RotorInertia:
@@ -70,6 +71,8 @@ def _coupling_plausible(
 ) -> str | None:
     if abs(values[0]) < ONE_WAY:
         return finite(estimates)
+    if abs(values[0]) < LEAST_RATIO:
+        return f"at a ratio of {values[0]:.2g} the motor is the joint's own"
     inertia, viscous, coulomb = (float(x) for x in estimates)
     joint, other = pair_of(target)
     speed = float(context.top_speed[joint] + abs(values[0]) * context.top_speed[other])

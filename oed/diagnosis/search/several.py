@@ -1,0 +1,98 @@
+"""One effect in several joints at once: what all joints share may hide it in each alone.
+
+Every joint of an arm has a rotor, and every torque signal its offset. Fitted in one joint only, the
+link parameters that rows share take the blame for the others, and the held-out error rises there.
+So a kind is tried in all joints together, and those that do not need it beside the rest fall away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oed.diagnosis.search.judgement import Accepted, Refused, costs, judge
+from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+
+LEAST = 2  # joints
+
+
+def several_at_once(
+    shop: Workshop, accepted: list[Accepted], kind: Sequence[Trial], refused: list[Refused]
+) -> list[Accepted]:
+    """Joints that need an effect beside one another, with the evidence of each; none if below two.
+
+    Args:
+        shop: The laid-out data.
+        accepted: Additions so far.
+        kind: One effect without shapes, in every joint that does not have it yet.
+        refused: Receives the joints that fell at the last tests, where others stay.
+    """
+    others = [a.trial for a in accepted]
+    members, fallen = _foretelling(shop, others, _needed(shop, others, kind)), []
+    while len(members) >= LEAST:
+        judged = [
+            judge(shop, s, [*accepted, *_unjudged(scores, but=s)], shop.physical, fallen)
+            for scores in [_beside_one_another(shop, others, members)]
+            for s in scores
+        ]
+        kept = [found for found in judged if found is not None]
+        if len(kept) == len(members):
+            refused += fallen
+            return kept
+        members = _foretelling(shop, others, [found.trial for found in kept])
+    return []
+
+
+def _beside_one_another(
+    shop: Workshop, others: Sequence[Trial], members: Sequence[Trial]
+) -> list[Score]:
+    """What each gains beside additions and the other members."""
+    scores = []
+    for member in members:
+        rest = [m for m in members if m is not member]
+        fit = shop.fit([*others, *rest], shop.layout(member), bend=False).fit
+        scores.append(score(member, fit.projection, fit.residual))
+    return scores
+
+
+def _needed(shop: Workshop, others: Sequence[Trial], kind: Sequence[Trial]) -> list[Trial]:
+    """Members that are plausible and explain more than their parameters must."""
+    members, penalty = list(kind), np.log(shop.full.rows.count)
+    while members:
+        whole = shop.fit([*others, *members], shop.layout(members[0]), bend=False).fit
+        chance = inflation_of(whole)
+
+        def worth(s: Score, chance: np.ndarray = chance) -> float:
+            if implausible(s, shop.context) is not None:
+                return -np.inf
+            return s.gain / float(chance[list(s.trial.group)].mean()) - penalty * s.freedom
+
+        weakest = min(_beside_one_another(shop, others, members), key=worth)
+        if worth(weakest) > 0:
+            break
+        members = [m for m in members if m is not weakest.trial]
+    return members
+
+
+def _foretelling(shop: Workshop, others: Sequence[Trial], members: Sequence[Trial]) -> list[Trial]:
+    """Members that together lower the held-out error; those that raise it most fall away."""
+    floor, kept = shop.baseline.floor.deviation, list(members)
+    old = _held_out(shop, others)
+    while old is not None and kept:
+        new = _held_out(shop, [*others, *kept])
+        if new is None or not costs(old, new, floor):
+            break
+        without = [[m for m in kept if m is not left_out] for left_out in kept]
+        kept = min(without, key=lambda rest: np.sum((_held_out(shop, [*others, *rest]) / old) ** 2))
+    return kept
+
+
+def _held_out(shop: Workshop, chosen: Sequence[Trial]) -> np.ndarray | None:
+    return shop.validation_rms(shop.fit(chosen, shop.layout_for(chosen), bend=False))
+
+
+def _unjudged(scores: Sequence[Score], *, but: Score) -> list[Accepted]:
+    return [Accepted(s.trial, s.gain, 1.0) for s in scores if s is not but]
