@@ -33,5 +33,12 @@ def test_a_tilted_base_is_named_with_its_angle(degrees):
     values = {p.name: p for p in found.effects[0].parameters}
     angle = np.hypot(values["tilt_1"].value, values["tilt_2"].value)
     assert angle == pytest.approx(tilt, rel=0.03)
+    # Against the gravity that was declared, not against what the tables have been turned to.
+    (effect,) = found.effects
+    assert found.verdict == "explained"
+    held = next(p for p in found.proof if p.role == "validation")
+    gain = 1 - np.sqrt(np.mean((held.after / held.before) ** 2))
+    assert effect.validation_gain == pytest.approx(gain, abs=0.02)
+    assert all(rival.evidence > settings.decisive for rival in effect.rivals)
     test = next(p for p in found.proof if p.role == "test")
     assert test.after == pytest.approx(found.noise_floor, rel=0.1)

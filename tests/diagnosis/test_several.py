@@ -1,0 +1,93 @@
+"""One effect in several joints at once, and a search that comes to an end."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.evidence.verdict import doubtful_name
+from oed.diagnosis.search import selection
+from oed.diagnosis.search.several import several_at_once
+from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.trials import catalogue_trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
+
+OFFSETS = np.array([0.8, -0.3])  # [N m]
+
+
+def offsets(joints):
+    def torque(q, dq, ddq):
+        return np.broadcast_to(np.where(np.isin(range(2), joints), OFFSETS, 0.0), q.shape)
+
+    return torque
+
+
+def shop_of(extra=None, **settings):
+    dataset, chosen = data_set(5, extra=extra), DiagnosisSettings(**settings)
+    prepared = prepare(dataset.recordings, chosen)
+    own, held = (tuple(p for p in prepared if p.role == r) for r in ("estimation", "validation"))
+    baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
+    return Workshop(baseline, own, held, chosen, gear_ratio=None)
+
+
+def kind(shop, name):
+    return [t for t in shop.physical if t.name == name]
+
+
+def test_every_joint_that_needs_it_gets_it():
+    shop = shop_of(offsets([0, 1]))
+    found = several_at_once(shop, [], kind(shop, "torque_offset"), [])
+    assert {a.trial.key for a in found} == {("torque_offset", 0), ("torque_offset", 1)}
+    assert all(a.p_value < shop.settings.level and a.stands_in for a in found)
+    sizes = shop.fit([a.trial for a in found]).coefficients
+    assert np.concatenate(sizes) == pytest.approx(OFFSETS, abs=0.05)
+
+
+@pytest.mark.parametrize("joints", [[], [0], [1]])
+def test_one_joint_alone_is_no_kind(joints):
+    shop = shop_of(offsets(joints))
+    refused = []
+    assert several_at_once(shop, [], kind(shop, "torque_offset"), refused) == []
+    assert refused == []
+
+
+def test_what_falls_beside_the_others_does_not_come_back(monkeypatch):
+    """A pick that settling throws out again would be picked for ever."""
+    picked = []
+
+    def stubborn(shop, accepted, refused, pool):
+        taken = {a.trial.key for a in accepted}
+        for key in (("torque_offset", 0), ("rotor_inertia", 1)):
+            for trial in pool:
+                if trial.key == key and key not in taken:
+                    picked.append(key)
+                    return selection.Accepted(trial, 1.0, 0.001)
+        return None
+
+    monkeypatch.setattr(selection, "_next_physical", stubborn)
+    shop = shop_of(offsets([0]), candidates=("torque_offset", "rotor_inertia"))
+    _, found = selection.search(shop)
+    assert [a.trial.key for a in found.accepted] == [("torque_offset", 0)]
+    assert picked == [("torque_offset", 0), ("rotor_inertia", 1)]
+
+
+def test_a_gear_of_which_nothing_is_known_is_doubted():
+    shop = shop_of()
+    values = (8.0, 0.05, 0.4)
+    trial = catalogue_trial(CATALOGUE["joint_elasticity"], shop.context, 0, values, shop.mean.rows)
+    for deviations, doubted in (((0.4, 0.4, 0.4), True), ((0.01, 0.4, 0.4), False)):
+        covariance = np.diag(np.square(deviations))
+        found = Augmented((trial,), (np.ones(1),), shop.before.fit, (covariance,))
+        assert (doubtful_name(shop, found) is trial) is doubted
+
+
+def test_an_arm_may_lack_two_effects_a_joint():
+    settings = DiagnosisSettings()
+    assert [settings.most_effects(n) for n in (1, 2, 6, 7)] == [4, 4, 12, 14]
+    assert [settings.most_free_forms(n) for n in (1, 2, 6, 7)] == [4, 4, 6, 7]
+    only = DiagnosisSettings(max_effects=0)
+    assert (only.most_effects(6), only.most_free_forms(6)) == (0, 0)
