@@ -17,8 +17,8 @@ from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial, free_form_trials
 
-# Share by which a name lowers the held-out error: what is less than a tenth of the noise is of no
-# use to anyone, and errors of the encoder may look like it.
+# Share by which what bends the model's own torque lowers the held-out error: a delay, a lag or a soft
+# gear smooths what the model predicts, and with it what encoder noise adds to that.
 LEAST = 0.005
 
 
@@ -102,7 +102,7 @@ def drop_superfluous(
         reason = None
         if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
             reason = f"gains {needed:.3g} beside the other additions"
-        elif predicts is not None and predicts <= (0 if item.trial.between_repetitions else LEAST):
+        elif predicts is not None and predicts <= (LEAST if item.trial.fixed else 0):
             reason = f"beside the other additions it lowers the validation error by {predicts:.1%}"
         elif any(a.trial.is_free_form and a.trial.joint in item.trial.group for a in kept):
             reason = _outdone(shop, [a.trial for a in kept if a is not item], item)
