@@ -44,7 +44,7 @@ def _section(effect: FoundEffect, found: Diagnosis, labels: Sequence[str]) -> Se
     if effect.rivals:
         blocks.append(
             Table(
-                [_rival_row(rival, found, labels) for rival in effect.rivals],
+                [_rival_row(rival, effect, found, labels) for rival in effect.rivals],
                 "What else could have been named. Evidence: how much better the named effect "
                 "explains the estimation and the validation recordings (-2 log likelihood less "
                 "penalty, in units of the misfit); negative where the other one would explain more.",
@@ -71,10 +71,12 @@ def _likenesses(equivalent: Sequence[str], confused_with: Sequence[str]) -> str:
     return f"{same}Easily confused, on a poor motion, with: {', '.join(confused_with)}."
 
 
-def _rival_row(rival: Rival, found: Diagnosis, labels: Sequence[str]) -> Row:
+def _rival_row(rival: Rival, effect: FoundEffect, found: Diagnosis, labels: Sequence[str]) -> Row:
     refused = [r.reason for r in found.refused if (r.name, r.joint) == (rival.name, rival.joint)]
     if rival.contender:
         judged = "yes"
+    elif effect.name in CATALOGUE[rival.name].holds:
+        judged = "no: the same with parameters that are not needed"
     elif refused:
         judged = f"no: {refused[-1]}"
     else:

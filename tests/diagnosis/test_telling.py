@@ -8,6 +8,8 @@ import pytest
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.baseline.sign_width import widths_of
 from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.evidence.contenders import find_rivals
+from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.selection import search
@@ -102,3 +104,13 @@ def test_how_fast_a_late_sign_turns_is_read_off_late_columns():
     # The noise of the torque leaves a tenth of a millisecond, and a tenth of the width.
     assert found.trial.values[0] == pytest.approx(LATE / RATE, abs=2e-4)
     assert widths_of(shop.baseline.model) == pytest.approx([TURN, TURN], rel=0.2)
+
+
+def test_what_holds_the_named_effect_is_no_rival_of_it():
+    """A spring whose stiffness is free fits an offset as well, on any motion."""
+    shop = shop_of(data_set(5, extra=pulled()))
+    offset = next(t for t in shop.physical if t.key == ("torque_offset", 0))
+    rivals = {(r.name, r.joint): r for r in find_rivals(shop, Accepted(offset, 1.0, 0.001), [])}
+    spring = rivals["joint_spring", 0]
+    assert spring.evidence < 20  # the price of its stiffness, and not much more
+    assert not spring.contender

@@ -10,12 +10,13 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.judgement import Accepted, held_out_fault
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
-from oed.diagnosis.search.telling import decisive_between, telling
+from oed.diagnosis.search.telling import decisive_between, is_of_kind, telling
 from oed.diagnosis.search.tilt_review import stood_upright
 from oed.diagnosis.search.turning import NAME as GRAVITY
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVALS = 5
 SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
@@ -108,8 +109,10 @@ def _rivals_of_tilt(shop: Workshop, others: list[Trial]) -> tuple[Rival, ...]:
 def _contends(
     shop: Workshop, rival: Score, own: Score, others: list[Trial], fit: LinearFit
 ) -> bool:
-    """Whether a rival passes the tests, and is not the same effect under another name."""
+    """Whether a rival passes the tests, and is neither the same effect nor one that holds it."""
     if implausible(rival, shop.context) is not None:
+        return False
+    if own.trial.name in CATALOGUE[rival.trial.name].holds and is_of_kind(own.trial, rival.trial):
         return False
     if held_out_fault(shop, others, rival.trial) is not None:
         return False

@@ -112,6 +112,8 @@ class CatalogueEntry:
         families: What its torque depends on, in words. Two effects of one family are near to
             one another: the second may only mend the formula of the first.
         equivalent: Names that no motion tells from this one, and why.
+        holds: Names of effects that are this one with parameters left out: no motion speaks for
+            them against it, and the plainer one stands until the other is needed.
         narrow: Ranges of the shapes for an arm and its data.
         install: The model with the effect in its exact form; None if the columns are exact.
     """
@@ -126,6 +128,7 @@ class CatalogueEntry:
     unit_coefficient: bool = False
     families: tuple[str, ...] = ()
     equivalent: tuple[str, ...] = ()
+    holds: tuple[str, ...] = ()
     narrow: Narrow = _as_they_are
     install: Install | None = None
 

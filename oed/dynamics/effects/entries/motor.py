@@ -93,6 +93,7 @@ MOTOR_COUPLING = CatalogueEntry(
     build=_coupling,
     plausible=_coupling_plausible,
     equivalent=("the pair in the other order, for ratios of 1 and -1",),
+    holds=("rotor_inertia",),
     page=EffectPage(
         equation="r_j (I_a u' + F_v u + F_c sgn u), u = dq_j + r dq_i, on both joints; at r = 0: "
         "I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j, I_x ddq_j on joint i",

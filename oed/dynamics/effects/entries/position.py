@@ -150,6 +150,7 @@ JOINT_SPRING = CatalogueEntry(
     families=("position", "even in speed"),
     scope="joint",
     shapes=(),
+    holds=("torque_offset",),
     build=_spring,
     plausible=_spring_plausible,
     equivalent=("its constant part: torque_offset",),
