@@ -7,7 +7,9 @@ from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.evidence.verdict import doubtful_name
 from oed.diagnosis.search import selection
+from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.several import several_at_once
+from oed.diagnosis.search.usual import as_built
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -83,6 +85,27 @@ def test_a_gear_of_which_nothing_is_known_is_doubted():
         covariance = np.diag(np.square(deviations))
         found = Augmented((trial,), (np.ones(1),), shop.before.fit, (covariance,))
         assert (doubtful_name(shop, found) is trial) is doubted
+
+
+def coupled(ratio):
+    """A motor that turns with both joints, the first one's share of its speed the ratio."""
+
+    def torque(q, dq, ddq):
+        speed, rate = (x[:, 1] + ratio * x[:, 0] for x in (dq, ddq))
+        own = 0.05 * rate + 0.3 * speed + 0.5 * np.sign(speed)
+        return np.stack([ratio * own, own], axis=1)
+
+    return torque
+
+
+@pytest.mark.parametrize(("true", "start", "given"), [(1.0, 0.97, 1.0), (0.6, 0.6, 0.6)])
+def test_a_usual_ratio_is_taken_unless_the_data_say_another(true, start, given):
+    shop = shop_of(coupled(true))
+    fit = shop.before.fit
+    entry = CATALOGUE["motor_coupling"]
+    trial = catalogue_trial(entry, shop.context, (1, 0), (start,), shop.mean.rows)
+    found = as_built(shop, [], score(trial, fit.projection, fit.residual), fit)
+    assert found.trial.values == (given,)
 
 
 def test_an_arm_may_lack_two_effects_a_joint():

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from oed.diagnosis.search.judgement import Accepted, Refused, costs, judge
 from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
@@ -30,12 +32,12 @@ def several_at_once(
         kind: One effect without shapes, in every joint that does not have it yet.
         refused: Receives the joints that fell at the last tests, where others stay.
     """
-    others = [a.trial for a in accepted]
-    members, fallen = _foretelling(shop, others, _needed(shop, others, kind)), []
+    others, fallen = [a.trial for a in accepted], []
+    members = _foretelling(shop, others, _needed(shop, others, kind))
     while len(members) >= LEAST:
+        scores = _beside_one_another(shop, others, members)
         judged = [
             judge(shop, s, [*accepted, *_unjudged(scores, but=s)], shop.physical, fallen)
-            for scores in [_beside_one_another(shop, others, members)]
             for s in scores
         ]
         kept = [found for found in judged if found is not None]
@@ -60,21 +62,23 @@ def _beside_one_another(
 
 def _needed(shop: Workshop, others: Sequence[Trial], kind: Sequence[Trial]) -> list[Trial]:
     """Members that are plausible and explain more than their parameters must."""
-    members, penalty = list(kind), np.log(shop.full.rows.count)
+    members = list(kind)
     while members:
         whole = shop.fit([*others, *members], shop.layout(members[0]), bend=False).fit
-        chance = inflation_of(whole)
-
-        def worth(s: Score, chance: np.ndarray = chance) -> float:
-            if implausible(s, shop.context) is not None:
-                return -np.inf
-            return s.gain / float(chance[list(s.trial.group)].mean()) - penalty * s.freedom
-
-        weakest = min(_beside_one_another(shop, others, members), key=worth)
-        if worth(weakest) > 0:
+        scores = _beside_one_another(shop, others, members)
+        worths = [_worth(shop, s, inflation_of(whole)) for s in scores]
+        if min(worths) > 0:
             break
-        members = [m for m in members if m is not weakest.trial]
+        members.pop(int(np.argmin(worths)))
     return members
+
+
+def _worth(shop: Workshop, member: Score, chance: Float[ndarray, " joints"]) -> float:
+    """Gain in units of the misfit less Schwarz's penalty."""
+    if implausible(member, shop.context) is not None:
+        return -np.inf
+    unit = float(chance[list(member.trial.group)].mean())
+    return member.gain / unit - member.freedom * float(np.log(shop.full.rows.count))
 
 
 def _foretelling(shop: Workshop, others: Sequence[Trial], members: Sequence[Trial]) -> list[Trial]:
@@ -90,7 +94,8 @@ def _foretelling(shop: Workshop, others: Sequence[Trial], members: Sequence[Tria
     return kept
 
 
-def _held_out(shop: Workshop, chosen: Sequence[Trial]) -> np.ndarray | None:
+def _held_out(shop: Workshop, chosen: Sequence[Trial]) -> Float[ndarray, " joints"] | None:
+    """Validation error of each joint [N m]; None without validation recordings."""
     return shop.validation_rms(shop.fit(chosen, shop.layout_for(chosen), bend=False))
 
 
