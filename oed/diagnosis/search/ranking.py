@@ -10,6 +10,7 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.ripening import has_crests, is_late, is_unripe, ripened, searched
 from oed.diagnosis.search.scan import Score, best_shapes, refine, score
 from oed.diagnosis.search.turning import NAME as GRAVITY
+from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -64,7 +65,27 @@ def _refined(
     leading = best[:most] + sorted(best, key=lambda s: -s.gain)[:most]
     if thorough:
         leading += _best_of_each_joint(best)
-    return [refine(s, fit, shop.context) for s in _by_key(leading).values()]
+    refined = [refine(s, fit, shop.context) for s in _by_key(leading).values()]
+    return [_within_recordings(shop, s, grid, fit) for s in refined]
+
+
+def _within_recordings(
+    shop: Workshop, found: Score, grid: Sequence[Score], fit: LinearFit
+) -> Score:
+    """A change in the pause between recordings, or the one within a recording that explains more.
+
+    The pause is judged by all that recordings differ by, the other by what repetitions differ by:
+    only on the same columns can their gains be compared.
+    """
+    own = [s for s in grid if s.trial.key == found.trial.key and s.trial.contrast]
+    if found.trial.contrast or not own:
+        return found
+    inside = max(own, key=lambda s: s.gain)
+    whole = moved(inside.trial, fit.rows, shop.context)
+    level = refine(score(whole, fit.projection, fit.residual), fit, shop.context)
+    if level.gain <= found.gain + shop.settings.decisive:
+        return found
+    return refine(inside, fit, shop.context)
 
 
 def _evaluated(
