@@ -110,9 +110,10 @@ def _headline(found: Diagnosis) -> str:
     left = sorted({u.joint + 1 for u in found.unexplained})
     where = f" on joint{'s' * (len(left) > 1)} {', '.join(map(str, left))}" if left else ""
     rest = f"; something without a name is left{where}"
+    if found.verdict == "ambiguous":
+        return f"Ambiguous: {named}{rest if left else ''}"
     if found.verdict != "unexplained":
-        is_all = found.verdict != "ambiguous" or not left
-        return found.verdict.capitalize() + (f": {named}" if named else "") + rest * (not is_all)
+        return found.verdict.capitalize() + (f": {named}" if named else "")
     if not named:
         return f"Unexplained: something without a name{where}"
     return f"Partly explained: {named}{rest}"
@@ -266,8 +267,7 @@ def _next_text(following: NextExperiment) -> str:
         "distance in variances of the noise; the chance of naming the wrong one is "
         f"{_rate(following.error_rate)} (now {_rate(following.error_rate_now)}). "
         f"Best of {following.tried} motions within the limits."
-        + ANYWAY
-        * (following.error_rate_now < RARE)
+        f"{ANYWAY if following.error_rate_now < RARE else ''}"
     )
 
 

@@ -103,7 +103,7 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
     lets each block of rows err as it does is the wider one, and has the last word (Wald's test,
     Bonferroni's level for a choice among all candidates). A free form of the same coordinate that
     mends a name can follow it whole, and says nothing against it. Nor is in doubt what foretells
-    most of what its joints do on a motion that it was not fitted to. What has its size in its
+    much of what its joints do on a motion that it was not fitted to. What has its size in its
     shapes is in doubt where none of these is known.
     """
     level = shop.settings.level / len({t.key for t in shop.physical})

@@ -75,13 +75,16 @@ def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
         return found.fit.squares + penalty * found.fit.projection.rank
 
     best = accepted
+    least = cost(best) if len(best) > 1 else 0.0
     while len(best) > 1:
         sizes = range(max(len(best) - AT_ONCE, 1), len(best))
-        smaller = min((c for size in sizes for c in combinations(best, size)), key=cost)
+        smaller = [list(c) for size in sizes for c in combinations(best, size)]
+        costs = [cost(c) for c in smaller]
         # A larger set must be better by a margin, since it had more chances.
-        if cost(smaller) > cost(best) + shop.settings.decisive:
+        if min(costs) > least + shop.settings.decisive:
             break
-        best = list(smaller)
+        least = min(costs)
+        best = smaller[costs.index(least)]
     return best
 
 

@@ -19,7 +19,7 @@ from oed.diagnosis.search.scan import (
     score,
     surrogate_surprise,
 )
-from oed.diagnosis.search.workbench import moved
+from oed.diagnosis.search.workbench import Layout, moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
@@ -119,12 +119,24 @@ def _gain_at(shop: Workshop, accepted: list[Accepted], earlier: Accepted, trial:
     """
     if set(earlier.trial.group) <= set(trial.group):
         return earlier.gain
-    joints, layout = list(trial.group), shop.layout(trial)
-    left = [
-        float(np.sum(shop.fit([a.trial for a in chosen], layout).fit.residual[joints] ** 2))
-        for chosen in ([a for a in accepted if a is not earlier], accepted)
-    ]
-    return min(earlier.gain, max(left[0] - left[1], 0.0))
+    others = [a.trial for a in accepted if a is not earlier]
+    gain = gain_at(shop, list(trial.group), others, earlier.trial, shop.layout(trial))
+    return min(earlier.gain, max(gain, 0.0))
+
+
+def gain_at(
+    shop: Workshop,
+    joints: list[int],
+    others: Sequence[Trial],
+    trial: Trial,
+    layout: Layout,
+) -> float:
+    """Fall of the white squares of some joints by an addition, beside others."""
+    before, after = (
+        float(np.sum(shop.fit(chosen, layout).fit.residual[joints] ** 2))
+        for chosen in (others, [*others, trial])
+    )
+    return before - after
 
 
 def _mended_by(

@@ -7,9 +7,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from oed.diagnosis.search.judgement import COVERED, Accepted, Refused, refusal, share_needed
+from oed.diagnosis.search.judgement import (
+    COVERED,
+    Accepted,
+    Refused,
+    gain_at,
+    refusal,
+    share_needed,
+)
 from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import Score, inflation_of, score
+from oed.diagnosis.search.scan import inflation_of, score
 from oed.diagnosis.search.telling import foretells_most, is_of_kind
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
@@ -124,20 +131,11 @@ def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
     for rival in ranked(shop, shop.in_place_of(item.trial), others, 1):
         if rival.trial.key == item.trial.key or is_of_kind(rival.trial, item.trial):
             continue
-        gain = _gain_at(shop, rival, others, sorted(item.trial.group))
+        gain, joints = rival.gain, sorted(item.trial.group)
+        if not set(rival.trial.group) <= set(joints):
+            # What it does for other joints is no rival to a name here.
+            gain = gain_at(shop, joints, others, rival.trial, shop.layout(rival.trial))
         evidence = gain - (rival.gain - rival.evidence(rows))
         if gain >= COVERED * item.gain and evidence > here + shop.settings.decisive:
             return f"{rival.trial.name} would explain more beside what has no name"
     return None
-
-
-def _gain_at(shop: Workshop, rival: Score, others: list[Trial], joints: list[int]) -> float:
-    """What a candidate gains at some joints: what it does for others is no rival to a name there."""
-    if set(rival.trial.group) <= set(joints):
-        return rival.gain
-    layout = shop.layout(rival.trial)
-    before, after = (
-        float(np.sum(shop.fit(chosen, layout).fit.residual[joints] ** 2))
-        for chosen in (others, [*others, rival.trial])
-    )
-    return before - after

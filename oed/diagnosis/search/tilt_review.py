@@ -32,7 +32,7 @@ def far_tilt(shop: Workshop) -> Workshop | None:
 
 def stood_upright(shop: Workshop, others: Sequence[Trial]) -> tuple[Workshop, list[Trial]]:
     """Turned tables under the gravity that was declared, with the same noise, and additions there."""
-    upright = shop.on(shop.baseline.standing_as(shop.declared))
+    upright = shop.upright
     return upright, [
         moved(t, upright.layout(t).rows, upright.context, contrast=t.contrast) for t in others
     ]

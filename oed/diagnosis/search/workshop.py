@@ -117,6 +117,11 @@ class Workshop:
         """Whether gravity points elsewhere than declared."""
         return self.baseline is not self.declared
 
+    @cached_property
+    def upright(self) -> Workshop:
+        """The tables under the gravity that was declared, with the noise of these."""
+        return self.on(self.baseline.standing_as(self.declared))
+
     @property
     def most_effects(self) -> int:
         """How many effects may be added."""
