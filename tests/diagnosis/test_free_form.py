@@ -1,5 +1,7 @@
 """Free-form terms: what a loop can follow that no function of the present state can."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
@@ -8,8 +10,11 @@ from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop, VaryingInertia
 from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
+from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of
 
 RATE = 500.0
+JITTER = 1e-3  # [rad] of an encoder
 
 
 @pytest.fixture(scope="module")
@@ -126,3 +131,23 @@ def test_a_varying_inertia_says_what_it_is():
     assert term.label == "f(inertia over q_2)"
     assert term.depends_on == ("q_2", "dq_2", "ddq_2")
     assert term.varies
+
+
+def test_noisy_encoders_do_not_hide_an_inertia_that_varies():
+    """The noise of accelerations lies above the band: sampled as it is, it would fold into it."""
+
+    def crank(q, dq, ddq):
+        wave, turn = np.cos(2.0 * q[:, 0]), np.sin(2.0 * q[:, 0])
+        return np.stack([wave * ddq[:, 0] - turn * dq[:, 0] ** 2, np.zeros(len(q))], axis=1)
+
+    clean, rng = data_set(4, extra=crank), np.random.default_rng(0)
+    noisy = tuple(
+        dataclasses.replace(r, q=r.q + JITTER * rng.normal(size=r.q.shape))
+        for r in clean.recordings
+    )
+    shop = shop_of(dataclasses.replace(clean, recordings=noisy), held=False)
+    left = {t.effect.label: shop.fit([t]).fit.squares for t in shop.smooth if t.joint == 0}
+    best = min(left, key=lambda label: left[label])
+    assert best == "f(inertia over q_1)"
+    # What is left is noise: at most one a row and joint.
+    assert left[best] < shop.mean.rows.weights.size < shop.fit([]).fit.squares / 10

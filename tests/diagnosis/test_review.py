@@ -6,18 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.evidence.verdict import doubtful_name
 from oed.diagnosis.search.scan import at_rest, implausible, scan, score
 from oed.diagnosis.search.turning import HEAVIEST, moment_fault
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.trials import catalogue_trial
-from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of, trial_of
 
 THINNED = 0.2  # [rad/s] at which grease thins
 
@@ -29,22 +24,13 @@ def thinning(q, dq, ddq):
 
 
 @cache
-def shop_of(extra=None):
-    dataset = data_set(3, extra=extra)
-    settings = DiagnosisSettings()
-    prepared = prepare(dataset.recordings, settings)
-    own = tuple(p for p in prepared if p.role == "estimation")
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
-    return Workshop(baseline, own, (), settings, gear_ratio=None)
-
-
-def trial_of(shop, name, joint, values=()):
-    return catalogue_trial(CATALOGUE[name], shop.context, joint, values, shop.mean.rows)
+def shop_with(extra=None):
+    return shop_of(data_set(3, extra=extra), held=False)
 
 
 def test_shapes_stay_where_the_name_can_be_meant():
     """Near the straight line a bend explains most, by the difference of two huge frictions."""
-    shop = shop_of(thinning)
+    shop = shop_with(thinning)
     fit = shop.before.fit
     pool = [t for t in shop.physical if t.key == ("nonlinear_viscous", 0)]
     best = max((score(t, fit.projection, fit.residual) for t in pool), key=lambda s: s.gain)
@@ -59,7 +45,7 @@ def test_shapes_stay_where_the_name_can_be_meant():
 
 @pytest.mark.parametrize(("deviations", "doubted"), [(2.0, True), (12.0, False)])
 def test_a_name_whose_own_interval_holds_zero_is_doubted(deviations, doubted):
-    shop = shop_of()
+    shop = shop_with()
     trial = trial_of(shop, "rotor_inertia", 0)
     found = Augmented(
         (trial,),
@@ -71,7 +57,7 @@ def test_a_name_whose_own_interval_holds_zero_is_doubted(deviations, doubted):
 
 
 def test_an_uncertain_shape_does_not_make_a_size_doubtful():
-    shop = shop_of()
+    shop = shop_with()
     trial = trial_of(shop, "torque_ripple", 0, (7.0,))
     # At the shape that it has the size is known to 0.01; over all shapes only to 0.1.
     size, shape = 0.01**2, 1.0
@@ -88,7 +74,7 @@ def test_an_uncertain_shape_does_not_make_a_size_doubtful():
 
 def test_what_mends_a_name_does_not_make_it_doubtful():
     """A free form of the same coordinate can follow the name whole: neither is determined alone."""
-    shop = shop_of()
+    shop = shop_with()
     trial = trial_of(shop, "position_dependent_friction", 0, (1.0,))
     free = {t.key[0]: t for t in (*shop.smooth, *shop.smooth_pairs) if t.joint == 0}
 
@@ -108,7 +94,7 @@ def test_what_mends_a_name_does_not_make_it_doubtful():
 
 
 def test_a_tilt_of_nothing_with_a_first_moment_of_anything_is_refused():
-    shop = shop_of()
+    shop = shop_with()
     # A level arm shows neither first moment of its first link; a tilted one does.
     columns = np.array([1, 2, 9])
     seen = dataclasses.replace(shop.baseline, columns=columns)
@@ -130,7 +116,7 @@ class _Turned(Workshop):
 
 
 def test_rivals_act_on_the_same_joint():
-    shop = shop_of()
+    shop = shop_with()
     trial = trial_of(shop, "rotor_inertia", 0)
     targets = {(t.name, t.joint) for t in shop.in_place_of(trial)}
     assert ("stribeck", 0) in targets

@@ -3,20 +3,17 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.evidence.verdict import doubtful_name
 from oed.diagnosis.search import selection
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.usual import as_built
 from oed.diagnosis.search.workbench import Augmented
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of
 
 OFFSETS = np.array([0.8, -0.3])  # [N m]
 
@@ -28,20 +25,12 @@ def offsets(joints):
     return torque
 
 
-def shop_of(extra=None, **settings):
-    dataset, chosen = data_set(5, extra=extra), DiagnosisSettings(**settings)
-    prepared = prepare(dataset.recordings, chosen)
-    own, held = (tuple(p for p in prepared if p.role == r) for r in ("estimation", "validation"))
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
-    return Workshop(baseline, own, held, chosen, gear_ratio=None)
-
-
 def kind(shop, name):
     return [t for t in shop.physical if t.name == name]
 
 
 def test_every_joint_that_needs_it_gets_it():
-    shop = shop_of(offsets([0, 1]))
+    shop = shop_of(data_set(5, extra=offsets([0, 1])))
     found = several_at_once(shop, [], kind(shop, "torque_offset"), [])
     assert {a.trial.key for a in found} == {("torque_offset", 0), ("torque_offset", 1)}
     assert all(a.p_value < shop.settings.level and a.stands_in for a in found)
@@ -51,7 +40,7 @@ def test_every_joint_that_needs_it_gets_it():
 
 @pytest.mark.parametrize("joints", [[], [0], [1]])
 def test_one_joint_alone_is_no_kind(joints):
-    shop = shop_of(offsets(joints))
+    shop = shop_of(data_set(5, extra=offsets(joints)))
     refused = []
     assert several_at_once(shop, [], kind(shop, "torque_offset"), refused) == []
     assert refused == []
@@ -71,14 +60,14 @@ def test_what_falls_beside_the_others_does_not_come_back(monkeypatch):
         return None
 
     monkeypatch.setattr(selection, "_next_physical", stubborn)
-    shop = shop_of(offsets([0]), candidates=("torque_offset", "rotor_inertia"))
+    shop = shop_of(data_set(5, extra=offsets([0])), candidates=("torque_offset", "rotor_inertia"))
     _, found = selection.search(shop)
     assert [a.trial.key for a in found.accepted] == [("torque_offset", 0)]
     assert picked == [("torque_offset", 0), ("rotor_inertia", 1)]
 
 
 def test_a_gear_of_which_nothing_is_known_is_doubted():
-    shop = shop_of()
+    shop = shop_of(data_set(5))
     values = (8.0, 0.05, 0.4)
     trial = catalogue_trial(CATALOGUE["joint_elasticity"], shop.context, 0, values, shop.mean.rows)
     for deviations, doubted in (((0.4, 0.4, 0.4), True), ((0.01, 0.4, 0.4), False)):
@@ -100,7 +89,7 @@ def coupled(ratio):
 
 @pytest.mark.parametrize(("true", "start", "given"), [(1.0, 0.97, 1.0), (0.6, 0.6, 0.6)])
 def test_a_usual_ratio_is_taken_unless_the_data_say_another(true, start, given):
-    shop = shop_of(coupled(true))
+    shop = shop_of(data_set(5, extra=coupled(true)))
     fit = shop.before.fit
     entry = CATALOGUE["motor_coupling"]
     trial = catalogue_trial(entry, shop.context, (1, 0), (start,), shop.mean.rows)

@@ -5,33 +5,21 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.baseline.sign_width import widths_of
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.evidence.contenders import find_rivals
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.selection import search
 from oed.diagnosis.search.telling import foretells_most, most_telling_first, telling
-from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.settings import DiagnosisSettings
-from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, RATE, data_set
+from tests.diagnosis.shop import shop_of
 
 OFFSET = 0.8  # [N m] in every recording
 RIPPLE, HARMONIC = 1.5, 5.0  # [N m] in those that are fitted alone, and waves a turn
 SPRING = 1.0  # [N m/rad]
 LATE = 4  # samples by which a torque comes late
 TURN = 0.02  # [rad/s] over which dry friction turns
-
-
-def shop_of(dataset, **settings):
-    chosen = DiagnosisSettings(**settings)
-    prepared = prepare(dataset.recordings, chosen)
-    own, held = (tuple(p for p in prepared if p.role == r) for r in ("estimation", "validation"))
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
-    return Workshop(baseline, own, held, chosen, gear_ratio=None)
 
 
 def pulled(*, ripple=0.0, stiffness=0.0):

@@ -6,9 +6,7 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.evidence.profile import left_by, profiled_deviation, widened
 from oed.diagnosis.evidence.uncertainty import robust_covariance, with_uncertainty
 from oed.diagnosis.evidence.verdict import doubtful_name
@@ -19,10 +17,9 @@ from oed.diagnosis.search.workbench import secants
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.shape_axes import to_axis
-from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set, stribeck
+from tests.diagnosis.shop import shop_of, trial_of
 
 ROWS, BLOCK = 1200, 40
 
@@ -48,23 +45,14 @@ def coupled(q, dq, ddq):
 
 
 @cache
-def shop_of(kind, seed=0):
+def shop_with(kind, seed=0):
     extra = {
         "ripple": ripple(0.3, 12.0),
         "stribeck": stribeck(1.5, 0.1),
         "power": power(4.4, 0.45),
         "coupled": coupled,
     }[kind]
-    dataset = data_set(seed, extra=extra)
-    settings = DiagnosisSettings()
-    prepared = prepare(dataset.recordings, settings)
-    own = tuple(p for p in prepared if p.role == "estimation")
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
-    return Workshop(baseline, own, (), settings, gear_ratio=None)
-
-
-def trial_of(shop, name, joint, values):
-    return catalogue_trial(CATALOGUE[name], shop.context, joint, values, shop.mean.rows)
+    return shop_of(data_set(seed, extra=extra), held=False)
 
 
 @pytest.mark.parametrize("colour", [0.0, 0.9])
@@ -91,7 +79,7 @@ def test_covariance_is_what_estimates_scatter_by_whatever_the_colour_of_the_misf
 
 
 def test_slope_of_a_ripple_over_its_harmonic_is_the_derivative_of_the_cosine():
-    shop = shop_of("ripple")
+    shop = shop_with("ripple")
     trial = trial_of(shop, "torque_ripple", 1, (12.0,))
     (shape,) = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)
     found = secants(trial, np.array([1.0, 0.0]), shop.mean.rows, shop.context, np.array([1e-4]))
@@ -104,7 +92,7 @@ def test_slope_of_a_ripple_over_its_harmonic_is_the_derivative_of_the_cosine():
 
 
 def test_uncertainty_of_a_harmonic_is_that_of_a_line_in_noise():
-    shop = shop_of("ripple")
+    shop = shop_with("ripple")
     trial = trial_of(shop, "torque_ripple", 1, (12.0,))
     whole = with_uncertainty(shop, shop.fit([trial]))
     (shape,) = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)
@@ -119,7 +107,7 @@ def test_uncertainty_of_a_harmonic_is_that_of_a_line_in_noise():
 
 
 def test_shapes_come_to_rest_where_the_data_want_them_from_wherever_they_start():
-    shop = shop_of("stribeck")
+    shop = shop_with("stribeck")
     fit = shop.before.fit
     # Hess and Soom's fall, as injected: no shape may end up fitting less well than the truth.
     truth = score(trial_of(shop, "stribeck", 0, (0.1, 2.0, 1.0)), fit.projection, fit.residual)
@@ -157,7 +145,7 @@ def test_others_keep_what_they_are_known_to_once_the_widened_one_is_told():
 
 
 def test_a_shape_that_cannot_vary_leaves_what_is_known_of_the_sizes():
-    shop = shop_of("coupled")
+    shop = shop_with("coupled")
     # Of a two-joint arm without a wrist the motors' ratio has no range.
     trial = trial_of(shop, "motor_coupling", (0, 1), (0.0,))
     whole = with_uncertainty(shop, shop.fit([trial]))
@@ -168,7 +156,7 @@ def test_a_shape_that_cannot_vary_leaves_what_is_known_of_the_sizes():
 
 
 def test_squares_of_a_profile_are_those_of_a_fit_with_the_shape_moved():
-    shop = shop_of("ripple")
+    shop = shop_with("ripple")
     trial = trial_of(shop, "torque_ripple", 1, (12.0,))
     layout = shop.layout(trial)
     columns = np.concatenate([layout.regressor, layout.nuisances], axis=2)
@@ -183,7 +171,7 @@ def test_squares_of_a_profile_are_those_of_a_fit_with_the_shape_moved():
 
 
 def test_of_two_crests_the_better_one_is_found():
-    shop = shop_of("power")
+    shop = shop_with("power")
     fit = shop.before.fit
     truth = score(trial_of(shop, "nonlinear_viscous", 0, (0.45, 0.0)), fit.projection, fit.residual)
     # Viscous friction less a square of speed that thins: a crest of its own.
@@ -200,7 +188,7 @@ def test_crests_are_what_no_neighbour_exceeds():
     gains = 9 * np.exp(-((one - 1) ** 2) - other**2) + 5 * np.exp(
         -((one - 6) ** 2) - (other - 2) ** 2
     )
-    trial = trial_of(shop_of("ripple"), "torque_ripple", 1, (12.0,))
+    trial = trial_of(shop_with("ripple"), "torque_ripple", 1, (12.0,))
     scores = [
         Score(dataclasses.replace(trial, values=(a, b)), float(g), 2, np.ones(2))
         for a, b, g in zip(one.flat, other.flat, gains.flat, strict=True)
@@ -209,7 +197,7 @@ def test_crests_are_what_no_neighbour_exceeds():
 
 
 def test_a_sign_that_was_taken_for_slow_becomes_sharp_again():
-    shop = shop_of("stribeck")
+    shop = shop_with("stribeck")
     least = shop.baseline.least_widths
     model = with_widths(shop.baseline.model, [50 * w for w in least])
     wide = shop.on(shop.baseline.with_model(model, shop.estimation))
@@ -220,7 +208,7 @@ def test_a_sign_that_was_taken_for_slow_becomes_sharp_again():
 
 
 def test_only_candidates_are_tried():
-    shop = shop_of("ripple")
+    shop = shop_with("ripple")
     few = dataclasses.replace(shop.settings, candidates=("torque_offset", "joint_spring"))
     restricted = Workshop(shop.baseline, shop.estimation, (), few, gear_ratio=None)
     assert {t.name for t in restricted.physical} == {"torque_offset", "joint_spring"}

@@ -52,20 +52,17 @@ class Spectrum:
     after: Float[ndarray, "frequencies joints"]
 
 
-def settled(prepared: Prepared, fine: Float[ndarray, "samples joints"]) -> Float[ndarray, "_ n"]:
-    """Fine values at the instants of the valid rows."""
-    band = prepared.band
-    return fine[band.reach : len(fine) - band.reach : band.factor][prepared.valid]
-
-
 def dependences(
     prepared: Sequence[Prepared], errors: Sequence[Float[ndarray, "_ joints"]]
 ) -> tuple[Dependence, ...]:
-    """Every joint's residual over every joint's position and velocity, its acceleration, time."""
+    """Every joint's residual over every joint's position and velocity, its acceleration, time.
+
+    All in the analysis band: what encoders add to an acceleration above it would hide the motion.
+    """
     joints = errors[0].shape[1]
     coordinates: dict[str, Float[ndarray, " rows"]] = {}
     for kind in ("q", "dq", "ddq"):
-        values = np.concatenate([settled(p, getattr(p.motion, kind)) for p in prepared])
+        values = np.concatenate([p.band.apply(getattr(p.motion, kind))[p.valid] for p in prepared])
         for i in range(joints):
             coordinates[f"{kind}_{i + 1}"] = values[:, i]
     coordinates["time"] = np.concatenate([p.t[p.valid] for p in prepared])

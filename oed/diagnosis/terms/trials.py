@@ -171,11 +171,7 @@ def free_form_trials(
 def _free_form_block(
     term: FreeForm, prepared: Prepared, width: float, *, contrast: bool
 ) -> Float[ndarray, "_ columns"]:
-    """A term in the analysis band; a smooth one is slow enough to be sampled as it is."""
-    if term.direction is not None or term.remembers or contrast:
-        motion = prepared.mean_motion if contrast else prepared.motion
-        fine = effect_columns(term, motion, width)[term.joint]
-        return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)
-    band = prepared.band
-    settled = slice(band.reach, len(prepared.motion) - band.reach, band.factor)
-    return effect_columns(term, prepared.motion[settled], width)[term.joint]
+    """A term in the analysis band, like the torque: noise of speeds, unfiltered, would fold in."""
+    motion = prepared.mean_motion if contrast else prepared.motion
+    fine = effect_columns(term, motion, width)[term.joint]
+    return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)
