@@ -228,13 +228,12 @@ def _never_worse(
     old = rms(errors_of(before, validation), weights) if validation else None
     kept = selection
     while kept.trials:
-        layout = shop.layout_for(kept.trials)
-        found = shop.fit(kept.trials, layout)
-        final = fit_final(shop.baseline, layout, install(shop.baseline, found, shop.context))
+        model = install(shop.baseline, kept.found, shop.context)
+        final = fit_final(shop.baseline, shop.layout_for(kept.trials), model)
         if old is None or not costs(
             old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
         ):
-            return Selection(kept.accepted, found, kept.refused), final
+            return kept, final
         kept = _without(
             shop, kept, kept.trials[-1], "in its exact form it raises the validation error"
         )

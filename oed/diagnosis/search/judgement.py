@@ -212,18 +212,17 @@ def _p_value(
 def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
     """Why an addition does not pay on rows that it was not fitted to; None if it does."""
     layout = shop.layout_for([*others, trial])
-    before, after = shop.fit(others, layout), shop.fit([*others, trial], layout, bend=False)
-    plain = shop.fit(others, layout, bend=False)
+    before, after = (shop.fit(chosen, layout, bend=False) for chosen in (others, [*others, trial]))
     folds = shop.settings.folds
-    gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(plain, folds))
+    gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(before, folds))
     if others_gain <= 0:
         return f"left-out segments: gain {gain:.3g}, {others_gain:.3g} without the best of them"
-    old, new = shop.validation_rms(plain), shop.validation_rms(after)
+    old, new = shop.validation_rms(before), shop.validation_rms(after)
     if old is None or new is None:
         return None
     if costs(old, new, shop.baseline.floor.deviation, 0.0 if trial.is_free_form else PRICE):
         return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
-    return None if before.fit.squares > 0 else "nothing is left to explain"
+    return None
 
 
 def costs(

@@ -27,6 +27,8 @@ from oed.diagnosis.terms.trials import Trial, free_form_trials
 # Share by which what bends the model's own torque lowers the held-out error: a delay, a lag or a soft
 # gear smooths what the model predicts, and with it what encoder noise adds to that.
 LEAST = 0.005
+# Share of what a name and a free form explain together up to which that name is not missed.
+SUPERFLUOUS = 0.1
 
 
 def review_names(
@@ -41,27 +43,24 @@ def review_names(
     free = [a for a in accepted if a.trial.is_free_form]
     kept = list(accepted)
     for joint in {a.trial.joint for a in free}:
+        terms = [a for a in free if a.trial.joint == joint]
         named = [a for a in kept if not a.trial.is_free_form and a.trial.joint in (joint, None)]
         for item in named:
-            rest = [a.trial for a in kept if a is not item]
-            bare = [t for t in rest if not (t.is_free_form and t.joint == joint)]
-            layout = shop.layout_for([a.trial for a in kept])
-            whole = shop.fit([a.trial for a in kept], layout).fit.squares
-            without_free = shop.fit([*bare, item.trial], layout).fit.squares
-            without_both = shop.fit(bare, layout).fit.squares
-            without_name = shop.fit(rest, layout).fit.squares
-            terms = [a.trial for a in free if a.trial.joint == joint]
-            share = share_needed(terms, item.trial, shop.settings)
-            together = without_both - whole
-            alone = without_both - without_free
-            needed = without_name - whole
-            standing = [a.trial for a in free if a.trial.joint == joint and a.stands_in]
-            others = [a.trial for a in kept if a.stands_in and a.trial in bare]
+            bare = [a for a in kept if a is not item and all(a is not t for t in terms)]
+            others = [a.trial for a in bare if a.stands_in]
+            standing = [a.trial for a in terms if a.stands_in]
             alternatives = _in_its_place(shop, others, standing)
             if foretells_most(shop, others, item.trial, alternatives):
                 continue
-            if alone < share * together and needed < (
-                0.1 * together + shop.settings.free_form_margin
+            layout = shop.layout_for([a.trial for a in kept])
+            without_both, without_free, without_name, whole = (
+                shop.fit([a.trial for a in chosen], layout).fit.squares
+                for chosen in (bare, [*bare, item], [a for a in kept if a is not item], kept)
+            )
+            together, alone = without_both - whole, without_both - without_free
+            share = share_needed([a.trial for a in terms], item.trial, shop.settings)
+            if alone < share * together and without_name - whole < (
+                SUPERFLUOUS * together + shop.settings.free_form_margin
             ):
                 kept = [a for a in kept if a is not item]
                 reason = f"free form explains its part: {alone / together:.0%} of what both do"

@@ -25,7 +25,7 @@ def far_tilt(shop: Workshop) -> Workshop | None:
         return None
     if inflation_of(found.before.fit).mean() < COMPLETE:
         return found
-    gain = shop.fit(()).fit.squares - squares_under(shop, found.baseline.model)
+    gain = shop.before.fit.squares - squares_under(shop, found.baseline.model)
     best = max((s.gain for s in ranked(shop, shop.physical, (), 1)), default=0.0)
     return found if gain > best else None
 

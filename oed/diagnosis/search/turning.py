@@ -54,7 +54,7 @@ def far_turned(shop: Workshop) -> Workshop | None:
         tilt = angle * np.array([np.cos(heading), np.sin(heading)])
         squares[tuple(tilt)] = squares_under(shop, _turned(shop.baseline.model, tilt))
     best = min(squares, key=lambda tilt: squares[tilt])
-    if squares[best] > CLEARLY_BETTER * shop.fit(()).fit.squares:
+    if squares[best] > CLEARLY_BETTER * shop.before.fit.squares:
         return None
     found = _upright(_settled(_rebuilt(shop, _turned(shop.baseline.model, np.array(best))), ()))
     old, new = shop.validation_rms(shop.before), found.validation_rms(found.before)
