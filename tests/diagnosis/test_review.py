@@ -33,7 +33,7 @@ def test_shapes_stay_where_the_name_can_be_meant():
     shop = shop_with(thinning)
     fit = shop.before.fit
     pool = [t for t in shop.physical if t.key == ("nonlinear_viscous", 0)]
-    best = max((score(t, fit.projection, fit.residual) for t in pool), key=lambda s: s.gain)
+    best = max((score(t, fit) for t in pool), key=lambda s: s.gain)
     (found,) = scan(pool, fit, shop.context)
     refined = at_rest(found, fit, shop.context)
     assert implausible(refined, shop.context) is None

@@ -58,7 +58,7 @@ def test_finds_the_spring_that_the_wrong_torque_hides():
     fit = shop.fit(()).fit
     trials = [t for t in shop.physical if t.key == ("joint_elasticity", 0)]
     unripe = refine(scan(trials, fit, shop.context)[0], fit, shop.context)
-    scores = [score(t, fit.projection, fit.residual) for t in trials]
+    scores = [score(t, fit) for t in trials]
     ripe = ripened(shop, scores, (), fit)
     assert ripe.gain > unripe.gain
     frequency, damping, rotor_share = ripe.trial.values

@@ -93,7 +93,7 @@ def test_a_usual_ratio_is_taken_unless_the_data_say_another(true, start, given):
     fit = shop.before.fit
     entry = CATALOGUE["motor_coupling"]
     trial = catalogue_trial(entry, shop.context, (1, 0), (start,), shop.mean.rows)
-    found = as_built(shop, [], score(trial, fit.projection, fit.residual), fit)
+    found = as_built(shop, [], score(trial, fit), fit)
     assert found.trial.values == (given,)
 
 

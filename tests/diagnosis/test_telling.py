@@ -44,7 +44,7 @@ def accident():
 def of_first_joint(shop, name):
     fit = shop.before.fit
     trials = [t for t in shop.physical if t.key == (name, 0)]
-    return max((score(t, fit.projection, fit.residual) for t in trials), key=lambda s: s.gain)
+    return max((score(t, fit) for t in trials), key=lambda s: s.gain)
 
 
 def test_what_does_not_come_again_tells_less(accident):

@@ -110,9 +110,9 @@ def test_shapes_come_to_rest_where_the_data_want_them_from_wherever_they_start()
     shop = shop_with("stribeck")
     fit = shop.before.fit
     # Hess and Soom's fall, as injected: no shape may end up fitting less well than the truth.
-    truth = score(trial_of(shop, "stribeck", 0, (0.1, 2.0, 1.0)), fit.projection, fit.residual)
+    truth = score(trial_of(shop, "stribeck", 0, (0.1, 2.0, 1.0)), fit)
     for start in ((0.02, 0.5, 0.0), (0.4, 4.0, 0.0), (0.05, 1.0, 1.0)):
-        first = score(trial_of(shop, "stribeck", 0, start), fit.projection, fit.residual)
+        first = score(trial_of(shop, "stribeck", 0, start), fit)
         assert at_rest(first, fit, shop.context).gain > truth.gain - 0.1
 
 
@@ -173,9 +173,9 @@ def test_squares_of_a_profile_are_those_of_a_fit_with_the_shape_moved():
 def test_of_two_crests_the_better_one_is_found():
     shop = shop_with("power")
     fit = shop.before.fit
-    truth = score(trial_of(shop, "nonlinear_viscous", 0, (0.45, 0.0)), fit.projection, fit.residual)
+    truth = score(trial_of(shop, "nonlinear_viscous", 0, (0.45, 0.0)), fit)
     # Viscous friction less a square of speed that thins: a crest of its own.
-    other = score(trial_of(shop, "nonlinear_viscous", 0, (2.0, 3.0)), fit.projection, fit.residual)
+    other = score(trial_of(shop, "nonlinear_viscous", 0, (2.0, 3.0)), fit)
     stuck = at_rest(other, fit, shop.context)
     assert stuck.trial.values[0] > 1.5
     found = at_rest(climbed(shop, stuck, fit), fit, shop.context)

@@ -15,9 +15,9 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.optimize import minimize_scalar
 
+from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import (
     Projection,
-    addition,
     project,
     reversal_nuisances,
     whitened_regressor,
@@ -93,7 +93,8 @@ def _best_width(
     def gain(width: float) -> float:
         tried = dataclasses.replace(alone, effects=(dataclasses.replace(effect, width=width),))
         fine = [tried.columns(p.motion)[:, joint] for p in rows.prepared]
-        return addition(projection, residual, {joint: rows.whiten_fine(fine, joint)}).gain
+        group = {joint: rows.whiten_fine(fine, joint)}
+        return normal_equations(projection, residual, group).solved().gain
 
     velocity = np.concatenate([p.motion.dq[:, joint] for p in rows.prepared])
     scale = float(np.sqrt(np.mean(velocity**2)))

@@ -15,10 +15,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.linear_fit import Projection, reversal_nuisances, whitened_regressor
+from oed.diagnosis.fit.linear_fit import Projection
 from oed.diagnosis.fit.repeat_mean import single_repetitions
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.workbench import Layout
+from oed.diagnosis.search.workbench import Layout, layout_of
 from oed.diagnosis.search.workshop import Workshop
 
 MOST_NOISE = 0.5  # share of a direction's squares that is taken for noise at most
@@ -42,11 +42,9 @@ def noise_bias(
     gram, moment = np.zeros((len(parameters),) * 2), np.zeros(len(parameters))
     mean = shop.mean.rows
     for k, recording in enumerate(shop.estimation if shop.mean is not shop.full else ()):
-        own = slice(*mean.starts[k : k + 2])
+        own, scale = slice(*mean.starts[k : k + 2]), mean.scales[k : k + 1]
         evaluated = [
-            evaluate(
-                _laid_out(shop, Rows((s,), mean.noise, mean.scales[k : k + 1], mean.weights[own]))
-            )
+            evaluate(layout_of(shop.baseline, Rows((s,), mean.noise, scale, mean.weights[own])))
             for s in single_repetitions(recording)
         ]
         if len(evaluated) > 1:
@@ -88,9 +86,3 @@ def bias_from(
     signal = 1 - np.clip(share, 0.0, MOST_NOISE)
     along = directions.T @ (fit.inverse.T @ moment)
     return fit.inverse @ (directions @ (along / signal))
-
-
-def _laid_out(shop: Workshop, rows: Rows) -> Layout:
-    model, columns = shop.baseline.model, shop.baseline.columns
-    regressor = whitened_regressor(model, columns, rows)
-    return Layout(rows, regressor, reversal_nuisances(rows), rows.torque())

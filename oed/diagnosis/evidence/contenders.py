@@ -50,11 +50,7 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     layout = shop.layout(own.trial)
     fit = shop.fit(others, layout).fit
     contrast = own.trial.between_repetitions and shop.full is not shop.mean
-    here = score(
-        moved(own.trial, layout.rows, shop.context, contrast=contrast),
-        fit.projection,
-        fit.residual,
-    )
+    here = score(moved(own.trial, layout.rows, shop.context, contrast=contrast), fit)
     candidates = [
         found
         for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS)

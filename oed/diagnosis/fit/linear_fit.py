@@ -1,12 +1,12 @@
 """Generalised least squares of a torque model on whitened rows, kept as a projection.
 
-After one factorisation X = Q R of the whitened regressor, a candidate column c is judged by
-what it adds beside the model (Frisch and Waugh): its part outside the span of Q.
+After one factorisation X = Q R of the whitened regressor, whatever is asked of the fit is a
+product with Q.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,9 +19,6 @@ from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.torque_model import TorqueModel
 
 RANK_TOLERANCE = 1e-7  # of the largest singular value of the normalised regressor
-# Share of a candidate's length outside the model below which it is absorbed: what is left is
-# smoothing error, and a coefficient that stands on it means nothing.
-ABSORBED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -153,16 +150,43 @@ def fit_model(
         rows: What to fit.
         known: Torque on the fine grid that is not the model's, one array a recording [N m].
     """
-    regressor = whitened_regressor(model, columns, rows)
     torque = rows.torque()
     if known is not None:
         torque -= np.stack(
             [rows.whiten_fine([k[:, [j]] for k in known], j)[:, 0] for j in range(len(torque))]
         )
-    everything = np.concatenate([regressor, reversal_nuisances(rows)], axis=2)
-    projection = project(everything)
-    coordinates = projection.coordinates(torque)
-    projection = Projection(projection.basis, projection.inverse[: regressor.shape[2]])
+    return fit_columns(
+        model,
+        columns,
+        rows,
+        regressor=whitened_regressor(model, columns, rows),
+        nuisances=reversal_nuisances(rows),
+        torque=torque,
+    )
+
+
+def fit_columns(
+    model: TorqueModel,
+    columns: Int[ndarray, " base"],
+    rows: Rows,
+    *,
+    regressor: Float[ndarray, "joints rows parameters"],
+    nuisances: Float[ndarray, "joints rows nuisances"],
+    torque: Float[ndarray, "joints rows"],
+) -> LinearFit:
+    """Fit white columns, and nuisances beside them, to white torque.
+
+    Args:
+        model: Whose columns come first in the regressor.
+        columns: (b,) indices of these.
+        rows: White rows.
+        regressor: Columns of the model, then of additions.
+        nuisances: Columns whose parameters nobody asks for.
+        torque: What they are to explain.
+    """
+    whole = project(np.concatenate([regressor, nuisances], axis=2))
+    coordinates = whole.coordinates(torque)
+    projection = Projection(whole.basis, whole.inverse[: regressor.shape[2]])
     return LinearFit(
         model=model,
         columns=columns,
@@ -171,80 +195,3 @@ def fit_model(
         parameters=projection.inverse @ coordinates,
         residual=torque - projection.basis @ coordinates,
     )
-
-
-@dataclass(frozen=True)
-class Addition:
-    """What a group of columns adds to a fit.
-
-    Attributes:
-        gain: Fall of the sum of squares.
-        coefficients: (m,) of the group's columns.
-        rank: Columns that are not absorbed by the model.
-        variance: (m,) of the coefficients, unit noise.
-    """
-
-    gain: float
-    coefficients: Float[ndarray, " columns"]
-    rank: int
-    variance: Float[ndarray, " columns"]
-
-
-def addition(
-    projection: Projection,
-    residual: Float[ndarray, "joints rows"],
-    group: Mapping[int, Float[ndarray, "rows columns"]],
-    ridge: float = 0.0,
-) -> Addition:
-    """Gain of a group of white columns beside a model.
-
-    Args:
-        projection: Of the model.
-        residual: White residual of the model.
-        group: White columns for each joint that they act on.
-        ridge: Added to the Gram matrix of unit columns.
-    """
-    gram, moment = gram_and_moment(projection, residual, group)
-    return solve_addition(*gram, moment, ridge)
-
-
-def gram_and_moment(
-    projection: Projection,
-    residual: Float[ndarray, "joints rows"],
-    group: Mapping[int, Float[ndarray, "rows columns"]],
-) -> tuple[
-    tuple[Float[ndarray, "columns columns"], Float[ndarray, " columns"]], Float[ndarray, " columns"]
-]:
-    """Gram matrix of the group outside the model, its columns' whole squared lengths, moments."""
-    columns = next(iter(group.values())).shape[1]
-    gram = np.zeros((columns, columns))
-    moment = np.zeros(columns)
-    inside = np.zeros((projection.rank, columns))
-    for joint, block in group.items():
-        gram += block.T @ block
-        moment += block.T @ residual[joint]
-        inside += projection.basis[joint].T @ block
-    lengths = np.diag(gram).copy()
-    return (gram - inside.T @ inside, lengths), moment
-
-
-def solve_addition(
-    gram: Float[ndarray, "columns columns"],
-    lengths: Float[ndarray, " columns"],
-    moment: Float[ndarray, " columns"],
-    ridge: float = 0.0,
-) -> Addition:
-    """Gain and coefficients from the normal equations of the part outside the model."""
-    scale = np.sqrt(np.where(lengths > 0, lengths, 1.0))
-    values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
-    kept = values > ABSORBED**2 * len(values)
-    if not kept.any():
-        zero = np.zeros(len(lengths))
-        return Addition(0.0, zero, 0, zero)
-    turned = vectors[:, kept]
-    projected = turned.T @ (moment / scale)
-    inverse = 1 / (values[kept] + ridge)
-    coefficients = turned @ (inverse * projected) / scale
-    gain = float(np.sum(projected**2 * inverse))
-    variance = np.sum(turned**2 * inverse, axis=1) / scale**2
-    return Addition(gain, coefficients, int(kept.sum()), variance)

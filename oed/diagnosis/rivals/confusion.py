@@ -19,16 +19,10 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.prepare import Prepared
-from oed.diagnosis.fit.linear_fit import (
-    ABSORBED,
-    LinearFit,
-    gram_and_moment,
-    project,
-    reversal_nuisances,
-    whitened_regressor,
-)
+from oed.diagnosis.fit.addition import normal_equations
+from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.workbench import Layout, dense
+from oed.diagnosis.search.workbench import Layout, dense, fit_layout, layout_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of, white_group
@@ -104,22 +98,18 @@ def _gains(
     trial: Trial, fit: LinearFit, drawn: Float[ndarray, "joints rows draws"], count: float
 ) -> tuple[Float[ndarray, " draws"], Float[ndarray, " draws"]]:
     """Gain and evidence as `oed.diagnosis.search.scan.score` has them, of many torques at once."""
-    (gram, lengths), _ = gram_and_moment(fit.projection, fit.residual, trial.group)
+    normal = normal_equations(fit.projection, fit.residual, trial.group)
     # The drawn torque has no part within the model, so that the columns need no projection.
-    moments = sum(block.T @ drawn[joint] for joint, block in trial.group.items())
+    moments = np.sum([b.T @ drawn[joint] for joint, b in trial.group.items()], axis=0)
     if trial.fixed:
-        gains = 2 * moments.sum(axis=0) - gram.sum()
+        gains = 2 * moments.sum(axis=0) - normal.gram.sum()
         return gains, gains - trial.shapes * np.log(count)
-    scale = np.sqrt(np.where(lengths > 0, lengths, 1.0))
-    values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
-    kept = values > ABSORBED**2 * len(values)
-    projected = vectors[:, kept].T @ (moments / scale[:, None])
-    gains = np.sum(projected**2 / values[kept, None], axis=0)
-    coefficients = vectors[:, kept] @ (projected / values[kept, None]) / scale[:, None]
+    directions = normal.directions()
+    gains, coefficients = directions.gains(moments), directions.coefficients(moments)
     own = sum(np.sum((b @ coefficients) ** 2, axis=0) for b in trial.group.values())
     cancelled = np.maximum(own / np.maximum(gains, 1e-300), 1.0)
-    freedom = int(kept.sum()) + trial.shapes
-    return gains, gains - freedom * np.log(count) - len(scale) * np.log(cancelled)
+    charged = (directions.rank + trial.shapes) * np.log(count)
+    return gains, gains - charged - len(coefficients) * np.log(cancelled)
 
 
 def _around(shop: Workshop, trial: Trial, fit: LinearFit) -> Iterator[Trial]:
@@ -147,39 +137,23 @@ def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> Linea
     """
     favourite, coefficients, rival = pair
     layout = _with_further(shop, shop.layout_for([favourite, rival]), further)
-    regressor = np.concatenate([layout.regressor, layout.nuisances], axis=2)
-    projection = project(regressor)
     # The effect as it was fitted: one that acts on the model's torque brings its own.
     mine = dataclasses.replace(favourite, group=white_group(favourite.effect, layout.rows))
     torque = dense(mine, shop.context.n, layout.rows.count) @ coefficients
-    coordinates = projection.coordinates(torque)
-    return LinearFit(
-        model=shop.baseline.model,
-        columns=shop.baseline.columns,
-        rows=layout.rows,
-        projection=projection,
-        parameters=projection.inverse @ coordinates,
-        residual=torque - projection.basis @ coordinates,
-    )
+    return fit_layout(shop.baseline, layout, [layout.regressor], torque)
 
 
 def _with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> Layout:
     """A layout and one more recording."""
     if further is None:
         return layout
-    base = shop.baseline
-    scale = layout.rows.scales[0]
-    new = base.rows((further,), (scale,))
-    old = layout.rows
-    rows = Rows(
-        (*old.prepared, further),
-        old.noise,
-        (*old.scales, scale),
-        np.concatenate([old.weights, new.weights]),
-    )
+    old, scale = layout.rows, layout.rows.scales[0]
+    new = layout_of(shop.baseline, shop.baseline.rows((further,), (scale,)))
+    weights = np.concatenate([old.weights, new.rows.weights])
+    rows = Rows((*old.prepared, further), old.noise, (*old.scales, scale), weights)
     blocks = (
-        (layout.regressor, whitened_regressor(base.model, base.columns, new)),
-        (layout.nuisances, reversal_nuisances(new)),
-        (layout.torque, new.torque()),
+        (layout.regressor, new.regressor),
+        (layout.nuisances, new.nuisances),
+        (layout.torque, new.torque),
     )
     return Layout(rows, *(np.concatenate(pair, axis=1) for pair in blocks))

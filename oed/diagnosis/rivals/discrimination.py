@@ -24,7 +24,7 @@ from oed.design.default_limits import with_default_limits
 from oed.design.limits import fill
 from oed.design.trajectories import FourierClass
 from oed.diagnosis.data.prepare import EDGE, Prepared
-from oed.diagnosis.fit.linear_fit import addition
+from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.rivals.confusion import Pair, confusion, torque_beside
 from oed.diagnosis.search.scan import refine, score
 from oed.diagnosis.search.workbench import dense, moved, shape_derivatives
@@ -147,7 +147,7 @@ def separation(
     shapes = entry.shapes_for(context, rival.target)
     values = [rival.values, *grid_of(shapes)] if shapes else [rival.values]
     tried = (catalogue_trial(entry, context, rival.target, v, fit.rows) for v in values)
-    scores = [score(trial, fit.projection, fit.residual) for trial in tried]
+    scores = [score(trial, fit) for trial in tried]
     # From where the rival stands, and from the best of the grid: there is more than one valley.
     starts = {s.trial.values: s for s in (scores[0], max(scores, key=lambda s: s.gain))}
     gain = max(refine(s, fit, context).gain for s in starts.values())
@@ -190,7 +190,7 @@ def _slope_separation(shop: Workshop, pair: Pair, further: Prepared) -> float:
     context, joints = shop.context, range(shop.context.n)
     own = moved(rival, fit.rows, context)
     linear = dense(own, len(joints), fit.rows.count)
-    found = score(own, fit.projection, fit.residual)
+    found = score(own, fit)
     bends = shape_derivatives(own, found.coefficients, fit.rows, context)
     residual = fit.residual
     columns = np.concatenate([linear, bends], axis=2)
@@ -199,4 +199,5 @@ def _slope_separation(shop: Workshop, pair: Pair, further: Prepared) -> float:
     squares = float(np.sum(residual**2))
     if not columns.shape[2]:
         return squares
-    return squares - addition(fit.projection, residual, {j: columns[j] for j in joints}).gain
+    group = {j: columns[j] for j in joints}
+    return squares - normal_equations(fit.projection, residual, group).solved().gain

@@ -27,7 +27,7 @@ def climbed(shop: Workshop, found: Score, fit: LinearFit) -> Score:
     if not found.trial.shapes or is_unripe(found.trial) or is_late(found.trial):
         return found
     grid = [
-        score(t, fit.projection, fit.residual)
+        score(t, fit)
         for t in shop.physical
         if t.key == found.trial.key and t.contrast == found.trial.contrast
     ]

@@ -41,7 +41,7 @@ def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
             others = [a.trial for a in kept if a.stands_in and a is not item]
             fit = shop.fit(others, layout).fit
             own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
-            best = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
+            best = at_rest(score(own, fit), fit, shop.context)
             if number == 0:
                 best = at_rest(climbed(shop, best, fit), fit, shop.context)
             best = as_built(shop, others, best, fit)
@@ -96,7 +96,7 @@ def _best_in_place(
     layout = shop.layout(current.trial)
     fit = shop.fit(others, layout).fit
     own = moved(current.trial, layout.rows, shop.context, contrast=current.trial.contrast)
-    here = at_rest(score(own, fit.projection, fit.residual), fit, shop.context)
+    here = at_rest(score(own, fit), fit, shop.context)
     here = as_built(shop, others, here, fit)
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)

@@ -153,7 +153,7 @@ def _mended_by(
             and is_own(mend, earlier.trial)
         ):
             fit = shop.fit([*others, mend], layout).fit
-            left = score(candidate.trial, fit.projection, fit.residual).gain
+            left = score(candidate.trial, fit).gain
             if left < COVERED * candidate.gain:
                 return str(mend.key[0])
     return None

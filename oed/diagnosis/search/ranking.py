@@ -48,7 +48,7 @@ def ranked(
         part = [t for t in pool if t.between_repetitions == between and t.key not in keys]
         if part:
             fit = shop.fit(others, shop.full if between else shop.mean).fit
-            grid = [score(t, fit.projection, fit.residual) for t in part]
+            grid = [score(t, fit) for t in part]
             refined = _refined(shop, grid, fit, most, thorough=thorough)
             found += _evaluated(shop, grid, refined, others, fit, thorough=thorough)
     rows = shop.full.rows.count
@@ -82,7 +82,7 @@ def _within_recordings(
         return found
     inside = max(own, key=lambda s: s.gain)
     whole = moved(inside.trial, fit.rows, shop.context)
-    level = refine(score(whole, fit.projection, fit.residual), fit, shop.context)
+    level = refine(score(whole, fit), fit, shop.context)
     if level.gain <= found.gain + shop.settings.decisive:
         return found
     return refine(inside, fit, shop.context)

@@ -126,7 +126,7 @@ def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
     rows, layout = shop.full.rows.count, shop.layout(item.trial)
     fit = shop.fit(others, layout).fit
     own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
-    here = score(own, fit.projection, fit.residual).evidence(rows)
+    here = score(own, fit).evidence(rows)
     for rival in ranked(shop, shop.in_place_of(item.trial), others, 1):
         if rival.trial.key == item.trial.key or is_of_kind(rival.trial, item.trial):
             continue

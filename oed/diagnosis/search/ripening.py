@@ -131,7 +131,7 @@ def _round(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit
     whole = shop.fit([*others, found.trial], layout, bend=False)
     context = shop.context_with(whole)
     trial = moved(found.trial, layout.rows, context, contrast=found.trial.contrast)
-    return refine(score(trial, fit.projection, fit.residual), fit, context)
+    return refine(score(trial, fit), fit, context)
 
 
 def starts(scores: Sequence[Score]) -> list[Score]:

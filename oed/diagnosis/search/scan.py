@@ -12,7 +12,8 @@ from scipy.optimize import minimize
 from scipy.special import gammaln
 from scipy.stats import chi2, gumbel_r
 
-from oed.diagnosis.fit.linear_fit import LinearFit, Projection, gram_and_moment, solve_addition
+from oed.diagnosis.fit.addition import NormalEquations, normal_equations
+from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
@@ -77,27 +78,30 @@ def inflation_of(fit: LinearFit) -> Float[ndarray, " joints"]:
     return np.maximum(1.0, np.sum(fit.residual**2, axis=1) / fit.freedom())
 
 
-def score(trial: Trial, projection: Projection, residual: Float[ndarray, "joints rows"]) -> Score:
+def score(trial: Trial, fit: LinearFit) -> Score:
     """Judge one trial beside a model."""
-    (gram, lengths), moment = gram_and_moment(projection, residual, trial.group)
+    normal = normal_equations(fit.projection, fit.residual, trial.group)
     if trial.fixed:
-        towards, size = float(moment.sum()), float(gram.sum())
-        ones = np.ones(len(lengths))
-        if np.trace(gram) < 1e-6 * lengths.sum():  # the model has it all
+        towards, size = float(normal.moment.sum()), float(normal.gram.sum())
+        ones = np.ones(len(normal.lengths))
+        if np.trace(normal.gram) < 1e-6 * normal.lengths.sum():  # the model has it all
             return Score(trial, 0.0, trial.shapes, ones)
         promise = max(towards, 0.0) ** 2 / size
         return Score(trial, 2 * towards - size, trial.shapes, ones, promise=promise)
-    ridge = FREE_FORM_RIDGE if trial.is_free_form else 0.0
-    found = solve_addition(gram, lengths, moment, ridge)
+    found = normal.solved(_ridge_of(trial))
     freedom = found.rank + trial.shapes if found.rank else 0
     own = sum(float(np.sum((b @ found.coefficients) ** 2)) for b in trial.group.values())
     cancelled = own / found.gain if found.gain > 0 else 1.0
     return Score(trial, found.gain, freedom, found.coefficients, cancelled, found.gain)
 
 
+def _ridge_of(trial: Trial) -> float:
+    return FREE_FORM_RIDGE if trial.is_free_form else 0.0
+
+
 def scan(trials: Sequence[Trial], fit: LinearFit, context: Context) -> list[Score]:
     """The best plausible shape of every candidate, or its best one; largest surprise first."""
-    return best_shapes([score(t, fit.projection, fit.residual) for t in trials], fit, context)
+    return best_shapes([score(t, fit) for t in trials], fit, context)
 
 
 def best_shapes(scores: Sequence[Score], fit: LinearFit, context: Context) -> list[Score]:
@@ -172,7 +176,7 @@ def score_at(
     shapes = entry.shapes_for(context, trial.target)
     values = tuple(from_axis(float(x), s) for x, s in zip(axes, shapes, strict=True))
     tried = catalogue_trial(entry, context, trial.target, values, fit.rows, contrast=trial.contrast)
-    return score(tried, fit.projection, fit.residual)
+    return score(tried, fit)
 
 
 def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
@@ -205,13 +209,13 @@ def surrogate_surprise(
     largest = np.zeros(count)
     inflation = inflation_of(fit)
     for trial in trials:
-        (gram, lengths), _ = gram_and_moment(fit.projection, fit.residual, trial.group)
-        moments = np.zeros((len(lengths), count))
+        normal = normal_equations(fit.projection, fit.residual, trial.group)
+        moments = np.zeros((len(normal.lengths), count))
         for joint, block in trial.group.items():
             moments += block.T @ flipped[joint]
             moments -= (fit.projection.basis[joint].T @ block).T @ inside
         share = float(inflation[list(trial.group)].mean())
-        largest = np.maximum(largest, _surprises(trial, gram, lengths, moments, share))
+        largest = np.maximum(largest, _surprises(trial, normal, moments, share))
     return largest
 
 
@@ -243,20 +247,17 @@ def block_numbers(rows: Rows) -> Int[ndarray, " rows"]:
 
 def _surprises(
     trial: Trial,
-    gram: Float[ndarray, "columns columns"],
-    lengths: Float[ndarray, " columns"],
+    normal: NormalEquations,
     moments: Float[ndarray, "columns count"],
     inflation: float,
 ) -> Float[ndarray, " count"]:
-    scale = np.sqrt(np.where(lengths > 0, lengths, 1.0))
-    values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
-    kept = values > 1e-8 * len(values)
-    if not kept.any():
+    """Surprise of one trial by the moments of its columns with each of many residuals."""
+    directions = normal.directions()
+    if not directions.rank:
         return np.zeros(moments.shape[1])
-    ridge = FREE_FORM_RIDGE if trial.is_free_form else 0.0
-    projected = vectors[:, kept].T @ (moments / scale[:, None])
-    gains = np.sum(projected**2 / (values[kept, None] + ridge), axis=0)
     if trial.fixed:
-        gains = np.maximum(2 * moments.sum(axis=0) - gram.sum(), 0.0)
-    freedom = (0 if trial.fixed else int(kept.sum())) + trial.shapes
+        gains = np.maximum(2 * moments.sum(axis=0) - normal.gram.sum(), 0.0)
+    else:
+        gains = directions.gains(moments, _ridge_of(trial))
+    freedom = (0 if trial.fixed else directions.rank) + trial.shapes
     return minus_log_chance(gains / inflation, max(freedom, 1))

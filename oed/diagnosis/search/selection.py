@@ -242,4 +242,4 @@ def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Tr
     """Whether most of a candidate's gain is gone beside a term of another joint."""
     layout = shop.layout(candidate.trial)
     fit = shop.fit([*others, rival.trial], layout).fit
-    return score(candidate.trial, fit.projection, fit.residual).gain < COVERED * candidate.gain
+    return score(candidate.trial, fit).gain < COVERED * candidate.gain

@@ -56,7 +56,7 @@ def _beside_one_another(
     for member in members:
         rest = [m for m in members if m is not member]
         fit = shop.fit([*others, *rest], shop.layout(member), bend=False).fit
-        scores.append(score(member, fit.projection, fit.residual))
+        scores.append(score(member, fit))
     return scores
 
 

@@ -29,7 +29,7 @@ def as_built(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearF
     """
     usual = [
         s
-        for s in (score(t, fit.projection, fit.residual) for t in _usual(shop, found.trial, fit))
+        for s in (score(t, fit) for t in _usual(shop, found.trial, fit))
         if implausible(s, shop.context) is None
     ]
     if not usual:

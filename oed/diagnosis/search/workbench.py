@@ -14,8 +14,7 @@ from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.linear_fit import (
     LinearFit,
-    Projection,
-    project,
+    fit_columns,
     reversal_nuisances,
     whitened_regressor,
 )
@@ -68,7 +67,11 @@ class Augmented:
 
 def lay_out(baseline: Baseline, prepared: tuple[Prepared, ...], *, mean: bool) -> Layout:
     """Rows of recordings, of their mean repetitions if asked for."""
-    rows = mean_rows(baseline, prepared) if mean else baseline.rows(prepared)
+    return layout_of(baseline, mean_rows(baseline, prepared) if mean else baseline.rows(prepared))
+
+
+def layout_of(baseline: Baseline, rows: Rows) -> Layout:
+    """What every fit to some rows shares."""
     regressor = whitened_regressor(baseline.model, baseline.columns, rows)
     return Layout(rows, regressor, reversal_nuisances(rows), rows.torque())
 
@@ -145,7 +148,7 @@ def fit_with(
         blocks.append(columns)
         places.append(slice(start, start + columns.shape[2]))
         start += columns.shape[2]
-    linear = _solve(baseline, layout, blocks, target)
+    linear = fit_layout(baseline, layout, blocks, target)
     coefficients = tuple(
         np.ones(len(t.effect.parameters)) if t.fixed else linear.parameters[p]
         for t, p in zip(chosen, places, strict=True)
@@ -158,7 +161,7 @@ def fit_with(
         bends.append(slice(start, start + derivatives.shape[2]))
         blocks.append(derivatives)
         start += derivatives.shape[2]
-    bent = _solve(baseline, layout, blocks, target)
+    bent = fit_layout(baseline, layout, blocks, target)
     return _augmented(tuple(chosen), coefficients, bent, places, bends)
 
 
@@ -258,23 +261,20 @@ def _augmented(
     return Augmented(chosen, coefficients, fit, tuple(covariances))
 
 
-def _solve(
+def fit_layout(
     baseline: Baseline,
     layout: Layout,
-    blocks: list[Float[ndarray, "joints rows _"]],
-    target: Float[ndarray, "joints rows"],
+    blocks: Sequence[Float[ndarray, "joints rows _"]],
+    torque: Float[ndarray, "joints rows"],
 ) -> LinearFit:
-    count = sum(block.shape[2] for block in blocks)
-    whole = project(np.concatenate([*blocks, layout.nuisances], axis=2))
-    coordinates = whole.coordinates(target)
-    projection = Projection(whole.basis, whole.inverse[:count])
-    return LinearFit(
-        model=baseline.model,
-        columns=baseline.columns,
-        rows=layout.rows,
-        projection=projection,
-        parameters=projection.inverse @ coordinates,
-        residual=target - whole.basis @ coordinates,
+    """Fit blocks of white columns, the base model's first, to a torque on the rows of a layout."""
+    return fit_columns(
+        baseline.model,
+        baseline.columns,
+        layout.rows,
+        regressor=np.concatenate(blocks, axis=2),
+        nuisances=layout.nuisances,
+        torque=torque,
     )
 
 

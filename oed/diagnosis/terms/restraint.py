@@ -22,7 +22,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import eigh
 
-from oed.diagnosis.fit.linear_fit import LinearFit, gram_and_moment
+from oed.diagnosis.fit.addition import normal_equations
+from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.terms.free_form import Coordinate, FreeForm, VaryingInertia
 from oed.diagnosis.terms.trials import Trial
 
@@ -76,11 +77,11 @@ def restrained(trial: Trial, fit: LinearFit) -> Iterator[Trial]:
     effect = trial.effect
     if not isinstance(effect, FreeForm):
         raise TypeError(f"{trial.name} is no free-form term")
-    (gram, _), moment = gram_and_moment(fit.projection, fit.residual, trial.group)
+    normal = normal_equations(fit.projection, fit.residual, trial.group)
     joints = list(trial.group)
     left = Left(float(np.sum(fit.residual[joints] ** 2)), float(np.sum(fit.freedom()[joints])))
-    root = likeliest(effect, gram, moment, left).root
-    values, vectors = eigh(root.T @ gram @ root)
+    root = likeliest(effect, normal.gram, normal.moment, left).root
+    values, vectors = eigh(root.T @ normal.gram @ root)
     for known in KNOWN:
         kept = values > known**2
         if not kept.any():

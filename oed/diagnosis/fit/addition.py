@@ -1,0 +1,129 @@
+"""What a group of white columns adds to a fit: its part outside the span of the model.
+
+A candidate is judged by that part alone (Frisch and Waugh), from the normal equations of the
+group beside the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.fit.linear_fit import Projection
+
+# Share of a candidate's length outside the model below which it is absorbed: what is left is
+# smoothing error, and a coefficient that stands on it means nothing.
+ABSORBED = 1e-4
+
+
+@dataclass(frozen=True)
+class Addition:
+    """What a group of columns adds to a fit.
+
+    Attributes:
+        gain: Fall of the sum of squares.
+        coefficients: (m,) of the group's columns.
+        rank: Columns that are not absorbed by the model.
+    """
+
+    gain: float
+    coefficients: Float[ndarray, " columns"]
+    rank: int
+
+
+@dataclass(frozen=True)
+class Directions:
+    """Combinations of a group's columns that the model does not absorb.
+
+    Attributes:
+        lengths: (m,) of the whole columns; one of columns that are zero.
+        squares: (k,) squared lengths of the combinations outside the model.
+        mixing: (m, k) the combinations, orthonormal in columns of unit length.
+    """
+
+    lengths: Float[ndarray, " columns"]
+    squares: Float[ndarray, " rank"]
+    mixing: Float[ndarray, "columns rank"]
+
+    @property
+    def rank(self) -> int:
+        """How many there are."""
+        return len(self.squares)
+
+    def along(self, moments: Float[ndarray, " columns *count"]) -> Float[ndarray, " rank *count"]:
+        """Moments of the combinations from those of the columns."""
+        return self.mixing.T @ (moments.T / self.lengths).T
+
+    def gains(
+        self, moments: Float[ndarray, "columns count"], ridge: float = 0.0
+    ) -> Float[ndarray, " count"]:
+        """Fall of the squares for each of many residuals, by their moments with the columns."""
+        return np.sum(self.along(moments) ** 2 / (self.squares[:, None] + ridge), axis=0)
+
+    def coefficients(
+        self, moments: Float[ndarray, "columns count"]
+    ) -> Float[ndarray, "columns count"]:
+        """Of the columns, for each of these residuals."""
+        return self.mixing @ (self.along(moments) / self.squares[:, None]) / self.lengths[:, None]
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """Of a group of columns beside a model.
+
+    Attributes:
+        gram: (m, m) of the columns' parts outside the model.
+        lengths: (m,) squared lengths of the whole columns.
+        moment: (m,) of the columns with the model's residual.
+    """
+
+    gram: Float[ndarray, "columns columns"]
+    lengths: Float[ndarray, " columns"]
+    moment: Float[ndarray, " columns"]
+
+    def directions(self) -> Directions:
+        """What is left of the group beside the model."""
+        scale = np.sqrt(np.where(self.lengths > 0, self.lengths, 1.0))
+        values, vectors = np.linalg.eigh(self.gram / np.outer(scale, scale))
+        kept = values > ABSORBED**2 * len(values)
+        return Directions(scale, values[kept], vectors[:, kept])
+
+    def solved(self, ridge: float = 0.0) -> Addition:
+        """Gain and coefficients.
+
+        Args:
+            ridge: Added to the Gram matrix of unit columns.
+        """
+        found = self.directions()
+        along = found.along(self.moment)
+        inverse = 1 / (found.squares + ridge)
+        coefficients = found.mixing @ (inverse * along) / found.lengths
+        return Addition(float(np.sum(along**2 * inverse)), coefficients, found.rank)
+
+
+def normal_equations(
+    projection: Projection,
+    residual: Float[ndarray, "joints rows"],
+    group: Mapping[int, Float[ndarray, "rows columns"]],
+) -> NormalEquations:
+    """The normal equations of a group of white columns beside a model.
+
+    Args:
+        projection: Of the model.
+        residual: White residual of the model.
+        group: White columns for each joint that they act on.
+    """
+    columns = next(iter(group.values())).shape[1]
+    gram = np.zeros((columns, columns))
+    moment = np.zeros(columns)
+    inside = np.zeros((projection.rank, columns))
+    for joint, block in group.items():
+        gram += block.T @ block
+        moment += block.T @ residual[joint]
+        inside += projection.basis[joint].T @ block
+    lengths = np.diag(gram).copy()
+    return NormalEquations(gram - inside.T @ inside, lengths, moment)
