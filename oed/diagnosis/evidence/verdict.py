@@ -19,8 +19,7 @@ from oed.diagnosis.search.judgement import is_own
 from oed.diagnosis.search.selection import Selection
 from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
-from oed.diagnosis.search.turning import NAME as GRAVITY
-from oed.diagnosis.search.turning import total_tilt
+from oed.diagnosis.search.turning import GRAVITY, total_tilt
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings

@@ -60,21 +60,17 @@ def fit_autoregression(
     series: Sequence[Float[ndarray, " _"]],
     *,
     trusted: Sequence[Bool[ndarray, " _"]] | None = None,
-    largest_order: int = LARGEST_ORDER,
-    freedom: float = 1.0,
 ) -> Autoregression:
     """Autoregression of several stretches of one noise, its order by Schwarz's criterion.
 
     Args:
         series: Stretches of noise of zero mean.
         trusted: Which rows of each stretch show nothing but noise; all if None.
-        largest_order: Most lags.
-        freedom: Share of the degrees of freedom that the stretches kept from a fit.
     """
     masks = [np.ones(len(x), dtype=bool) for x in series] if trusted is None else trusted
     clean = [np.where(m, x, 0.0) for x, m in zip(series, masks, strict=True)]
     rows = sum(int(m.sum()) for m in masks)
-    longest = int(min(largest_order, max(1, min(len(x) for x in series) // 8)))
+    longest = int(min(LARGEST_ORDER, max(1, min(len(x) for x in series) // 8)))
     shortest = min(len(x) for x in series)
     covariance = _covariance(clean, masks, min(TAPER * longest, shortest - 1))[: longest + 1]
     if covariance[0] <= 0:
@@ -101,7 +97,7 @@ def fit_autoregression(
     innovations = np.concatenate(left)
     if len(innovations) < 20 * len(best):
         innovations = np.concatenate([lfilter(best, [1.0], x) for x in clean])
-    return Autoregression(best, float(np.sqrt(np.mean(innovations**2) / freedom)))
+    return Autoregression(best, float(np.sqrt(np.mean(innovations**2))))
 
 
 def _covariance(

@@ -9,7 +9,7 @@ import numpy as np
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.ripening import has_crests, is_late, is_unripe, ripened, searched
 from oed.diagnosis.search.scan import Score, best_shapes, refine, score
-from oed.diagnosis.search.turning import NAME as GRAVITY
+from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial

@@ -23,8 +23,7 @@ from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.telling import foretells_most, most_telling_first
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
-from oed.diagnosis.search.turning import NAME as GRAVITY
-from oed.diagnosis.search.turning import accepted_tilt, turned
+from oed.diagnosis.search.turning import GRAVITY, accepted_tilt, turned
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.restraint import restrained

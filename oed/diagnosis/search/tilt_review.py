@@ -9,7 +9,7 @@ import numpy as np
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of
-from oed.diagnosis.search.turning import NAME, far_turned, moment_fault, squares_under
+from oed.diagnosis.search.turning import GRAVITY, far_turned, moment_fault, squares_under
 from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -73,7 +73,7 @@ def tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
         return None
     rows = shop.full.rows.count
     for rival in ranked(upright, upright.physical, levelled, 1):
-        if rival.trial.name != NAME and rival.evidence(rows) / chance > (
+        if rival.trial.name != GRAVITY and rival.evidence(rows) / chance > (
             gain - cost + shop.settings.decisive
         ):
             return f"{rival.trial.name} would explain more beside the other additions"

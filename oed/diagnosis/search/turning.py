@@ -26,7 +26,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot.inertia import PARAMETER_SYMBOLS
 
-NAME = "gravity_direction"
+GRAVITY = "gravity_direction"
 FAR = np.deg2rad((30.0, 60.0, 90.0, 135.0, 180.0))  # tilts that are tried at once
 FIRST_MOMENTS = ("mx", "my", "mz")
 SECOND_MOMENTS = (4, 7, 9)  # places of Ixx, Iyy and Izz among a link's parameters
@@ -40,33 +40,28 @@ CLEARLY_BETTER = 0.5  # share of the squares that a far direction may leave
 
 def gravity_trial(shop: Workshop) -> Trial:
     """The tilt's columns at the direction that the tables have."""
-    return catalogue_trial(CATALOGUE[NAME], shop.context, None, (), shop.mean.rows)
+    return catalogue_trial(CATALOGUE[GRAVITY], shop.context, None, (), shop.mean.rows)
 
 
 def far_turned(shop: Workshop) -> Workshop | None:
     """The tables turned to a far direction under which the base model fits far better."""
     declared = shop.baseline.model.robot.gravity
     axes = len(tilt_directions(declared)[0])
-    if axes != 2 or NAME not in shop.settings.candidates:
+    if axes != 2 or GRAVITY not in shop.settings.candidates:
         return None
     squares = {}
     for angle, heading in product(FAR, np.arange(4) * np.pi / 2):
         tilt = angle * np.array([np.cos(heading), np.sin(heading)])
-        squares[tuple(tilt)] = squares_under(shop, _turned(shop.baseline.model, tilt))
+        squares[tuple(tilt)] = squares_under(shop, _under_tilt(shop.baseline.model, tilt))
     best = min(squares, key=lambda tilt: squares[tilt])
     if squares[best] > CLEARLY_BETTER * shop.before.fit.squares:
         return None
-    found = _upright(_settled(_rebuilt(shop, _turned(shop.baseline.model, np.array(best))), ()))
+    found = _upright(turned(_rebuilt(shop, _under_tilt(shop.baseline.model, np.array(best))), ()))
     old, new = shop.validation_rms(shop.before), found.validation_rms(found.before)
     if old is not None and new is not None and np.mean((new / old) ** 2) >= 1:
         return None
     # One step of Gauss and Newton cannot come back from there: let the declared one try, too.
     return found if found.before.fit.squares < CLEARLY_BETTER * shop.before.fit.squares else None
-
-
-def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
-    """The tables turned to the direction that fits best beside other additions."""
-    return _settled(shop, others)
 
 
 def accepted_tilt(shop: Workshop, declared: Workshop, p_value: float) -> Accepted:
@@ -98,7 +93,8 @@ def total_tilt(
     return tilt_between(shop.declared.model.robot.gravity, tilted(here, tilt))
 
 
-def _settled(shop: Workshop, others: Sequence[Trial]) -> Workshop:
+def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
+    """The tables turned to the direction that fits best beside other additions."""
     for _ in range(MOST_STEPS):
         trial = gravity_trial(shop)
         coefficients = shop.fit([*others, trial], bend=False).coefficients[-1]
@@ -107,7 +103,7 @@ def _settled(shop: Workshop, others: Sequence[Trial]) -> Workshop:
         if length < SETTLED:
             break
         step = step * min(1.0, LARGEST_STEP / length)
-        shop = _rebuilt(shop, _turned(shop.baseline.model, step))
+        shop = _rebuilt(shop, _under_tilt(shop.baseline.model, step))
     return shop
 
 
@@ -119,7 +115,7 @@ def _upright(shop: Workshop) -> Workshop:
     if here @ up >= 0:
         return shop
     back = tilt_between(here, here - 2 * (here @ up) * up)
-    mirrored = _turned(shop.baseline.model, back)
+    mirrored = _under_tilt(shop.baseline.model, back)
     same = squares_under(shop, mirrored) < LEVEL * shop.before.fit.squares
     return _rebuilt(shop, mirrored) if same else shop
 
@@ -131,7 +127,7 @@ def _rebuilt(shop: Workshop, model: TorqueModel) -> Workshop:
     return shop.on(baseline.with_model(model, shop.estimation))
 
 
-def _turned(model: TorqueModel, tilt: Float[ndarray, " directions"]) -> TorqueModel:
+def _under_tilt(model: TorqueModel, tilt: Float[ndarray, " directions"]) -> TorqueModel:
     robot = model.robot.with_gravity(tilted(model.robot.gravity, tilt))
     effects = tuple(RigidBody(robot) if isinstance(e, RigidBody) else e for e in model.effects)
     return dataclasses.replace(model, robot=robot, effects=effects)

@@ -24,7 +24,6 @@ from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, white_group
 from oed.dynamics.effects import MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
-from oed.dynamics.effects.delay import FilterLag, TimeDelay
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.torque_model import TorqueModel
 
@@ -193,9 +192,7 @@ def lags_of(chosen: Sequence[Trial]) -> tuple[MeasurementEffect, ...]:
 
 def _lag_of(trial: Trial) -> MeasurementEffect | None:
     effect = trial.effect
-    if not isinstance(effect, TorqueChange) or effect.joint is not None:
-        return None
-    return effect.measurement if isinstance(effect.measurement, TimeDelay | FilterLag) else None
+    return effect.measurement if isinstance(effect, TorqueChange) else None
 
 
 def secants(

@@ -26,19 +26,16 @@ class TorqueChange(Effect):
         measurement: Of the columns given to it, the first is the rigid body's torque and the
             second the rest.
         reference: The torque as modelled.
-        joint: The joint that it concerns, None for all.
     """
 
     measurement: MeasurementEffect
     reference: ReferenceTorque
-    joint: int | None = None
     name = "torque_change"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Share of the change, 1 by construction."""
-        tag = "" if self.joint is None else f"_{self.joint + 1}"
-        return (Parameter(f"{self.measurement.name}{tag}", "1", self.joint),)
+        return (Parameter(self.measurement.name, "1", None),)
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -61,5 +58,4 @@ class TorqueChange(Effect):
 
         measured = self.measurement.through(parts, motion)
         change = (measured - modelled).sum(axis=2)
-        joints = range(self.reference.robot.n) if self.joint is None else [self.joint]
-        return [{j: change[:, j] for j in joints}]
+        return [{j: change[:, j] for j in range(self.reference.robot.n)}]
