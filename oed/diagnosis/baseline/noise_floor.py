@@ -21,7 +21,7 @@ from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.whitening import Autoregression, fit_autoregression
 
 NoiseSource = Literal["repetitions", "free-form fit"]
-LEAST_SHARE_OF_PERIOD = 0.3  # of the last repetition that must be left for it to count
+LEAST_SHARE_OF_LAST = 0.3  # of the last repetition that must be left for it to count
 BLOCK = 1.0  # [s] over which the loudness of noise is compared
 QUIET = 3.0  # times the lower quartile of the blocks' deviations, beyond which it is no noise
 
@@ -84,7 +84,7 @@ def repetition_samples(recording: Prepared) -> Int[ndarray, "repetitions rows"]:
     step = recording.period * band.rate
     count = len(np.unique(recording.repetition))
     length = min(step, settled - (count - 1) * step)
-    if length < LEAST_SHARE_OF_PERIOD * step:
+    if length < LEAST_SHARE_OF_LAST * step:
         count, length = count - 1, step
     starts = np.round(np.arange(count) * step).astype(int)
     phases = np.arange(0, int(length) - 1, band.factor)

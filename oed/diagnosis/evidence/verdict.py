@@ -155,7 +155,7 @@ def describe_effects(
         if trial.is_free_form:
             continue
         own = next(a for a in selection.accepted if a.trial.key == trial.key)
-        others = [t for t in selection.trials if t.key != trial.key and not _mended_by(t, trial)]
+        others = [t for t in selection.trials if t.key != trial.key and not _mends(t, trial)]
         found.append(
             FoundEffect(
                 name=trial.name,
@@ -216,7 +216,11 @@ def decide(
     if any(r.contender for e in effects for r in e.rivals):
         return "ambiguous"
     significant = (left.p_value < settings.level) & (left.ratio > settings.floor_ratio)
-    strange = [u for u in unexplained if not any(_mends(u, e) for e in effects)]
+    strange = [
+        u
+        for u in unexplained
+        if u.trial is None or not any(_mends(u.trial, e.trial) for e in effects)
+    ]
     if strange or np.any(significant) or np.any(unseen > CLEAR_UNSEEN):
         return "unexplained"
     return "explained" if effects else "nothing found"
@@ -224,19 +228,12 @@ def decide(
 
 def _is_mended(trial: Trial, chosen: Sequence[Trial]) -> bool:
     """Whether a freer form of an effect stands beside it."""
-    return any(_mended_by(other, trial) for other in chosen)
+    return any(_mends(other, trial) for other in chosen)
 
 
-def _mended_by(other: Trial, trial: Trial) -> bool:
+def _mends(other: Trial, trial: Trial) -> bool:
     """Whether another addition is a freer form of an effect."""
-    return other.is_free_form and other.joint == trial.joint and is_own(other, trial)
-
-
-def _mends(term: Unexplained, effect: FoundEffect) -> bool:
-    """Whether a free-form term is but a freer form of the effect."""
-    if term.trial is None:
-        return False
-    return _mended_by(term.trial, effect.trial)
+    return other.joint == trial.joint and is_own(other, trial)
 
 
 def _from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np.ndarray:

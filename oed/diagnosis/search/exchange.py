@@ -15,7 +15,6 @@ from oed.diagnosis.search.ripening import is_unripe
 from oed.diagnosis.search.scan import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
 from oed.diagnosis.search.telling import may_replace, replaces
 from oed.diagnosis.search.usual import as_built
-from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -37,11 +36,9 @@ def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
         for k, item in enumerate(kept):
             if not item.stands_in or item.trial.is_free_form:
                 continue
-            layout = shop.layout(item.trial)
             others = [a.trial for a in kept if a.stands_in and a is not item]
-            fit = shop.fit(others, layout).fit
-            own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
-            best = at_rest(score(own, fit), fit, shop.context)
+            fit = shop.fit(others, shop.layout(item.trial)).fit
+            best = at_rest(score(shop.renewed(item.trial), fit), fit, shop.context)
             if number == 0:
                 best = at_rest(climbed(shop, best, fit), fit, shop.context)
             best = as_built(shop, others, best, fit)
@@ -93,10 +90,8 @@ def _best_in_place(
 ) -> Accepted:
     """The addition with its shape refined, or a better one for its place."""
     others = [a.trial for a in rest]
-    layout = shop.layout(current.trial)
-    fit = shop.fit(others, layout).fit
-    own = moved(current.trial, layout.rows, shop.context, contrast=current.trial.contrast)
-    here = at_rest(score(own, fit), fit, shop.context)
+    fit = shop.fit(others, shop.layout(current.trial)).fit
+    here = at_rest(score(shop.renewed(current.trial), fit), fit, shop.context)
     here = as_built(shop, others, here, fit)
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)

@@ -19,7 +19,7 @@ from oed.diagnosis.search.scan import (
     score,
     surrogate_surprise,
 )
-from oed.diagnosis.search.workbench import Layout, moved
+from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
@@ -101,7 +101,7 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
         if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
             return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
         if share < shop.settings.mending_share:
-            mend = _mended_by(shop, candidate, earlier, [a.trial for a in accepted])
+            mend = _mend_that_covers(shop, candidate, earlier, [a.trial for a in accepted])
             if mend is not None:
                 return f"{mend} would mend the formula of {earlier.trial.name} as well"
     others = [a.trial for a in accepted]
@@ -139,7 +139,7 @@ def gain_at(
     return before - after
 
 
-def _mended_by(
+def _mend_that_covers(
     shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
 ) -> str | None:
     """A free-form term of an earlier effect's own coordinates that covers a candidate."""
@@ -159,18 +159,15 @@ def _mended_by(
     return None
 
 
-def within(coordinates: Sequence[str], trial: Trial) -> bool:
-    """Whether an effect depends on all of these coordinates."""
-    return not trial.is_free_form and set(coordinates) <= set(trial.effect.depends_on)
-
-
 def is_own(free: Trial, named: Trial) -> bool:
     """Whether a free-form term is but a freer form of a named effect.
 
     None of the catalogue's effects is a signal whose coefficient varies with position.
     """
     effect = free.effect
-    return isinstance(effect, FreeForm) and not effect.varies and within(effect.depends_on, named)
+    if not isinstance(effect, FreeForm) or effect.varies or named.is_free_form:
+        return False
+    return set(effect.depends_on) <= set(named.effect.depends_on)
 
 
 def share_needed(free: Sequence[Trial], named: Trial, settings: DiagnosisSettings) -> float:
@@ -253,7 +250,4 @@ def refusal(candidate: Score | Accepted, reason: str) -> Refused:
 
 def at_home(shop: Workshop, item: Accepted) -> Accepted:
     """An addition on the rows of new tables."""
-    trial = item.trial
-    rows = shop.layout(trial).rows
-    trial = moved(trial, rows, shop.context, contrast=trial.contrast)
-    return dataclasses.replace(item, trial=trial)
+    return dataclasses.replace(item, trial=shop.renewed(item.trial))

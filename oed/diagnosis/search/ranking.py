@@ -49,13 +49,13 @@ def ranked(
         if part:
             fit = shop.fit(others, shop.full if between else shop.mean).fit
             grid = [score(t, fit) for t in part]
-            refined = _refined(shop, grid, fit, most, thorough=thorough)
+            refined = _leading(shop, grid, fit, most, thorough=thorough)
             found += _evaluated(shop, grid, refined, others, fit, thorough=thorough)
     rows = shop.full.rows.count
     return sorted(found, key=lambda s: -s.evidence(rows))
 
 
-def _refined(
+def _leading(
     shop: Workshop, grid: Sequence[Score], fit: LinearFit, most: int, *, thorough: bool
 ) -> list[Score]:
     """The leading candidates at the best of their shapes."""

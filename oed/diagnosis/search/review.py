@@ -18,7 +18,6 @@ from oed.diagnosis.search.judgement import (
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of, score
 from oed.diagnosis.search.telling import foretells_most, is_of_kind
-from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
@@ -111,22 +110,21 @@ def drop_superfluous(
         elif predicts is not None and predicts <= (LEAST if item.trial.fixed else 0):
             reason = f"beside the other additions it lowers the validation error by {predicts:.1%}"
         elif any(a.trial.is_free_form and a.trial.joint in item.trial.group for a in kept):
-            reason = _outdone(shop, [a.trial for a in kept if a is not item], item)
+            reason = _better_name(shop, [a.trial for a in kept if a is not item], item)
         if reason is not None:
             kept = [a for a in kept if a is not item]
             refused.append(refusal(item, reason))
     return kept
 
 
-def _outdone(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
+def _better_name(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
     """Whether another name would now explain more: then none of them is what is there.
 
     Not what is left over where a free-form term follows all that the name stands for.
     """
-    rows, layout = shop.full.rows.count, shop.layout(item.trial)
-    fit = shop.fit(others, layout).fit
-    own = moved(item.trial, layout.rows, shop.context, contrast=item.trial.contrast)
-    here = score(own, fit).evidence(rows)
+    rows = shop.full.rows.count
+    fit = shop.fit(others, shop.layout(item.trial)).fit
+    here = score(shop.renewed(item.trial), fit).evidence(rows)
     for rival in ranked(shop, shop.in_place_of(item.trial), others, 1):
         if rival.trial.key == item.trial.key or is_of_kind(rival.trial, item.trial):
             continue

@@ -58,7 +58,7 @@ def ripened(
         fit: With these others, without it.
     """
     if is_late(scores[0].trial):
-        return _at_rest(shop, max(scores, key=lambda s: s.gain), others, fit)
+        return _late_at_rest(shop, max(scores, key=lambda s: s.gain), others, fit)
     refined = (refine(s, fit, shop.context) for s in starts(scores))
     tried = sorted(refined, key=lambda s: -s.gain)[:KEPT]
     best = max((_round(shop, s, others, fit) for s in tried), key=lambda s: s.gain)
@@ -113,7 +113,7 @@ def _of_population(trial: Trial, fit: LinearFit, context: Context) -> Score:
     return score_at(found.x, trial, fit, context)
 
 
-def _at_rest(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
+def _late_at_rest(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
     """A delay or a lag evaluated until it gains nothing that could tell one from the other."""
     best = _round(shop, refine(found, fit, shop.context), others, fit)
     for _ in range(MOST_ROUNDS):

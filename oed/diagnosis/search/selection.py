@@ -204,7 +204,7 @@ def _next_physical(
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= 0:
             continue
-        better = _outdone_by(shop, candidate, rivals, others)
+        better = _better_free_form(shop, candidate, rivals, others)
         if better is not None:
             reason = (
                 f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
@@ -217,7 +217,7 @@ def _next_physical(
     return None
 
 
-def _outdone_by(
+def _better_free_form(
     shop: Workshop, candidate: Score, rivals: list[Score], others: Sequence[Trial]
 ) -> Score | None:
     """A free-form term that is better by far, and leaves little for the candidate to explain."""

@@ -37,14 +37,14 @@ def next_free_form(
         for c in ranked(shop, pool, others, shop.settings.refined)
         if c.evidence(shop.full.rows.count) > shop.settings.free_form_margin
     ]
-    for candidate in _most_telling_first(shop, candidates, standing):
+    for candidate in _least_left_first(shop, candidates, standing):
         passed = judge(shop, candidate, accepted, pool, refused)
         if passed is not None:
             return _standing_in(shop, passed, standing)
     return None
 
 
-def _most_telling_first(
+def _least_left_first(
     shop: Workshop, candidates: list[Score], standing: Sequence[Trial]
 ) -> list[Score]:
     """Terms that explain about as much as the best, in the order of what they leave everywhere.
@@ -65,7 +65,7 @@ def _most_telling_first(
     bench = _Bench(shop, standing, best.trial)
 
     def left(candidate: Score) -> float:
-        tried = bench.tried(_refined(shop, [candidate.trial], crowded=False))
+        tried = bench.tried(_with_fine_pieces(shop, [candidate.trial], crowded=False))
         return min((choice.left for choice in tried), default=np.inf)
 
     order = sorted(rivals, key=left)
@@ -75,7 +75,7 @@ def _most_telling_first(
 def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:
     """A free-form term as far as the data determine it, part of the model if it then predicts."""
     bench = _Bench(shop, others, item.trial)
-    tried = bench.tried(_refined(shop, [item.trial, *_alike(shop, item.trial)]))
+    tried = bench.tried(_with_fine_pieces(shop, [item.trial, *_alike(shop, item.trial)]))
     for choice in tried:
         if choice.ratio >= BETTER:
             break
@@ -137,7 +137,9 @@ def _alike(shop: Workshop, trial: Trial) -> list[Trial]:
     ]
 
 
-def _refined(shop: Workshop, trials: Sequence[Trial], *, crowded: bool = True) -> list[Trial]:
+def _with_fine_pieces(
+    shop: Workshop, trials: Sequence[Trial], *, crowded: bool = True
+) -> list[Trial]:
     """Terms with fine pieces, those over a speed once more with pieces that crowd about zero."""
     terms = []
     for effect in (t.effect for t in trials):

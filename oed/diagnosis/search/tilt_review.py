@@ -10,7 +10,6 @@ from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of
 from oed.diagnosis.search.turning import GRAVITY, far_turned, moment_fault, squares_under
-from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -32,10 +31,7 @@ def far_tilt(shop: Workshop) -> Workshop | None:
 
 def stood_upright(shop: Workshop, others: Sequence[Trial]) -> tuple[Workshop, list[Trial]]:
     """Turned tables under the gravity that was declared, with the same noise, and additions there."""
-    upright = shop.upright
-    return upright, [
-        moved(t, upright.layout(t).rows, upright.context, contrast=t.contrast) for t in others
-    ]
+    return shop.upright, [shop.upright.renewed(t) for t in others]
 
 
 def validation_gain_of_tilt(shop: Workshop, others: Sequence[Trial]) -> float | None:

@@ -56,7 +56,9 @@ def far_turned(shop: Workshop) -> Workshop | None:
     best = min(squares, key=lambda tilt: squares[tilt])
     if squares[best] > CLEARLY_BETTER * shop.before.fit.squares:
         return None
-    found = _upright(turned(_rebuilt(shop, _under_tilt(shop.baseline.model, np.array(best))), ()))
+    found = _smaller_of_mirrored(
+        turned(_rebuilt(shop, _under_tilt(shop.baseline.model, np.array(best))), ())
+    )
     old, new = shop.validation_rms(shop.before), found.validation_rms(found.before)
     if old is not None and new is not None and np.mean((new / old) ** 2) >= 1:
         return None
@@ -107,7 +109,7 @@ def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
     return shop
 
 
-def _upright(shop: Workshop) -> Workshop:
+def _smaller_of_mirrored(shop: Workshop) -> Workshop:
     """The smaller of two tilts that an arm in a plane cannot tell apart."""
     declared = shop.declared.model.robot.gravity
     here = shop.baseline.model.robot.gravity

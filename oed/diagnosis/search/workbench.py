@@ -24,6 +24,7 @@ from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, white_group
 from oed.dynamics.effects import MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.torque_model import TorqueModel
 
@@ -111,7 +112,7 @@ def context_of(
         for trial, values in zip(found.chosen, found.coefficients, strict=True)
         if not trial.is_free_form
         and CATALOGUE[trial.name].install is None
-        and not hasattr(trial.effect, "reference")
+        and not isinstance(trial.effect, OnReference)
     )
     return Context.of(
         found.fit.model,

@@ -39,7 +39,8 @@ WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made an
 class Workshop:
     """The tables of one diagnosis: layouts, pools of trials and the held-out recordings.
 
-    It caches; nothing it returns is changed later.
+    What it makes, it makes once and never changes. Two things of its own do change: `context`,
+    which `update_context` takes from better fits, and `rng`, from which surrogates are drawn.
     """
 
     def __init__(
@@ -130,6 +131,10 @@ class Workshop:
     def layout(self, trial: Trial) -> Layout:
         """The rows on which a trial is judged."""
         return self.full if trial.between_repetitions else self.mean
+
+    def renewed(self, trial: Trial) -> Trial:
+        """A trial on the rows of these tables, with what is known by now."""
+        return moved(trial, self.layout(trial).rows, self.context, contrast=trial.contrast)
 
     def fit(
         self, chosen: Sequence[Trial], layout: Layout | None = None, *, bend: bool = True

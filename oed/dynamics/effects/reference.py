@@ -11,6 +11,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -25,6 +26,16 @@ from oed.robot import Robot
 
 STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
 REMEMBERED = 48  # torques of a few recordings: a scan asks for the same ones at each trial value
+
+
+@runtime_checkable
+class OnReference(Protocol):
+    """What is evaluated on a torque as modelled so far."""
+
+    @property
+    def reference(self) -> ReferenceTorque | None:
+        """That torque."""
+        ...
 
 
 @dataclass(frozen=True)
