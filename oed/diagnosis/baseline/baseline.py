@@ -123,7 +123,7 @@ def fine_residual(fit: LinearFit, recording: Prepared) -> Float[ndarray, "sample
 def _white(prepared: tuple[Prepared, ...]) -> Rows:
     joints = prepared[0].torque.shape[1]
     scales = np.sqrt(np.mean(np.concatenate([p.torque for p in prepared]) ** 2, axis=0))
-    noise = tuple(Autoregression(np.ones(1), max(float(s), 1e-9)) for s in scales)
+    noise = tuple(Autoregression.white(s) for s in scales)
     ones = np.ones((sum(p.rows for p in prepared), joints))
     return Rows(prepared, noise, (1.0,) * len(prepared), ones)
 
@@ -131,10 +131,7 @@ def _white(prepared: tuple[Prepared, ...]) -> Rows:
 def _scaled(prepared: tuple[Prepared, ...], rough: LinearFit) -> Rows:
     scales = [noise.scale for noise in rough.rows.noise]
     left = np.sqrt(np.mean(rough.residual**2, axis=1))
-    noise = tuple(
-        Autoregression(np.ones(1), max(float(s * r), 1e-9))
-        for s, r in zip(scales, left, strict=True)
-    )
+    noise = tuple(Autoregression.white(s * r) for s, r in zip(scales, left, strict=True))
     return Rows(prepared, noise, rough.rows.scales, rough.rows.weights)
 
 

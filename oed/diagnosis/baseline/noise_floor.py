@@ -171,7 +171,7 @@ def floor_from_free_form(
         freedom: (n,) share of the degrees of freedom that the fit left to each joint.
     """
     deviation = _deviation(residuals, trusted, freedom)
-    noise = tuple(Autoregression(np.ones(1), max(float(d), 1e-9)) for d in deviation)
+    noise = tuple(Autoregression.white(d) for d in deviation)
     dilution = np.array(
         [correlated_rows([r[:, j] for r in residuals]) for j in range(len(deviation))]
     )

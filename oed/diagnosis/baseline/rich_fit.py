@@ -27,6 +27,8 @@ LEAST_ROWS_PER_COLUMN = 4  # and after the enrichment
 # Least ratio of what a column of a further term explains to what one of correlated noise would.
 CONVINCING = 3.0
 MOST_FURTHER = 4
+LEAST_WIDTH = 1e-9  # [rad/s] of a sign, where encoders have no noise
+NEW = 1e-9  # squared share of a unit column outside a span, below which it adds nothing to it
 REMEMBERED = 16  # joints whose further columns are kept
 
 
@@ -95,7 +97,7 @@ def _basis(
     for _ in range(2):  # once more for the rounding of the first
         scaled = scaled - span @ (span.T @ scaled)
     values, vectors = np.linalg.eigh(scaled.T @ scaled)
-    kept = values > 1e-9
+    kept = values > NEW
     return scaled @ (vectors[:, kept] / np.sqrt(values[kept]))
 
 
@@ -128,7 +130,7 @@ def _convincing(
 def _filtered(
     terms: Sequence[FreeForm], prepared: Sequence[Prepared], joint: int
 ) -> Float[ndarray, "rows columns"]:
-    width = max(WIDTH_PER_SIGMA * float(prepared[0].sign_noise[joint]), 1e-9)
+    width = float(_sign_widths(prepared)[joint])
     return np.concatenate(
         [
             p.band.apply(
@@ -137,6 +139,11 @@ def _filtered(
             for p in prepared
         ]
     )
+
+
+def _sign_widths(prepared: Sequence[Prepared]) -> Float[ndarray, " joints"]:
+    """Velocities over which the sign of each joint's motion turns [rad/s]."""
+    return np.maximum(WIDTH_PER_SIGMA * prepared[0].sign_noise, LEAST_WIDTH)
 
 
 def _first_terms(
@@ -187,7 +194,7 @@ def model_columns(
     Its own; the rate of its torque, which a delay would leave; and that torque's size with the
     direction.
     """
-    widths = np.maximum(WIDTH_PER_SIGMA * prepared[0].sign_noise, 1e-9)
+    widths = _sign_widths(prepared)
     full, blocks = fit.full_parameters(), []
     for p in prepared:
         columns = fit.model.columns(p.motion)

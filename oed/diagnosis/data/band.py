@@ -25,6 +25,7 @@ LOWEST, HIGHEST, STEPS = 1.0, 0.45, 60  # [Hz], of the rate
 OVERLAP = 1.1  # ratio by which each is wider on both sides: the lowest hold few frequencies
 SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not touch the band
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
+BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
 SAMPLES_PER_CUTOFF = 2.5  # analysis rate over cut-off: the whole transition lies below Nyquist
 
 

@@ -10,10 +10,10 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.signal import welch
 
+from oed.diagnosis.data.band import BLOCK
 from oed.diagnosis.data.prepare import Prepared
 
 BINS = 24
-BLOCK = 0.5  # [s] over which residuals count as one observation
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,7 @@ def dependences(
 
 
 def _blocks(prepared: Sequence[Prepared]) -> ndarray:
+    """Number of the block of `BLOCK` seconds of each valid row: one observation each."""
     parts, offset = [], 0
     for p in prepared:
         length = max(1, round(BLOCK * p.band.analysis_rate))

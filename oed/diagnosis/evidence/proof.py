@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-BLOCK = 0.5  # [s] resampled together: residuals are correlated over the band's inverse
+from oed.diagnosis.data.band import BLOCK
+
 INTERVAL = (2.5, 97.5)  # [%]
 
 
@@ -95,7 +96,7 @@ def unseen_ratio(
 def _block_sums(
     series: Sequence[Float[ndarray, "_ joints"]], rate: float
 ) -> Float[ndarray, "blocks joints"]:
-    """Sums of squares of half-second blocks."""
+    """Sums of squares of blocks of `BLOCK` seconds, which are drawn together."""
     length = max(1, round(BLOCK * rate))
     return np.concatenate(
         [np.add.reduceat(x**2, np.arange(0, len(x), length), axis=0) for x in series]

@@ -23,7 +23,6 @@ from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of, left_by, profiled_deviation, widened
 from oed.diagnosis.fit.linear_fit import Projection, project
 from oed.diagnosis.search.ripening import is_unripe
-from oed.diagnosis.search.scan import block_numbers
 from oed.diagnosis.search.workbench import Augmented, Layout, dense, moved, secants
 from oed.diagnosis.search.workshop import Workshop
 
@@ -135,7 +134,7 @@ def _linearised(
     columns, target = _columns(shop, found, layout, steps)
     projection = project(columns)
     covariance = robust_covariance(
-        projection, projection.residual(target), layout.rows.weights, block_numbers(layout.rows)
+        projection, projection.residual(target), layout.rows.weights, layout.rows.blocks()
     )
     return _Linearised(columns, target, projection, covariance)
 

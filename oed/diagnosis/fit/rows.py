@@ -10,9 +10,12 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.ndimage import maximum_filter1d
 
+from oed.diagnosis.data.band import BLOCK
 from oed.diagnosis.data.direction import direction_error
 from oed.diagnosis.data.prepare import Prepared
 from oed.diagnosis.fit.whitening import Autoregression
+
+LEAST_BLOCK = 4  # rows
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,15 @@ class Rows:
     def starts(self) -> Int[ndarray, " recordings_and_end"]:
         """First row of each recording, and the end."""
         return np.concatenate([[0], np.cumsum([p.rows for p in self.prepared])])
+
+    def blocks(self) -> Int[ndarray, " rows"]:
+        """Number of the block of `BLOCK` seconds that each row belongs to."""
+        length = max(LEAST_BLOCK, round(BLOCK * self.prepared[0].band.analysis_rate))
+        counts = [-(-p.rows // length) for p in self.prepared]
+        starts = np.cumsum([0, *counts[:-1]])
+        return np.concatenate(
+            [s + np.arange(p.rows) // length for s, p in zip(starts, self.prepared, strict=True)]
+        )
 
     def whiten(
         self, blocks: Sequence[Float[ndarray, "_ columns"]], joint: int

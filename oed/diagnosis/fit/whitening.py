@@ -21,6 +21,7 @@ LARGEST_ORDER = 24
 # and the inverse of nothing would be noise of the arithmetic.
 FLOOR = 1e-3
 RESPONSE = 2000  # rows after which an innovation is forgotten
+LEAST_DEVIATION = 1e-9  # [unit of x] of noise where a model leaves nothing
 TAPER = 4  # lags that the tapered covariance reaches, in largest orders
 
 
@@ -35,6 +36,11 @@ class Autoregression:
 
     coefficients: Float[ndarray, " lags"]
     scale: float
+
+    @classmethod
+    def white(cls, deviation: float) -> Autoregression:
+        """Noise without colour, of a standard deviation that is never quite zero."""
+        return cls(np.ones(1), max(float(deviation), LEAST_DEVIATION))
 
     @property
     def order(self) -> int:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray
 from scipy.optimize import minimize
 from scipy.special import gammaln
@@ -14,7 +14,6 @@ from scipy.stats import chi2, gumbel_r
 
 from oed.diagnosis.fit.addition import NormalEquations, normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
@@ -24,7 +23,6 @@ FREE_FORM_RIDGE = 1e-3  # of a unit column's square
 # a tenth of a standard deviation.
 AT_REST = 0.01
 MOST_ROUNDS = 12
-BLOCK = 0.5  # [s] of the residual whose sign is flipped together
 
 
 @dataclass(frozen=True)
@@ -223,7 +221,7 @@ def flip_signs(
     fit: LinearFit, count: int, rng: np.random.Generator
 ) -> Float[ndarray, "joints rows count"]:
     """Residuals with random signs, one a block and surrogate, common to all joints."""
-    blocks = block_numbers(fit.rows)
+    blocks = fit.rows.blocks()
     signs = rng.choice([-1.0, 1.0], size=(int(blocks.max()) + 1, count))
     return fit.residual[:, :, None] * signs[blocks][None]
 
@@ -233,16 +231,6 @@ def family_p_value(surprise: float, surrogates: Float[ndarray, " count"]) -> flo
     scale = max(float(np.std(surrogates)) * np.sqrt(6) / np.pi, 0.5)
     location = float(np.mean(surrogates)) - np.euler_gamma * scale
     return float(np.clip(gumbel_r.sf(surprise, location, scale), 1e-300, 1.0))
-
-
-def block_numbers(rows: Rows) -> Int[ndarray, " rows"]:
-    """Number of the block of `BLOCK` seconds that each row belongs to."""
-    length = max(4, round(BLOCK * rows.prepared[0].band.analysis_rate))
-    counts = [-(-p.rows // length) for p in rows.prepared]
-    starts = np.cumsum([0, *counts[:-1]])
-    return np.concatenate(
-        [s + np.arange(p.rows) // length for s, p in zip(starts, rows.prepared, strict=True)]
-    )
 
 
 def _surprises(

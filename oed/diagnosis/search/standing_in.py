@@ -11,6 +11,7 @@ import numpy as np
 from oed.diagnosis.search.judgement import Accepted, Refused, held_out_fault, judge
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score
+from oed.diagnosis.search.telling import RIVAL_SHARE
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm
 from oed.diagnosis.terms.restraint import restrained
@@ -19,7 +20,6 @@ from oed.diagnosis.terms.trials import Trial, free_form_trials
 # Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
 # would carry it to the next motion.
 BETTER = 0.95
-RIVAL_SHARE = 0.7  # of the best term's gain, from which on another may be the one that is meant
 # Pieces of a term that stands in, by the number of its coordinates: what was noticed may be
 # finer than what noticed it, and how fine the data say themselves.
 PIECES = {1: 36, 2: 10}
