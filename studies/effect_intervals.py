@@ -20,7 +20,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.prepare import Prepared, prepare
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import FoundEffect, describe_effects
 from oed.diagnosis.search.selection import search

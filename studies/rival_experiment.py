@@ -15,7 +15,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.prepare import Prepared, prepare
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.rivals.discrimination import NextExperiment, design_discriminating, separation
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, refine, scan

@@ -10,7 +10,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline, find_baseline
-from oed.diagnosis.data.prepare import Prepared, prepare
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.encoder_steps import repeated_steps, rounding_squares, rounding_torque
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final, install

@@ -7,7 +7,8 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from oed.diagnosis.fit.model_columns import effect_columns
-from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop, VaryingInertia
+from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
+from oed.diagnosis.terms.free_form import FreeForm
 from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
 from tests.diagnosis.arm import data_set

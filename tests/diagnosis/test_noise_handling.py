@@ -11,7 +11,8 @@ from oed.diagnosis.data.direction import uncertain_direction
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.free_form import Coordinate, FreeForm
+from oed.diagnosis.terms.coordinates import Coordinate
+from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import Left, likeliest, restrained
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.torque_model import TorqueModel

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
-from oed.diagnosis.evidence.verdict import Estimated, Unexplained
+from oed.diagnosis.evidence.estimates import Estimated
+from oed.diagnosis.evidence.verdict import Unexplained
 from oed.diagnosis.search.judgement import Refused
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.catalogue import CATALOGUE

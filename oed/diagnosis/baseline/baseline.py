@@ -21,7 +21,7 @@ from oed.diagnosis.baseline.noise_floor import (
 from oed.diagnosis.baseline.rich_fit import model_columns, rich_fit
 from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign
 from oed.diagnosis.data.direction import certainty, trusted_samples
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
 from oed.diagnosis.fit.model_columns import with_uncertain_sign
 from oed.diagnosis.fit.rows import Rows, weigh

@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float, Int, Shaped
 from numpy import ndarray
 from scipy.signal import fftconvolve
 
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.whitening import Autoregression, fit_autoregression
 
 NoiseSource = Literal["repetitions", "free-form fit"]

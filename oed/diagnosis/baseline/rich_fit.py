@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.noise_floor import correlated_rows
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
 from oed.diagnosis.terms.free_form import FreeForm

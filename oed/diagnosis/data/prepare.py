@@ -1,10 +1,7 @@
-"""A recording as diagnosis sees it: motion on a fine grid, torque in the analysis band."""
+"""From recordings to one fine grid and one analysis band, chosen from their positions."""
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import accumulate
 
 import numpy as np
@@ -13,11 +10,12 @@ from numpy import ndarray
 
 from oed.diagnosis.data.band import Band, choose_band, position_noise
 from oed.diagnosis.data.bridge import bridged
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.motion import Motion, follow_one_another
 from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.processing import fresh_samples
-from oed.experiment.recording import Recording, Role
+from oed.experiment.recording import Recording
 from oed.experiment.signals.differentiation import central_difference
 from oed.experiment.signals.gaps import find_gaps
 from oed.experiment.signals.lowpass import lowpass
@@ -27,87 +25,6 @@ FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing be
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
 LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
-
-
-@dataclass(frozen=True, eq=False)
-class Prepared:
-    """One recording, ready to be compared with a model; equal to itself alone.
-
-    Attributes:
-        name: Of the recording.
-        role: Of the recording.
-        motion: N fine samples.
-        fine_torque: (N, n) torque on the fine grid, unfiltered [N m].
-        torque: (R, n) filtered rows [N m].
-        t: (R,) time of the rows [s].
-        band: Filter and decimation from fine samples to rows.
-        repetition: (R,) repetition of each row, -1 where there is none.
-        period: Of the motion, None without repetitions [s].
-        sign_noise: (n,) standard deviation of the velocity on the fine grid [rad/s].
-        recorded: (N,) whether a fine sample lies between logged ones, not in a gap of the log.
-        laid: Whether every recording started its clock anew, so that the times of `motion` lay
-            them end to end in the order in which they are listed.
-        laps: Of a mean repetition, its motion at the times of all that it is the mean of, one
-            after another; None of others.
-    """
-
-    name: str
-    role: Role
-    motion: Motion
-    fine_torque: Float[ndarray, "samples joints"]
-    torque: Float[ndarray, "rows joints"]
-    t: Float[ndarray, " rows"]
-    band: Band
-    repetition: Int[ndarray, " rows"]
-    period: float | None
-    sign_noise: Float[ndarray, " joints"]
-    recorded: Bool[ndarray, " samples"]
-    laid: bool = False
-    laps: Motion | None = None
-
-    @property
-    def valid(self) -> Bool[ndarray, " rows"]:
-        """Rows whose whole filter window was recorded."""
-        missing = np.concatenate([[0], np.cumsum(~self.recorded)])
-        window = len(self.band.taps)
-        start = np.arange(self.rows) * self.band.factor
-        return missing[start + window] == missing[start]
-
-    @cached_property
-    def place_in_period(self) -> Int[ndarray, " samples"]:
-        """Index of each fine sample's phase; of the sample itself without repetitions."""
-        index = np.arange(len(self.motion))
-        if self.period is None:
-            return index
-        return np.floor(np.mod(index + 0.5, self.period * self.band.rate)).astype(int)
-
-    @cached_property
-    def mean_motion(self) -> Motion:
-        """The motion with every state replaced by its mean over the repetitions."""
-        motion = self.motion
-        if self.period is None:
-            return motion
-        q, dq, ddq = (self.phase_mean(x) for x in (motion.q, motion.dq, motion.ddq))
-        return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
-
-    def phase_mean(
-        self, fine: Float[ndarray, "samples columns"]
-    ) -> Float[ndarray, "samples columns"]:
-        """Mean over the repetitions at the phase of each fine sample."""
-        place = self.place_in_period
-        counts = np.maximum(np.bincount(place), 1)
-        means = np.stack([np.bincount(place, weights=column) for column in fine.T], axis=1)
-        return (means / counts[:, None])[place]
-
-    @property
-    def rows(self) -> int:
-        """Number of rows R."""
-        return len(self.t)
-
-    @property
-    def phase(self) -> Float[ndarray, " rows"]:
-        """Time within the period, or the time itself without repetitions [s]."""
-        return self.t if self.period is None else np.mod(self.t, self.period)
 
 
 def fine_rate(recordings: tuple[Recording, ...]) -> float:

@@ -11,7 +11,7 @@ from numpy import ndarray
 from scipy.signal import welch
 
 from oed.diagnosis.data.band import BLOCK
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 
 BINS = 24
 

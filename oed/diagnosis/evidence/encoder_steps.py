@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording

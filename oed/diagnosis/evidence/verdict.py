@@ -11,25 +11,21 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
-from oed.diagnosis.data.prepare import EDGE
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
+from oed.diagnosis.evidence.estimates import Estimated, estimates, from_declared
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of
 from oed.diagnosis.search.judgement import is_own
 from oed.diagnosis.search.selection import Selection
 from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
-from oed.diagnosis.search.turning import GRAVITY, total_tilt
+from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
-from oed.diagnosis.terms.shape_axes import axis_slope
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects.catalogue import CATALOGUE, Context
-from oed.dynamics.effects.gravity import tilt_directions
-from oed.dynamics.effects.payload import PayloadChange
-from oed.dynamics.effects.thermal import since
+from oed.dynamics.effects.catalogue import Context
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 # Error over floor, on recordings that no parameter was fitted to, above which something is missing
@@ -37,16 +33,6 @@ Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 CLEAR_UNSEEN = 2.0
 OPEN = 0.9  # of the deviation of a shape of which nothing is known
 AT_BOUND = 0.01  # of its range
-
-
-@dataclass(frozen=True)
-class Estimated:
-    """A parameter of an effect."""
-
-    name: str
-    value: float
-    std: float
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -118,7 +104,7 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
         count = len(coefficients)
         given = covariance[:count, count:] @ np.linalg.pinv(covariance[count:, count:])
         own = covariance[:count, :count] - given @ covariance[count:, :count]
-        values = _from_declared(shop, trial, coefficients)
+        values = from_declared(shop, trial, coefficients)
         wald = float(values @ np.linalg.pinv(own, hermitian=True) @ values)
         others = [t for t in whole.chosen if t is not trial]
         if chi2.sf(wald, count) > level and not foretells_most(shop, others, trial, ()):
@@ -160,9 +146,7 @@ def describe_effects(
             FoundEffect(
                 name=trial.name,
                 joint=trial.joint,
-                parameters=_estimates(
-                    shop, trial, _from_declared(shop, trial, coefficients), covariance
-                ),
+                parameters=estimates(shop, trial, coefficients, covariance),
                 p_value=own.p_value,
                 validation_gain=(
                     validation_gain_of_tilt(shop, others)
@@ -234,44 +218,3 @@ def _is_mended(trial: Trial, chosen: Sequence[Trial]) -> bool:
 def _mends(other: Trial, trial: Trial) -> bool:
     """Whether another addition is a freer form of an effect."""
     return other.joint == trial.joint and is_own(other, trial)
-
-
-def _from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np.ndarray:
-    """Coefficients, a tilt's counted from the declared gravity."""
-    if trial.name != GRAVITY or not shop.is_turned:
-        return coefficients
-    count = len(tilt_directions(shop.baseline.model.robot.gravity)[0])
-    return np.concatenate([total_tilt(shop, coefficients[:count]), coefficients[count:]])
-
-
-def _unseen_stretch(shop: Workshop, change: PayloadChange) -> float:
-    """Time between the rows before and after a moment [s]: it may lie anywhere in between."""
-    own = [p.band.instants(since(p.motion.t, change.start)) for p in shop.estimation]
-    t = np.sort(np.concatenate(own)) - change.moment
-    before, after = t[t <= 0], t[t > 0]
-    return float(after[0] - before[-1]) if len(before) and len(after) else 0.0
-
-
-def _estimates(
-    shop: Workshop, trial: Trial, coefficients: np.ndarray, covariance: np.ndarray
-) -> tuple[Estimated, ...]:
-    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    parameters = trial.effect.parameters
-    estimates = []
-    if not trial.fixed:
-        estimates = [
-            Estimated(p.name, float(v), float(s), p.unit)
-            for p, v, s in zip(parameters, coefficients, deviations[: len(parameters)], strict=True)
-        ]
-        deviations = deviations[len(parameters) :]
-    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
-    for shape, value, on_axis in zip(shapes, trial.values, deviations, strict=False):
-        lead = 0.0
-        std = 0.0 if shape.scale == "choice" else float(on_axis) * axis_slope(value, shape)
-        if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
-            std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
-            lead = EDGE  # since the log's first sample, not since the first that is used
-        # A shape can be no less certain than anywhere in its range.
-        spread = (shape.upper - shape.lower) / np.sqrt(12)
-        estimates.append(Estimated(shape.name, value + lead, min(std, float(spread)), shape.unit))
-    return tuple(estimates)

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.dynamics.effects import Coulomb, Effect, State
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 
 # Repetitions whose positions differ by more than this share of the motion are not repetitions:
 # their mean would be a motion that nobody ran.

@@ -12,7 +12,7 @@ from scipy.ndimage import maximum_filter1d
 
 from oed.diagnosis.data.band import BLOCK
 from oed.diagnosis.data.direction import direction_error
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.whitening import Autoregression
 
 LEAST_BLOCK = 4  # rows

@@ -23,7 +23,8 @@ from scipy.stats import norm
 from oed.design.default_limits import with_default_limits
 from oed.design.limits import fill
 from oed.design.trajectories import FourierClass
-from oed.diagnosis.data.prepare import EDGE, Prepared
+from oed.diagnosis.data.prepare import EDGE
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.rivals.confusion import Pair, confusion, torque_beside
 from oed.diagnosis.search.scan import refine, score

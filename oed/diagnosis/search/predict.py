@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.model_columns import effect_columns, filtered_columns
 from oed.diagnosis.search.workbench import Augmented

@@ -13,7 +13,8 @@ from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score
 from oed.diagnosis.search.telling import RIVAL_SHARE
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm
+from oed.diagnosis.terms.coordinates import Coordinate, Factor
+from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial, free_form_trials
 

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import (
     LinearFit,
     fit_columns,

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign, with_widths
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.search.predict import fine_torque, prediction_errors, rms
 from oed.diagnosis.search.unseen import Unseen

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.data.prepare import Prepared
-from oed.diagnosis.terms.free_form import Coordinate, Factor, FreeForm, Loop, VaryingInertia
+from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
+from oed.diagnosis.terms.free_form import FreeForm
 from oed.dynamics.effects.thermal import since
 
 PIECES_ALONE = 8

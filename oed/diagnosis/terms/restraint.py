@@ -24,7 +24,8 @@ from scipy.linalg import eigh
 
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.terms.free_form import Coordinate, FreeForm, VaryingInertia
+from oed.diagnosis.terms.coordinates import Coordinate, VaryingInertia
+from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 
 # Standard deviations that a combination of the expected size must measure, from what noise

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepare import Prepared
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.free_form import FreeForm

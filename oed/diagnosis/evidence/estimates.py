@@ -1,0 +1,94 @@
+"""The parameters of a named effect, as they may be told: values, deviations and units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.data.prepare import EDGE
+from oed.diagnosis.search.turning import GRAVITY, total_tilt
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.shape_axes import axis_slope
+from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.gravity import tilt_directions
+from oed.dynamics.effects.payload import PayloadChange
+from oed.dynamics.effects.thermal import since
+
+
+@dataclass(frozen=True)
+class Estimated:
+    """A parameter of an effect.
+
+    Attributes:
+        name: Symbol in words.
+        value: In `unit`.
+        std: Standard deviation.
+        unit: SI unit.
+    """
+
+    name: str
+    value: float
+    std: float
+    unit: str
+
+
+def estimates(
+    shop: Workshop,
+    trial: Trial,
+    coefficients: Float[ndarray, " columns"],
+    covariance: Float[ndarray, "parameters parameters"],
+) -> tuple[Estimated, ...]:
+    """Coefficients of an effect, unless they are fixed, then its shapes.
+
+    Args:
+        shop: The laid-out data.
+        trial: The effect.
+        coefficients: Of its columns.
+        covariance: Of the coefficients and the shapes on their axes.
+    """
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    count = 0 if trial.fixed else len(coefficients)
+    values = from_declared(shop, trial, coefficients)[:count]
+    sizes = [
+        Estimated(p.name, float(value), float(std), p.unit)
+        for p, value, std in zip(
+            trial.effect.parameters[:count], values, deviations[:count], strict=True
+        )
+    ]
+    return (*sizes, *_shapes(shop, trial, deviations[count:]))
+
+
+def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) -> list[Estimated]:
+    """Shapes with their deviations, given on their axes."""
+    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
+    found = []
+    for shape, value, on_axis in zip(shapes, trial.values, on_axes, strict=False):
+        lead = 0.0
+        std = 0.0 if shape.scale == "choice" else float(on_axis) * axis_slope(value, shape)
+        if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
+            std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
+            lead = EDGE  # since the log's first sample, not since the first that is used
+        # A shape can be no less certain than anywhere in its range.
+        spread = (shape.upper - shape.lower) / np.sqrt(12)
+        found.append(Estimated(shape.name, value + lead, min(std, float(spread)), shape.unit))
+    return found
+
+
+def _unseen_stretch(shop: Workshop, change: PayloadChange) -> float:
+    """Time between the rows before and after a moment [s]: it may lie anywhere in between."""
+    own = [p.band.instants(since(p.motion.t, change.start)) for p in shop.estimation]
+    t = np.sort(np.concatenate(own)) - change.moment
+    before, after = t[t <= 0], t[t > 0]
+    return float(after[0] - before[-1]) if len(before) and len(after) else 0.0
+
+
+def from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np.ndarray:
+    """Coefficients, a tilt's counted from the declared gravity."""
+    if trial.name != GRAVITY or not shop.is_turned:
+        return coefficients
+    count = len(tilt_directions(shop.baseline.model.robot.gravity)[0])
+    return np.concatenate([total_tilt(shop, coefficients[:count]), coefficients[count:]])

@@ -1,0 +1,224 @@
+"""What a free-form term may depend on, and the functions of it that the term is made of.
+
+Cubic B-splines in one coordinate; outside the range that the data covered, they keep the value at
+its edge. Any loop against a joint's position, as a sum of elastic sliders. Signals in proportion to
+which a function of something else acts, and inertia that changes with position.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.interpolate import BSpline
+
+from oed.dynamics.effects import State
+from oed.dynamics.effects.hysteresis import maxwell_elements
+from oed.dynamics.effects.thermal import since
+
+DEGREE = 3
+CROWDING = 0.1  # of a coordinate's largest value, about which crowded pieces crowd
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A coordinate that a free-form term may depend on.
+
+    Attributes:
+        kind: "q", "dq", "ddq" or "time".
+        joint: Index of the joint; 0 for time.
+        lower: Least value that the data covered.
+        upper: Largest value.
+        pieces: Polynomial pieces of the spline.
+        crowding: Value below which the pieces crowd: they are even in asinh of the coordinate
+            over it. None for pieces that are even in the coordinate.
+        start: Origin of time [s]; None for the first sample of each recording.
+    """
+
+    kind: str
+    joint: int
+    lower: float
+    upper: float
+    pieces: int
+    crowding: float | None = None
+    start: float | None = 0.0
+
+    @property
+    def name(self) -> str:
+        """Such as "dq_2" (joints from 1), or "time"."""
+        return "time" if self.kind == "time" else f"{self.kind}_{self.joint + 1}"
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Itself."""
+        return (self.name,)
+
+    @property
+    def functions(self) -> int:
+        """Number of basis functions."""
+        return self.pieces + DEGREE
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """B-splines that add up to one; beyond the covered range they stay at its edge."""
+        inside = np.clip(self._values(state), self.lower, self.upper)
+        lower, upper = self._knots[[0, -1]]
+        stretched = np.clip(self._stretched(inside), lower, upper)
+        return BSpline.design_matrix(stretched, self._knots, DEGREE).toarray()
+
+    def slopes(self, state: State) -> Float[ndarray, "samples functions"]:
+        """Derivatives of the B-splines, even ones; zero beyond the covered range."""
+        values = self._values(state)
+        splines = BSpline(self._knots, np.eye(self.functions), DEGREE).derivative()
+        covered = (values >= self.lower) & (values <= self.upper)
+        return splines(np.clip(values, self.lower, self.upper)) * covered[:, None]
+
+    @property
+    def _knots(self) -> Float[ndarray, " knots"]:
+        lower, upper = self._stretched(np.array([self.lower, self.upper]))
+        inner = np.linspace(lower, upper, self.pieces + 1)
+        return np.concatenate([[lower] * DEGREE, inner, [upper] * DEGREE])
+
+    def refined(self, pieces: int) -> Coordinate:
+        """With at least so many pieces."""
+        return dataclasses.replace(self, pieces=max(pieces, self.pieces))
+
+    def crowded(self) -> Coordinate:
+        """With its pieces closer together about zero, as friction changes with speed."""
+        return dataclasses.replace(self, crowding=CROWDING * max(abs(self.lower), abs(self.upper)))
+
+    def _values(self, state: State) -> Float[ndarray, " samples"]:
+        if self.kind == "time":
+            return np.asarray(since(state.t, self.start), dtype=float)
+        return np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
+
+    def _stretched(self, values: Float[ndarray, " count"]) -> Float[ndarray, " count"]:
+        return values if self.crowding is None else np.arcsinh(values / self.crowding)
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What a joint's position drags: torque that lags behind each reversal over some distance.
+
+    Elastic sliders (stop operators) of many break-away distances add up to any loop of
+    Prandtl and Ishlinskii (Brokate and Sprekels 1996, "Hysteresis and Phase Transitions").
+
+    Attributes:
+        joint: Whose position drags.
+        shortest: Break-away distance of the first slider [rad or m].
+        longest: Of the last [rad or m].
+        functions: Number of sliders, their distances in geometric steps.
+    """
+
+    joint: int
+    shortest: float
+    longest: float
+    functions: int
+    kind = "loop"
+
+    def refined(self, pieces: int) -> Loop:
+        """With at least so many sliders."""
+        return dataclasses.replace(self, functions=max(pieces, self.functions))
+
+    @property
+    def name(self) -> str:
+        """Such as "loop of q_2"."""
+        return f"loop of q_{self.joint + 1}"
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Position, by its reversals, and direction."""
+        return (f"q_{self.joint + 1}", f"dq_{self.joint + 1}")
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """Deflection of each slider, from -1 to 1, relaxed at the start.
+
+        Raises:
+            ValueError: If the state is symbolic.
+        """
+        q = np.ascontiguousarray(state.motion(self.name).q[:, self.joint])
+        distances = np.geomspace(self.shortest, self.longest, self.functions)
+        return np.stack([maxwell_elements(q, np.array([d])) for d in distances], axis=1)
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A signal in proportion to which a function of something else acts.
+
+    With it a term is linear in this signal, its coefficient varying (Hastie and Tibshirani
+    1993, "Varying-coefficient models", JRSS B 55(4)): far fewer parameters than a function of
+    both coordinates, and sure beyond the range that was covered.
+
+    Attributes:
+        kind: "dq" or "ddq".
+        joint: Index of the joint.
+    """
+
+    kind: str
+    joint: int
+    functions = 1
+
+    def refined(self, _pieces: int) -> Factor:
+        """Itself: a line has no pieces."""
+        return self
+
+    @property
+    def name(self) -> str:
+        """Such as "dq_2" (joints from 1)."""
+        return f"{self.kind}_{self.joint + 1}"
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Itself."""
+        return (self.name,)
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """The signal."""
+        values = np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
+        return values[:, None]
+
+
+@dataclass(frozen=True)
+class VaryingInertia:
+    """Inertia that changes with a joint's position: J(q) ddq + J'(q) dq^2 / 2.
+
+    A crank, a linkage or a cam carries what its motor turns in this way. Both parts follow from
+    one energy J dq^2 / 2, so that they share their coefficients.
+
+    Attributes:
+        position: Of the joint, with the pieces of J.
+    """
+
+    position: Coordinate
+    kind = "inertia"
+
+    def refined(self, pieces: int) -> VaryingInertia:
+        """With at least so many pieces."""
+        return VaryingInertia(self.position.refined(pieces))
+
+    @property
+    def functions(self) -> int:
+        """Number of basis functions."""
+        return self.position.functions
+
+    @property
+    def name(self) -> str:
+        """Such as "inertia over q_2"."""
+        return f"inertia over {self.position.name}"
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Position, speed and acceleration of the joint."""
+        joint = self.position.joint + 1
+        return (f"q_{joint}", f"dq_{joint}", f"ddq_{joint}")
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """Torque of each spline's inertia."""
+        dq, ddq = (
+            np.asarray(getattr(state, kind)[self.position.joint], dtype=float)[:, None]
+            for kind in ("dq", "ddq")
+        )
+        slope = self.position.slopes(state)
+        return self.position.basis(state) * ddq + slope * dq**2 / 2
