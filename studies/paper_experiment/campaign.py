@@ -88,7 +88,6 @@ class Experiment:
 
     Attributes:
         variances: (n,) of the torque as logged, over M repetitions [N^2 m^2].
-        filtered_variances: (n,) of the processed torque.
         parameters: (8,) xi-hat.
         covariance: (8, 8) P of (8).
         recursion: (steps, 8) xi-hat after each sample.
@@ -100,7 +99,6 @@ class Experiment:
     """
 
     variances: Float[ndarray, " n"]
-    filtered_variances: Float[ndarray, " n"]
     parameters: Float[ndarray, "8"]
     covariance: Float[ndarray, "8 8"]
     recursion: Float[ndarray, "steps 8"]
@@ -198,7 +196,6 @@ def analyse(
     rms = np.sqrt(((torque - predicted) ** 2).mean(axis=1))
     return Experiment(
         variances=variances,
-        filtered_variances=variances_from_repetitions(runs.tau),
         parameters=parameters,
         covariance=estimate.solution.covariance,
         recursion=estimate.parameters,

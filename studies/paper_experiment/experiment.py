@@ -24,7 +24,6 @@ from studies.paper_experiment.writing import write
 def main(argv: Sequence[str] | None = None) -> int:
     """Command line."""
     parser = argparse.ArgumentParser(description="The paper's experiment, in simulation.")
-    parser.add_argument("--data", type=Path, help="ignored: this experiment is simulated")
     parser.add_argument("--out", type=output_folder, help="results/paper if not given")
     parser.add_argument("--cache", type=Path, default=Config.cache)
     parser.add_argument("--experiments", type=int, default=Config.experiments)

@@ -5,7 +5,6 @@ import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.effects.entry import evaluate
-from oed.dynamics.effects.similarity import effect_angles, equivalence_classes, principal_angles
 from oed.dynamics.torque_model import TorqueModel
 from tests.dynamics.effects.arms import (
     context_of,
@@ -14,6 +13,7 @@ from tests.dynamics.effects.arms import (
     smooth_motion,
     vertical_arm,
 )
+from tests.dynamics.effects.similarity import effect_angles, equivalence_classes, principal_angles
 
 
 def _rows(context: Context, name: str, target, values: tuple[float, ...] = ()) -> np.ndarray:

@@ -38,11 +38,6 @@ class Similarity:
         """Largest principal angle [rad]: near zero if the smaller effect lies in the other."""
         return float(self.angles[-1]) if len(self.angles) else np.pi / 2
 
-    @property
-    def smallest(self) -> float:
-        """Smallest principal angle [rad]: near zero if some torque of both is the same."""
-        return float(self.angles[0]) if len(self.angles) else np.pi / 2
-
 
 def effect_angles(
     model: TorqueModel,
