@@ -67,7 +67,7 @@ class Baseline:
         """
         fit = fit_model(model, self.columns, self.rows(prepared), known)
         floor = _read_floor(fit, prepared, known)
-        return dataclasses.replace(self, model=model, floor=floor, coulomb=coulomb_of(fit))
+        return dataclasses.replace(self, model=model, floor=floor, coulomb=_coulomb_of(fit))
 
     def standing_as(self, other: Baseline) -> Baseline:
         """Another baseline's model with the noise of this one."""
@@ -94,7 +94,7 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     rough = fit_model(sharp, columns, _white(prepared))
     rough = fit_model(sharp, columns, _scaled(prepared, rough))
     found = Baseline(
-        sharp, columns, _read_floor(rough, prepared), coulomb_of(rough), tuple(widths_of(sharp))
+        sharp, columns, _read_floor(rough, prepared), _coulomb_of(rough), tuple(widths_of(sharp))
     )
     # What encoder noise does to the torque depends on the inertias, and a fit that does not yet
     # know the noise's colour takes them for too small.
@@ -103,7 +103,7 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     return found
 
 
-def coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
+def _coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
     """Height of each joint's friction step as the fit has it [N m]."""
     heights = np.zeros(fit.model.robot.n)
     full = fit.full_parameters()
@@ -115,7 +115,7 @@ def coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
     return heights
 
 
-def fine_residual(fit: LinearFit, recording: Prepared) -> Float[ndarray, "samples joints"]:
+def _fine_residual(fit: LinearFit, recording: Prepared) -> Float[ndarray, "samples joints"]:
     """Unfiltered residual of a fit on a recording's fine grid [N m]."""
     return recording.fine_torque - fit.model.torque(fit.full_parameters(), recording.motion)
 
@@ -150,13 +150,13 @@ def _repetition_floor(
     rough: LinearFit, prepared: tuple[Prepared, ...], known: Sequence[Float[ndarray, "_ joints"]]
 ) -> NoiseFloor:
     pairs = zip(prepared, known, strict=True)
-    residuals = [(p, fine_residual(rough, p) - k) for p, k in pairs if p.period is not None]
+    residuals = [(p, _fine_residual(rough, p) - k) for p, k in pairs if p.period is not None]
     repeated = [p for p, _ in residuals]
     series = [repetition_series(p, residual) for p, residual in residuals]
     # Periods may differ from recording to recording.
     apart = np.concatenate([differences(s).reshape(-1, s.shape[2]) for s in series])
     deviation = np.std(apart, axis=0)
-    coulomb = coulomb_of(rough)
+    coulomb = _coulomb_of(rough)
     trusted = []
     for p in repeated:
         fine = np.stack(
@@ -171,7 +171,7 @@ def _free_form_floor(
 ) -> NoiseFloor:
     """What a rich fit of each joint leaves of the torque less `known`."""
     joints = fit.model.robot.n
-    coulomb = coulomb_of(fit)
+    coulomb = _coulomb_of(fit)
     pairs = zip(prepared, known, strict=True)
     torque = np.concatenate([p.torque - p.band.apply(k) for p, k in pairs])
     own = model_columns(fit, prepared)

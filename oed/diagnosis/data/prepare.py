@@ -27,7 +27,7 @@ LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 
 
-def fine_rate(recordings: tuple[Recording, ...]) -> float:
+def _fine_rate(recordings: tuple[Recording, ...]) -> float:
     """Common rate of the fine grid [Hz]: the slowest recording's, rounded, at most 1 kHz."""
     slowest = min(1 / float(np.median(np.diff(r.t))) for r in recordings)
     return min(FINEST_RATE, float(f"{slowest:.3g}"))
@@ -39,7 +39,7 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     Raises:
         ValueError: If a recording is too short for its band.
     """
-    rate = fine_rate(recordings)
+    rate = _fine_rate(recordings)
     raw = [_uniform(recording, rate) for recording in recordings]
     positions = [
         stretch
@@ -50,7 +50,7 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     if all(recording.repetitions < 2 for recording in recordings):
         highest = min(highest, _motion_band(recordings, rate))
     band = choose_band(positions, rate, settings.lowest_cutoff, highest)
-    noise = velocity_noise(position_noise(positions, rate)[0], band)
+    noise = _velocity_noise(position_noise(positions, rate)[0], band)
     starts = _starts_end_to_end(recordings)
     return tuple(
         _prepare_one(recording, *signals, band=band, noise=noise, start=start)
@@ -83,7 +83,7 @@ def _motion_band(recordings: tuple[Recording, ...], rate: float) -> float:
     return max(LEAST_BAND, 2 * search_cutoff(estimation, rate, shortest).band_edge)
 
 
-def velocity_noise(density: Float[ndarray, " joints"], band: Band) -> Float[ndarray, " joints"]:
+def _velocity_noise(density: Float[ndarray, " joints"], band: Band) -> Float[ndarray, " joints"]:
     """Standard deviation of the smoothed, differentiated encoder noise [rad/s]."""
     frequency = np.linspace(0, band.rate / 2, 2000)
     gain = 1 / (1 + (frequency / band.smoothing) ** 8)

@@ -77,12 +77,10 @@ def _rivals_of_tilt(shop: Workshop, others: list[Trial]) -> tuple[Rival, ...]:
     for found in ranked(upright, upright.physical, levelled, RIVALS)[: RIVALS + 1]:
         if found.trial.name == GRAVITY:
             continue
-        mean = upright.layout_for([*levelled, found.trial]) is upright.mean
-        tilted = shop.fit(others, shop.mean if mean else shop.full, bend=False)
-        other = upright.fit(
-            [*levelled, found.trial], upright.mean if mean else upright.full, bend=False
-        )
-        unseen = [s.unseen if mean else s.unseen_full for s in (shop, upright)]
+        chosen = [*levelled, found.trial]
+        tilted = shop.fit(others, shop.layout_for(chosen), bend=False)
+        other = upright.fit(chosen, upright.layout_for(chosen), bend=False)
+        unseen = [s.unseen_by(chosen) for s in (shop, upright)]
         foretold = [u.left(fit) for u, fit in zip(unseen, (tilted, other), strict=True)]
         unit = np.maximum(foretold[0] / unseen[0].counted, 1.0)
         chance = float(inflation_of(tilted.fit).mean())

@@ -34,7 +34,7 @@ class CrossValidation:
         return float(gains.sum()), float(gains.sum() - gains.max())
 
 
-def segments_of(rows: Rows, folds: int) -> Int[ndarray, " rows"]:
+def _segments_of(rows: Rows, folds: int) -> Int[ndarray, " rows"]:
     """(R,) segment of each row: stretches of the motion's phase, the same in every repetition."""
     count = folds * SEGMENTS_PER_FOLD
     parts, offset = [], 0
@@ -53,7 +53,7 @@ def cross_validate(found: Augmented, folds: int) -> CrossValidation:
     Every `folds`-th segment of each recording belongs to one fold.
     """
     fit = found.fit
-    segments = segments_of(fit.rows, folds)
+    segments = _segments_of(fit.rows, folds)
     basis = fit.projection.basis
     # In the span's own coordinates the whole fit has unit Gram matrix, and the residual is
     # all that a left-out part can change: y = basis c + residual for any c.

@@ -95,7 +95,9 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
     for earlier in accepted:
         if not set(earlier.trial.group) & set(candidate.trial.group):
             continue
-        share = candidate.gain / max(_gain_at(shop, accepted, earlier, candidate.trial), 1e-300)
+        share = candidate.gain / max(
+            _gain_of_earlier(shop, accepted, earlier, candidate.trial), 1e-300
+        )
         if share < shop.settings.mop_up_floor:
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
@@ -112,7 +114,9 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
     return None
 
 
-def _gain_at(shop: Workshop, accepted: list[Accepted], earlier: Accepted, trial: Trial) -> float:
+def _gain_of_earlier(
+    shop: Workshop, accepted: list[Accepted], earlier: Accepted, trial: Trial
+) -> float:
     """What an earlier addition gains beside the others, at the joints on which a trial acts.
 
     No more than at its acceptance: others may have taken its place meanwhile.

@@ -18,22 +18,22 @@ from oed.diagnosis.terms.trials import Trial
 def prediction_errors(
     found: Augmented,
     prepared: Sequence[Prepared],
-    base_torque: Sequence[Float[ndarray, "_ n base"]],
+    columns: Sequence[Float[ndarray, "_ n base"]],
 ) -> list[Float[ndarray, "_ joints"]]:
     """Torque less prediction in the analysis band [N m], all rows, one array a recording.
 
     Args:
         found: Fitted to other recordings.
         prepared: The recordings.
-        base_torque: Their filtered base columns.
+        columns: Their filtered base columns.
     """
     fit = found.fit
     base = fit.parameters[: len(fit.columns)]
     errors = []
-    for recording, columns in zip(prepared, base_torque, strict=True):
-        error = recording.torque - columns @ base
+    for recording, own in zip(prepared, columns, strict=True):
+        error = recording.torque - own @ base
         for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
-            error = error - addition_torque(trial, coefficients, recording)
+            error = error - recording.band.apply(fine_torque(trial, coefficients, recording))
         errors.append(error)
     return errors
 
@@ -41,13 +41,6 @@ def prediction_errors(
 def base_columns(fit: LinearFit, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ n base"]]:
     """Filtered base columns of recordings."""
     return [filtered_columns(fit.model, p, fit.columns) for p in prepared]
-
-
-def addition_torque(
-    trial: Trial, coefficients: Float[ndarray, " columns"], recording: Prepared
-) -> Float[ndarray, "rows joints"]:
-    """Filtered torque of one addition along a recording [N m]."""
-    return recording.band.apply(fine_torque(trial, coefficients, recording))
 
 
 def fine_torque(

@@ -61,7 +61,7 @@ def ripened(
         return _late_at_rest(shop, max(scores, key=lambda s: s.gain), others, fit)
     refined = (refine(s, fit, shop.context) for s in starts(scores))
     tried = sorted(refined, key=lambda s: -s.gain)[:KEPT]
-    best = max((_round(shop, s, others, fit) for s in tried), key=lambda s: s.gain)
+    best = max((_on_what_it_leaves(shop, s, others, fit) for s in tried), key=lambda s: s.gain)
     return _followed(shop, best, others, fit)
 
 
@@ -72,14 +72,14 @@ def has_crests(found: Score) -> bool:
 
 def searched(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
     """A ripened candidate, or the better one that a population of its shapes finds."""
-    best = _round(shop, _of_population(found.trial, fit, shop.context), others, fit)
+    best = _on_what_it_leaves(shop, _of_population(found.trial, fit, shop.context), others, fit)
     return max(found, _followed(shop, best, others, fit), key=lambda s: s.gain)
 
 
 def _followed(shop: Workshop, best: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
     """Rounds until one gains little."""
     for _ in range(ROUNDS):
-        again = _round(shop, best, others, fit)
+        again = _on_what_it_leaves(shop, best, others, fit)
         is_last = again.gain < WORTH * best.gain
         best = max(best, again, key=lambda s: s.gain)
         if is_last:
@@ -115,9 +115,9 @@ def _of_population(trial: Trial, fit: LinearFit, context: Context) -> Score:
 
 def _late_at_rest(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
     """A delay or a lag evaluated until it gains nothing that could tell one from the other."""
-    best = _round(shop, refine(found, fit, shop.context), others, fit)
+    best = _on_what_it_leaves(shop, refine(found, fit, shop.context), others, fit)
     for _ in range(MOST_ROUNDS):
-        again = _round(shop, best, others, fit)
+        again = _on_what_it_leaves(shop, best, others, fit)
         settled = again.gain < best.gain + SETTLED
         best = max(best, again, key=lambda s: s.gain)
         if settled:
@@ -125,7 +125,9 @@ def _late_at_rest(shop: Workshop, found: Score, others: Sequence[Trial], fit: Li
     return best
 
 
-def _round(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
+def _on_what_it_leaves(
+    shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit
+) -> Score:
     """The candidate on the reference torque of a fit with it."""
     layout = shop.layout(found.trial)
     whole = shop.fit([*others, found.trial], layout, bend=False)

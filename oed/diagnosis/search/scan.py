@@ -60,10 +60,10 @@ class Score:
     def surprise(self, inflation: Float[ndarray, " joints"]) -> float:
         """-log of the chance of this gain in noise that large, shapes counted as parameters."""
         gains = np.array([max(self.gain, 0.0) / inflation[list(self.trial.group)].mean()])
-        return float(minus_log_chance(gains, max(self.freedom, 1))[0])
+        return float(_minus_log_chance(gains, max(self.freedom, 1))[0])
 
 
-def minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[ndarray, " count"]:
+def _minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[ndarray, " count"]:
     """-log of a chi-square's upper tail, by its leading terms where it underflows."""
     exact = -chi2.logsf(np.minimum(gains, 400.0), freedom)
     half = np.maximum(gains, 1.0) / 2
@@ -202,7 +202,7 @@ def surrogate_surprise(
     destroyed, while size, bursts and colour stay. The maximum over all trials carries the
     multiplicity of the search.
     """
-    flipped = flip_signs(fit, count, rng)
+    flipped = _flip_signs(fit, count, rng)
     inside = np.einsum("jrb,jrs->bs", fit.projection.basis, flipped, optimize=True)
     largest = np.zeros(count)
     inflation = inflation_of(fit)
@@ -217,7 +217,7 @@ def surrogate_surprise(
     return largest
 
 
-def flip_signs(
+def _flip_signs(
     fit: LinearFit, count: int, rng: np.random.Generator
 ) -> Float[ndarray, "joints rows count"]:
     """Residuals with random signs, one a block and surrogate, common to all joints."""
@@ -248,4 +248,4 @@ def _surprises(
     else:
         gains = directions.gains(moments, _ridge_of(trial))
     freedom = (0 if trial.fixed else directions.rank) + trial.shapes
-    return minus_log_chance(gains / inflation, max(freedom, 1))
+    return _minus_log_chance(gains / inflation, max(freedom, 1))

@@ -58,12 +58,8 @@ def tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
     cost = 2 * np.log(shop.full.rows.count)
     if gain < cost:
         return f"gains {gain:.3g} beside the other additions"
-    errors = [s.validation_rms(f) for s, f in ((upright, old), (shop, new))]
-    if (
-        errors[0] is not None
-        and errors[1] is not None
-        and np.mean((errors[1] / errors[0]) ** 2) >= 1
-    ):
+    before, after = upright.validation_rms(old), shop.validation_rms(new)
+    if before is not None and after is not None and np.mean((after / before) ** 2) >= 1:
         return "beside the other additions it does not lower the validation error"
     if chance < COMPLETE:
         return None

@@ -38,7 +38,7 @@ HEAVIEST = 1000.0  # [kg] of a link, beyond every arm on the market
 CLEARLY_BETTER = 0.5  # share of the squares that a far direction may leave
 
 
-def gravity_trial(shop: Workshop) -> Trial:
+def _gravity_trial(shop: Workshop) -> Trial:
     """The tilt's columns at the direction that the tables have."""
     return catalogue_trial(CATALOGUE[GRAVITY], shop.context, None, (), shop.mean.rows)
 
@@ -69,7 +69,7 @@ def far_turned(shop: Workshop) -> Workshop | None:
 def accepted_tilt(shop: Workshop, declared: Workshop, p_value: float) -> Accepted:
     """The tilt as an addition to turned tables: what is left of it, its gain over declared ones."""
     gain = declared.before.fit.squares - shop.before.fit.squares
-    return Accepted(gravity_trial(shop), max(gain, 0.0), p_value)
+    return Accepted(_gravity_trial(shop), max(gain, 0.0), p_value)
 
 
 def moment_fault(shop: Workshop, fit: LinearFit) -> str | None:
@@ -98,7 +98,7 @@ def total_tilt(
 def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
     """The tables turned to the direction that fits best beside other additions."""
     for _ in range(MOST_STEPS):
-        trial = gravity_trial(shop)
+        trial = _gravity_trial(shop)
         coefficients = shop.fit([*others, trial], bend=False).coefficients[-1]
         step = coefficients[: len(tilt_directions(shop.baseline.model.robot.gravity)[0])]
         length = float(np.linalg.norm(step))

@@ -103,7 +103,7 @@ def _fine_columns(
         # What differs between repetitions by chance moves the arm as well as the torque: only the
         # mean motion is free of it, so that nothing but time can make these columns differ.
         blocks = effect_columns(effect, prepared.mean_motion, 0.0)
-        return {joint: between_repetitions(block, prepared) for joint, block in blocks.items()}
+        return {joint: _contrasted(block, prepared) for joint, block in blocks.items()}
     if prepared.laps is None or "time" not in effect.depends_on:
         return effect_columns(effect, prepared.motion, 0.0)
     # The mean over repetitions of what differs between them is not what any of them shows.
@@ -115,7 +115,7 @@ def _fine_columns(
     }
 
 
-def between_repetitions(
+def _contrasted(
     block: Float[ndarray, "samples columns"], prepared: Prepared
 ) -> Float[ndarray, "samples columns"]:
     """Columns less their mean over the repetitions at the same phase; as they are without."""
@@ -174,4 +174,4 @@ def _free_form_block(
     """A term in the analysis band, like the torque: noise of speeds, unfiltered, would fold in."""
     motion = prepared.mean_motion if contrast else prepared.motion
     fine = effect_columns(term, motion, width)[term.joint]
-    return prepared.band.apply(between_repetitions(fine, prepared) if contrast else fine)
+    return prepared.band.apply(_contrasted(fine, prepared) if contrast else fine)
