@@ -29,7 +29,7 @@ from oed.diagnosis.evidence.verdict import (
     doubtful_name,
 )
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.judgement import Refused, costs, refusal
+from oed.diagnosis.search.judgement import Refused, costs
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selection import Selection, search
 from oed.diagnosis.search.workbench import Augmented
@@ -88,7 +88,7 @@ class Diagnosis:
         """Found effects, their coefficients, and the rivals that the data cannot exclude."""
         if not self.effects:
             return []
-        chosen = self.shop.fit([effect.trial for effect in self.effects])
+        chosen = self.shop.fit([effect.trial for effect in self.effects], self.shop.mean)
         return [
             (effect.trial, coefficients, rival.trial)
             for effect, coefficients in zip(self.effects, chosen.coefficients, strict=True)
@@ -185,7 +185,7 @@ def _sure(
         doubtful = doubtful_name(shop, found)
         if doubtful is None:
             return selection, after, found
-        selection = _without(shop, selection, doubtful, "its own interval holds zero")
+        selection = selection.without(shop, doubtful, "its own interval holds zero")
 
 
 def _with_rounding(
@@ -235,18 +235,9 @@ def _never_worse(
             old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
         ):
             return kept, final
-        kept = _without(
-            shop, kept, kept.trials[-1], "in its exact form it raises the validation error"
-        )
+        reason = "in its exact form it raises the validation error"
+        kept = kept.without(shop, kept.trials[-1], reason)
     return kept, before
-
-
-def _without(shop: Workshop, selection: Selection, trial: Trial, reason: str) -> Selection:
-    item = next(a for a in selection.accepted if a.trial.key == trial.key)
-    rest = tuple(a for a in selection.accepted if a is not item)
-    trials = [a.trial for a in rest if a.stands_in]
-    found = shop.fit(trials, shop.layout_for(trials))
-    return Selection(rest, found, (*selection.refused, refusal(item, reason)))
 
 
 def _proof(

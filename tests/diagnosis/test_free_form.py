@@ -147,7 +147,9 @@ def test_noisy_encoders_do_not_hide_an_inertia_that_varies():
         for r in clean.recordings
     )
     shop = shop_of(dataclasses.replace(clean, recordings=noisy), held=False)
-    left = {t.effect.label: shop.fit([t]).fit.squares for t in shop.smooth if t.joint == 0}
+    left = {
+        t.effect.label: shop.fit([t], shop.mean).fit.squares for t in shop.smooth if t.joint == 0
+    }
     best = min(left, key=lambda label: left[label])
     assert best == "f(inertia over q_1)"
     # What is left is noise: at most one a row and joint.

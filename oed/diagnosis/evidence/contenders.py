@@ -79,7 +79,7 @@ def _rivals_of_tilt(shop: Workshop, others: list[Trial]) -> tuple[Rival, ...]:
             continue
         chosen = [*levelled, found.trial]
         tilted = shop.fit(others, shop.layout_for(chosen), bend=False)
-        other = upright.fit(chosen, upright.layout_for(chosen), bend=False)
+        other = upright.fit(chosen, bend=False)
         unseen = [s.unseen_by(chosen) for s in (shop, upright)]
         foretold = [u.left(fit) for u, fit in zip(unseen, (tilted, other), strict=True)]
         unit = np.maximum(foretold[0] / unseen[0].counted, 1.0)

@@ -28,7 +28,7 @@ def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
     before = np.inf
     for number in range(MOST_ROUNDS):
         trials = [a.trial for a in kept if a.stands_in]
-        found = shop.fit(trials, shop.layout_for(trials), bend=False)
+        found = shop.fit(trials, bend=False)
         if found.fit.squares > before - AT_REST:
             break
         before = found.fit.squares
@@ -50,7 +50,7 @@ def settled(shop: Workshop, accepted: list[Accepted], pool: Sequence[Trial]) -> 
     """Refit, re-examine each addition beside the others, exchange or drop it."""
     for _ in range(MOST_EXCHANGES):
         trials = [a.trial for a in accepted]
-        shop.update_context(shop.fit(trials, shop.layout_for(trials)))
+        shop.update_context(shop.fit(trials))
         changed = False
         for k in range(len(accepted)):
             rest = [a for i, a in enumerate(accepted) if i != k]

@@ -44,10 +44,24 @@ class Selection:
     found: Augmented
     refused: tuple[Refused, ...]
 
+    @classmethod
+    def of(
+        cls, shop: Workshop, accepted: Sequence[Accepted], refused: Sequence[Refused]
+    ) -> Selection:
+        """Additions with the fit of those that are part of the model."""
+        found = shop.fit([a.trial for a in accepted if a.stands_in])
+        return cls(tuple(accepted), found, tuple(refused))
+
     @property
     def trials(self) -> tuple[Trial, ...]:
         """The additions that are part of the model."""
         return tuple(a.trial for a in self.accepted if a.stands_in)
+
+    def without(self, shop: Workshop, trial: Trial, reason: str) -> Selection:
+        """The same with one addition turned down after all."""
+        item = next(a for a in self.accepted if a.trial.key == trial.key)
+        rest = [a for a in self.accepted if a is not item]
+        return Selection.of(shop, rest, [*self.refused, refusal(item, reason)])
 
 
 def search(shop: Workshop) -> tuple[Workshop, Selection]:
@@ -189,9 +203,7 @@ def _concluded(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused], tilts: list[Accepted]
 ) -> tuple[Workshop, Selection]:
     accepted = rested(shop, [*tilts, *drop_superfluous(shop, accepted, refused)])
-    trials = [a.trial for a in accepted if a.stands_in]
-    found = shop.fit(trials, shop.layout_for(trials))
-    return shop, Selection(tuple(accepted), found, tuple(refused))
+    return shop, Selection.of(shop, accepted, refused)
 
 
 def _next_physical(

@@ -96,7 +96,7 @@ def _foretelling(shop: Workshop, others: Sequence[Trial], members: Sequence[Tria
 
 def _held_out(shop: Workshop, chosen: Sequence[Trial]) -> Float[ndarray, " joints"] | None:
     """Validation error of each joint [N m]; None without validation recordings."""
-    return shop.validation_rms(shop.fit(chosen, shop.layout_for(chosen), bend=False))
+    return shop.validation_rms(shop.fit(chosen, bend=False))
 
 
 def _unjudged(scores: Sequence[Score], *, but: Score) -> list[Accepted]:

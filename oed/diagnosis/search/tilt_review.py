@@ -37,8 +37,8 @@ def stood_upright(shop: Workshop, others: Sequence[Trial]) -> tuple[Workshop, li
 def validation_gain_of_tilt(shop: Workshop, others: Sequence[Trial]) -> float | None:
     """Share by which turned tables lower the held-out error beside other additions."""
     upright, levelled = stood_upright(shop, others)
-    old = upright.validation_rms(upright.fit(levelled, upright.layout_for(levelled), bend=False))
-    new = shop.validation_rms(shop.fit(others, shop.layout_for(others), bend=False))
+    old = upright.validation_rms(upright.fit(levelled, bend=False))
+    new = shop.validation_rms(shop.fit(others, bend=False))
     if old is None or new is None:
         return None
     return float(1 - np.sqrt(np.mean((new / old) ** 2)))
@@ -48,8 +48,7 @@ def tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
     """Why turned tables are no better than declared ones beside the other additions."""
     trials = [a.trial for a in standing]
     upright, levelled = stood_upright(shop, trials)
-    old = upright.fit(levelled, upright.layout_for(levelled))
-    new = shop.fit(trials, shop.layout_for(trials))
+    old, new = upright.fit(levelled), shop.fit(trials)
     fault = moment_fault(shop, new.fit)
     if fault is not None:
         return fault

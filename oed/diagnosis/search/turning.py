@@ -99,7 +99,7 @@ def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
     """The tables turned to the direction that fits best beside other additions."""
     for _ in range(MOST_STEPS):
         trial = _gravity_trial(shop)
-        coefficients = shop.fit([*others, trial], bend=False).coefficients[-1]
+        coefficients = shop.fit([*others, trial], shop.mean, bend=False).coefficients[-1]
         step = coefficients[: len(tilt_directions(shop.baseline.model.robot.gravity)[0])]
         length = float(np.linalg.norm(step))
         if length < SETTLED:

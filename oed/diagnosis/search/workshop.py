@@ -139,8 +139,14 @@ class Workshop:
     def fit(
         self, chosen: Sequence[Trial], layout: Layout | None = None, *, bend: bool = True
     ) -> Augmented:
-        """Fit with these additions, moved to the layout if they come from another."""
-        layout = self.mean if layout is None else layout
+        """Fit with these additions, moved to the layout if they come from another.
+
+        Args:
+            chosen: The additions.
+            layout: Rows; those that show all of these additions if None.
+            bend: Whether shapes enter by their derivatives.
+        """
+        layout = self.layout_for(chosen) if layout is None else layout
         context = self.context if chosen else None
         own = [
             t
