@@ -13,10 +13,9 @@ from oed.diagnosis.rivals.discrimination import (
     error_rate,
     separation,
 )
-from oed.diagnosis.search.workbench import dense
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.trials import catalogue_trial
+from oed.diagnosis.terms.trials import catalogue_trial, dense
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set

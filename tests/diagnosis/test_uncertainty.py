@@ -13,9 +13,9 @@ from oed.diagnosis.evidence.verdict import doubtful_name
 from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.search.crests import climbed, crests
 from oed.diagnosis.search.scan import Score, at_rest, score
-from oed.diagnosis.search.workbench import secants
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.secants import secants
 from oed.diagnosis.terms.shape_axes import to_axis
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck

@@ -13,9 +13,8 @@ from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
 from oed.diagnosis.search.telling import decisive_between, is_of_kind, telling
 from oed.diagnosis.search.tilt_review import stood_upright
 from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVALS = 5

@@ -18,9 +18,9 @@ from scipy.optimize import root_scalar
 
 from oed.diagnosis.fit.linear_fit import Projection, project
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.workbench import dense, moved, secants
+from oed.diagnosis.terms.secants import secants
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
-from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 REACH = 2.0  # deviations at which a fit is compared

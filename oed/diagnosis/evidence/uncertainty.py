@@ -23,8 +23,10 @@ from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of, left_by, profiled_deviation, widened
 from oed.diagnosis.fit.linear_fit import Projection, project
 from oed.diagnosis.search.ripening import is_unripe
-from oed.diagnosis.search.workbench import Augmented, Layout, dense, moved, secants
+from oed.diagnosis.search.workbench import Augmented, Layout
 from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.secants import secants
+from oed.diagnosis.terms.trials import dense, moved
 
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
 STEPS = (1e-5, 0.25)

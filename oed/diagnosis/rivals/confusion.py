@@ -22,10 +22,10 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.workbench import Layout, dense, fit_layout, layout_of
+from oed.diagnosis.search.workbench import Layout, fit_layout, layout_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
-from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of, white_group
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense, grid_of, white_group
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 DRAWS = 400  # of the noise: a rate of 10 % is known within 1.5 points

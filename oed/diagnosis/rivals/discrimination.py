@@ -28,9 +28,9 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.rivals.confusion import Pair, confusion, torque_beside
 from oed.diagnosis.search.scan import refine, score
-from oed.diagnosis.search.workbench import dense, moved, shape_derivatives
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
+from oed.diagnosis.terms.secants import shape_derivatives
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense, grid_of, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.motion import Motion
 

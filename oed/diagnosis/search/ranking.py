@@ -10,9 +10,8 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.ripening import has_crests, is_late, is_unripe, ripened, searched
 from oed.diagnosis.search.scan import Score, best_shapes, refine, score
 from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workbench import moved
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis.terms.trials import Trial, moved
 
 OF_EACH = 2  # candidates of every joint that are refined in any case
 LATE_SHARE = 0.2  # of the best gain, from which on a late torque is worth evaluating anew

@@ -16,9 +16,9 @@ from scipy.optimize import differential_evolution
 
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.scan import Score, implausible, refine, score, score_at
-from oed.diagnosis.search.workbench import lags_of, moved
+from oed.diagnosis.search.workbench import lags_of
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 STARTS = 3  # parts of the first shape's range that are each searched

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,15 +19,13 @@ from oed.diagnosis.fit.linear_fit import (
 )
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.terms.shape_axes import from_axis, to_axis
-from oed.diagnosis.terms.trials import Trial, catalogue_trial, white_group
+from oed.diagnosis.terms.secants import shape_derivatives
+from oed.diagnosis.terms.trials import Trial, dense
 from oed.dynamics.effects import MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.torque_model import TorqueModel
-
-SHAPE_STEP = 0.01  # of a shape's range, for derivatives
 
 
 @dataclass(frozen=True)
@@ -81,15 +78,6 @@ def mean_rows(baseline: Baseline, prepared: tuple[Prepared, ...]) -> Rows:
     pairs = [mean_of_repetitions(p) for p in prepared]
     scales = tuple(float(1 / np.sqrt(count)) for _, count in pairs)
     return baseline.rows(tuple(p for p, _ in pairs), scales)
-
-
-def moved(trial: Trial, rows: Rows, context: Context, *, contrast: bool = False) -> Trial:
-    """The same addition on other rows or with another context."""
-    if trial.is_free_form:
-        group = white_group(trial.effect, rows, contrast=contrast)
-        return dataclasses.replace(trial, group=group, contrast=contrast)
-    entry = CATALOGUE[trial.name]
-    return catalogue_trial(entry, context, trial.target, trial.values, rows, contrast=contrast)
 
 
 def context_of(
@@ -196,52 +184,6 @@ def _lag_of(trial: Trial) -> MeasurementEffect | None:
     return effect.measurement if isinstance(effect, TorqueChange) else None
 
 
-def secants(
-    trial: Trial,
-    coefficients: Float[ndarray, " columns"],
-    rows: Rows,
-    context: Context,
-    steps: Float[ndarray, " shapes"],
-) -> Float[ndarray, "joints rows shapes"]:
-    """Change of an addition's white torque along each shape's axis, over a step both ways.
-
-    Args:
-        trial: The addition.
-        coefficients: Of its columns.
-        rows: White rows.
-        context: Rebuilds the addition.
-        steps: On each axis; cut at its ends.
-    """
-    joints = rows.weights.shape[1]
-    if not trial.values:
-        return np.zeros((joints, rows.count, 0))
-    entry = CATALOGUE[trial.name]
-    shapes = entry.shapes_for(context, trial.target)
-    axes = np.array([to_axis(v, s) for v, s in zip(trial.values, shapes, strict=True)])
-
-    def torque(place: int, axis: float) -> Float[ndarray, "joints rows"]:
-        values = list(trial.values)
-        values[place] = from_axis(axis, shapes[place])
-        there = catalogue_trial(entry, context, trial.target, tuple(values), rows)
-        return dense(there, joints, rows.count) @ coefficients
-
-    columns = []
-    for k, (axis, step) in enumerate(zip(axes, steps, strict=True)):
-        lower, upper = max(axis - step, 0.0), min(axis + step, 1.0)
-        if upper <= lower:
-            columns.append(np.zeros((joints, rows.count)))
-            continue
-        columns.append((torque(k, upper) - torque(k, lower)) / (upper - lower))
-    return np.stack(columns, axis=2)
-
-
-def shape_derivatives(
-    trial: Trial, coefficients: Float[ndarray, " columns"], rows: Rows, context: Context
-) -> Float[ndarray, "joints rows shapes"]:
-    """Secants over a small step."""
-    return secants(trial, coefficients, rows, context, np.full(len(trial.values), SHAPE_STEP))
-
-
 def _augmented(
     chosen: tuple[Trial, ...],
     coefficients: tuple[Float[ndarray, " _"], ...],
@@ -274,12 +216,3 @@ def fit_layout(
         nuisances=layout.nuisances,
         torque=torque,
     )
-
-
-def dense(trial: Trial, joints: int, rows: int) -> Float[ndarray, "joints rows columns"]:
-    """White columns of an addition on all joints, zero where it does not act."""
-    columns = next(iter(trial.group.values())).shape[1]
-    whole = np.zeros((joints, rows, columns))
-    for joint, block in trial.group.items():
-        whole[joint] = block
-    return whole

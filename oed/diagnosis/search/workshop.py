@@ -24,12 +24,11 @@ from oed.diagnosis.search.workbench import (
     fit_with,
     lags_of,
     lay_out,
-    moved,
 )
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import terms_alone, terms_together
-from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
 
 QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -143,6 +144,24 @@ def catalogue_trial(
         shapes=len(entry.shapes),
         contrast=contrast,
     )
+
+
+def moved(trial: Trial, rows: Rows, context: Context, *, contrast: bool = False) -> Trial:
+    """The same addition on other rows or with another context."""
+    if trial.is_free_form:
+        group = white_group(trial.effect, rows, contrast=contrast)
+        return dataclasses.replace(trial, group=group, contrast=contrast)
+    entry = CATALOGUE[trial.name]
+    return catalogue_trial(entry, context, trial.target, trial.values, rows, contrast=contrast)
+
+
+def dense(trial: Trial, joints: int, rows: int) -> Float[ndarray, "joints rows columns"]:
+    """White columns of an addition on all joints, zero where it does not act."""
+    columns = next(iter(trial.group.values())).shape[1]
+    whole = np.zeros((joints, rows, columns))
+    for joint, block in trial.group.items():
+        whole[joint] = block
+    return whole
 
 
 def grid_of(shapes: Sequence[Shape]) -> Iterator[tuple[float, ...]]:

@@ -1,0 +1,60 @@
+"""How the torque of an addition changes with its shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.terms.shape_axes import from_axis, to_axis
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
+
+SHAPE_STEP = 0.01  # of a shape's range, for derivatives
+
+
+def secants(
+    trial: Trial,
+    coefficients: Float[ndarray, " columns"],
+    rows: Rows,
+    context: Context,
+    steps: Float[ndarray, " shapes"],
+) -> Float[ndarray, "joints rows shapes"]:
+    """Change of an addition's white torque along each shape's axis, over a step both ways.
+
+    Args:
+        trial: The addition.
+        coefficients: Of its columns.
+        rows: White rows.
+        context: Rebuilds the addition.
+        steps: On each axis; cut at its ends.
+    """
+    joints = rows.weights.shape[1]
+    if not trial.values:
+        return np.zeros((joints, rows.count, 0))
+    entry = CATALOGUE[trial.name]
+    shapes = entry.shapes_for(context, trial.target)
+    axes = np.array([to_axis(v, s) for v, s in zip(trial.values, shapes, strict=True)])
+
+    def torque(place: int, axis: float) -> Float[ndarray, "joints rows"]:
+        values = list(trial.values)
+        values[place] = from_axis(axis, shapes[place])
+        there = catalogue_trial(entry, context, trial.target, tuple(values), rows)
+        return dense(there, joints, rows.count) @ coefficients
+
+    columns = []
+    for k, (axis, step) in enumerate(zip(axes, steps, strict=True)):
+        lower, upper = max(axis - step, 0.0), min(axis + step, 1.0)
+        if upper <= lower:
+            columns.append(np.zeros((joints, rows.count)))
+            continue
+        columns.append((torque(k, upper) - torque(k, lower)) / (upper - lower))
+    return np.stack(columns, axis=2)
+
+
+def shape_derivatives(
+    trial: Trial, coefficients: Float[ndarray, " columns"], rows: Rows, context: Context
+) -> Float[ndarray, "joints rows shapes"]:
+    """Secants over a small step."""
+    return secants(trial, coefficients, rows, context, np.full(len(trial.values), SHAPE_STEP))
