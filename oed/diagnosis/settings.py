@@ -25,12 +25,12 @@ class DiagnosisSettings:
         decisive: Difference in -2 log likelihood that separates two rivals.
         free_form_margin: By how much a free-form term's evidence must exceed that of physical ones.
         family_share: Share of a free-form term's gain that a named effect must reach.
+        own_family_share: As `family_share`, for a free-form term of nothing but the named
+            effect's own coordinate: the catalogue is then sure to hold the physics.
         foreign_share: As `family_share`, for a term that is linear in a signal with a coefficient
             that varies: no effect of the catalogue is, nor comes close to one in other words.
         mending_share: Gain of an addition over an earlier one's up to which it counts as mending
             that one's formula, if a free-form term of the same coordinate would do as well.
-        own_family_share: As `family_share`, for a free-form term of nothing but the named
-            effect's own coordinate: the catalogue is then sure to hold the physics.
         floor_ratio: Residual over noise floor up to which a model counts as complete if no term
             locates what is left.
         lowest_cutoff: Of the analysis band [Hz].

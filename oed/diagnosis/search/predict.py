@@ -9,8 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.fit.model_columns import effect_columns, filtered_columns
+from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.terms.trials import Trial
 
@@ -36,11 +35,6 @@ def prediction_errors(
             error = error - recording.band.apply(fine_torque(trial, coefficients, recording))
         errors.append(error)
     return errors
-
-
-def base_columns(fit: LinearFit, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ n base"]]:
-    """Filtered base columns of recordings."""
-    return [filtered_columns(fit.model, p, fit.columns) for p in prepared]
 
 
 def fine_torque(

@@ -90,7 +90,8 @@ def score(trial: Trial, fit: LinearFit) -> Score:
     freedom = found.rank + trial.shapes if found.rank else 0
     own = sum(float(np.sum((b @ found.coefficients) ** 2)) for b in trial.group.values())
     cancelled = own / found.gain if found.gain > 0 else 1.0
-    return Score(trial, found.gain, freedom, found.coefficients, cancelled, found.gain)
+    # Its size is free as it is.
+    return Score(trial, found.gain, freedom, found.coefficients, cancelled, promise=found.gain)
 
 
 def _ridge_of(trial: Trial) -> float:

@@ -160,16 +160,16 @@ def is_of_kind(one: Trial, other: Trial) -> bool:
 
 
 def _foretold_share(
-    shop: Workshop, others: Sequence[Trial], added: Trial, joints: Sequence[int]
+    shop: Workshop, others: Sequence[Trial], added: Trial, joints: list[int]
 ) -> float:
     """Share of the validation squares beyond noise that an addition removes from some joints."""
     layout = shop.layout_for([*others, added])
     unseen = shop.unseen_by([*others, added])
     before, after = (
-        unseen.left(shop.fit(chosen, layout, bend=False))[list(joints)].sum()
+        unseen.left(shop.fit(chosen, layout, bend=False))[joints].sum()
         for chosen in (others, [*others, added])
     )
-    excess = before - unseen.counted[list(joints)].sum()
+    excess = before - unseen.counted[joints].sum()
     return float((before - after) / excess) if excess > 0 else 0.0
 
 

@@ -10,9 +10,9 @@ from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.fit.model_columns import filtered_columns
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.predict import base_columns, prediction_errors
+from oed.diagnosis.search.predict import prediction_errors
 from oed.diagnosis.search.workbench import Augmented, mean_rows
 
 
@@ -31,14 +31,11 @@ class Unseen:
     joints: int
 
     @classmethod
-    def of(
-        cls, baseline: Baseline, fit: LinearFit, prepared: tuple[Prepared, ...], *, mean: bool
-    ) -> Unseen:
+    def of(cls, baseline: Baseline, prepared: tuple[Prepared, ...], *, mean: bool) -> Unseen:
         """Lay out recordings.
 
         Args:
-            baseline: Its noise whitens the rows.
-            fit: Whose base columns predict.
+            baseline: Its noise whitens the rows, its columns predict.
             prepared: The recordings.
             mean: Whether repetitions are averaged. Encoder noise drives a prediction; a mean has
                 less of it, so that a model is not preferred for being dull.
@@ -47,7 +44,8 @@ class Unseen:
         if not prepared:
             return cls(None, [], joints)
         rows = mean_rows(baseline, prepared) if mean else baseline.rows(prepared)
-        return cls(rows, base_columns(fit, rows.prepared), joints)
+        columns = [filtered_columns(baseline.model, p, baseline.columns) for p in rows.prepared]
+        return cls(rows, columns, joints)
 
     @property
     def counted(self) -> Float[ndarray, " joints"]:

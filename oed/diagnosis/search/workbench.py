@@ -84,7 +84,7 @@ def context_of(
     found: Augmented,
     rows: Rows,
     gear_ratio: tuple[float, ...] | None,
-    later: Sequence[Prepared] = (),
+    later: Sequence[Prepared],
 ) -> Context:
     """What the catalogue may know when it proposes an effect.
 

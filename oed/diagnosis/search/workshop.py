@@ -129,7 +129,7 @@ class Workshop:
 
     def layout(self, trial: Trial) -> Layout:
         """The rows on which a trial is judged."""
-        return self.full if trial.between_repetitions else self.mean
+        return self.layout_for([trial])
 
     def renewed(self, trial: Trial) -> Trial:
         """A trial on the rows of these tables, with what is known by now."""
@@ -180,17 +180,16 @@ class Workshop:
         """The validation recordings, of their mean repetitions."""
         if all(p.period is None for p in self.validation):
             return self.unseen_full
-        return Unseen.of(self.baseline, self.before.fit, self.validation, mean=True)
+        return Unseen.of(self.baseline, self.validation, mean=True)
 
     @cached_property
     def unseen_full(self) -> Unseen:
         """The same with every repetition."""
-        return Unseen.of(self.baseline, self.before.fit, self.validation, mean=False)
+        return Unseen.of(self.baseline, self.validation, mean=False)
 
     def unseen_by(self, chosen: Sequence[Trial]) -> Unseen:
         """Mean repetitions, or all of them if an addition makes them differ."""
-        apart = self.full is not self.mean and any(t.between_repetitions for t in chosen)
-        return self.unseen_full if apart else self.unseen
+        return self.unseen if self.layout_for(chosen) is self.mean else self.unseen_full
 
     def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
         """Share by which one of some additions lowers the held-out error of its joints.
