@@ -5,6 +5,7 @@ import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.search import ranking
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.ripening import ripened
 from oed.diagnosis.search.scan import refine, scan, score
@@ -79,3 +80,15 @@ def test_a_gap_is_found_with_all_its_shapes():
     assert gap == pytest.approx(PLAY.gap, rel=0.15)
     assert rotor_share == pytest.approx(PLAY.rotor, abs=0.1)
     assert bearing == pytest.approx(BEARING, abs=0.05)
+
+
+def test_a_gap_that_promises_most_is_searched_even_where_a_simplex_finds_nothing(monkeypatch):
+    def lost(shop, scores, others, fit):
+        return min(scores, key=lambda s: s.gain)
+
+    monkeypatch.setattr(ranking, "ripened", lost)
+    shop = _shop(1, PLAY)
+    pool = [t for t in shop.physical if t.name in RIVALS and t.target == 1]
+    found = {s.trial.key: s for s in ranked(shop, pool, (), 3, thorough=True)}
+    gap, *_ = found["backlash", 1].trial.values
+    assert gap == pytest.approx(PLAY.gap, rel=0.15)

@@ -104,21 +104,23 @@ def _evaluated(
         for s in refined
         if is_late(s.trial) and s.gain > LATE_SHARE * best and s.evidence(rows) > 0
     ]
+    gears = []
     if thorough:
-        gears = sorted((s for s in grid if is_unripe(s.trial)), key=lambda s: s.promise)
-        green += [
+        promising = (
             s
-            for s in (found.get(key, s) for key, s in _by_key(gears).items())
-            if s.promise > max(PROMISING * best, s.freedom * np.log(rows))
-        ]
-    for s in green:
+            for s in (*grid, *refined)
+            if is_unripe(s.trial) and s.promise > max(PROMISING * best, s.freedom * np.log(rows))
+        )
+        gears = list(_by_key(sorted(promising, key=lambda s: s.promise)).values())
+    for s in (*green, *gears):
         own = [g for g in grid if g.trial.key == s.trial.key]
         found[s.trial.key] = ripened(shop, own, others, fit)
-    if thorough:
-        contending = CONTENDING * max(s.gain for s in found.values())
-        for key, s in found.items():
-            if has_crests(s) and s.gain > contending:
-                found[key] = searched(shop, s, others, fit)
+    best = max(s.gain for s in found.values())
+    for gear in gears:
+        ripe = found[gear.trial.key]
+        # Of what a grid point promises, a simplex from there may find nothing.
+        if has_crests(ripe) and (ripe.gain > CONTENDING * best or gear.promise > best):
+            found[gear.trial.key] = searched(shop, ripe, others, fit)
     return list(found.values())
 
 
