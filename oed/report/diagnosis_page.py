@@ -205,7 +205,8 @@ def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | 
     ]
     caption = (
         "Free-form terms that the data demand: functions of positions q, velocities dq and "
-        "accelerations ddq of the joints numbered, or of time."
+        "accelerations ddq of the joints numbered, or of time; tau is a share of another joint's "
+        "torque."
     )
     return [*blocks, Table(rows, caption)]
 

@@ -7,15 +7,17 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from oed.diagnosis.fit.model_columns import effect_columns
+from oed.diagnosis.search.scan import score
 from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
-from tests.diagnosis.arm import data_set
+from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of
 
 RATE = 500.0
 JITTER = 1e-3  # [rad] of an encoder
+FELT = 0.04  # of another joint's torque
 
 
 @pytest.fixture(scope="module")
@@ -154,3 +156,22 @@ def test_noisy_encoders_do_not_hide_an_inertia_that_varies():
     assert best == "f(inertia over q_1)"
     # What is left is noise: at most one a row and joint.
     assert left[best] < shop.mean.rows.weights.size < shop.fit([]).fit.squares / 10
+
+
+def test_a_share_of_another_torque_is_told_from_every_curve():
+    """A sensor of the second joint that feels the first: one number says what it feels."""
+
+    def felt(q, dq, ddq):
+        first = (rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq)[:, 0]
+        return np.stack([np.zeros(len(q)), FELT * first], axis=1)
+
+    shop = shop_of(data_set(4, extra=felt), held=False)
+    fit = shop.fit([]).fit
+    steady = (t for t in shop.smooth if t.joint == 1 and not t.between_repetitions)
+    scores = [score(t, fit) for t in steady]
+    best = max(scores, key=lambda s: s.evidence(shop.mean.rows.count))
+    assert best.trial.effect.label == "f(tau_1)"
+    assert best.trial.effect.depends_on == ("tau_1",)
+    # The model without it has taken a part of it for friction and inertia of its own.
+    (share,) = shop.fit([best.trial]).coefficients[0]
+    assert share == pytest.approx(FELT, abs=0.1 * FELT)

@@ -10,7 +10,7 @@ import numpy as np
 
 from oed.diagnosis.search.judgement import Accepted, Refused, held_out_fault, judge
 from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import Score
+from oed.diagnosis.search.scan import Score, score
 from oed.diagnosis.search.telling import RIVAL_SHARE
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.coordinates import Coordinate, Factor
@@ -38,7 +38,7 @@ def next_free_form(
         for c in ranked(shop, pool, others, shop.settings.refined)
         if c.evidence(shop.full.rows.count) > shop.settings.free_form_margin
     ]
-    for candidate in _least_left_first(shop, candidates, standing):
+    for candidate in _least_left_first(shop, candidates, others, standing):
         passed = judge(shop, candidate, accepted, pool, refused)
         if passed is not None:
             return _standing_in(shop, passed, standing)
@@ -46,7 +46,7 @@ def next_free_form(
 
 
 def _least_left_first(
-    shop: Workshop, candidates: list[Score], standing: Sequence[Trial]
+    shop: Workshop, candidates: list[Score], others: Sequence[Trial], standing: Sequence[Trial]
 ) -> list[Score]:
     """Terms that explain about as much as the best, in the order of what they leave everywhere.
 
@@ -58,7 +58,7 @@ def _least_left_first(
     best = candidates[0]
     rivals = [
         c
-        for c in candidates
+        for c in {c.trial.key: c for c in (*candidates, *_shares(shop, best, others))}.values()
         if c.trial.joint == best.trial.joint
         and c.trial.between_repetitions == best.trial.between_repetitions
         and c.gain > RIVAL_SHARE * best.gain
@@ -70,7 +70,15 @@ def _least_left_first(
         return min((choice.left for choice in tried), default=np.inf)
 
     order = sorted(rivals, key=left)
-    return [*order, *(c for c in candidates if all(c is not r for r in rivals))]
+    tried = {r.trial.key for r in rivals}
+    return [*order, *(c for c in candidates if c.trial.key not in tried)]
+
+
+def _shares(shop: Workshop, best: Score, others: Sequence[Trial]) -> list[Score]:
+    """Shares of other joints' torques in that of a joint, which a curve of the best may copy."""
+    fit = shop.fit(others, shop.mean).fit
+    own = (t for t in shop.smooth if t.is_share and t.joint == best.trial.joint)
+    return [score(t, fit) for t in own]
 
 
 def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:

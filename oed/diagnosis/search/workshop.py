@@ -27,7 +27,7 @@ from oed.diagnosis.search.workbench import (
 )
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
-from oed.diagnosis.terms.free_terms import terms_alone, terms_together
+from oed.diagnosis.terms.free_terms import terms_alone, terms_together, torques_of_others
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
 
@@ -238,9 +238,11 @@ class Workshop:
 
     @cached_property
     def smooth(self) -> tuple[Trial, ...]:
-        """Free-form terms in one coordinate."""
-        terms = terms_alone(self.mean.rows.prepared, self.context.n)
-        return self._smooth_trials(terms, terms_alone(self.full.rows.prepared, self.context.n))
+        """Free-form terms in one coordinate, or of another joint's torque."""
+        steady = terms_alone(self.mean.rows.prepared, self.context.n)
+        lasting = terms_alone(self.full.rows.prepared, self.context.n)
+        others = torques_of_others(self.context.reference)
+        return self._smooth_trials((*steady, *others), lasting)
 
     @cached_property
     def smooth_pairs(self) -> tuple[Trial, ...]:

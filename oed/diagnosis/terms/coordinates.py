@@ -8,7 +8,7 @@ which a function of something else acts, and inertia that changes with position.
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
@@ -17,6 +17,7 @@ from scipy.interpolate import BSpline
 
 from oed.dynamics.effects import State
 from oed.dynamics.effects.hysteresis import maxwell_elements
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.thermal import since
 
 DEGREE = 3
@@ -178,6 +179,39 @@ class Factor:
         """The signal."""
         values = np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
         return values[:, None]
+
+
+@dataclass(frozen=True)
+class OtherTorque:
+    """A share of another joint's torque: a sensor that feels it, an axis that is not straight.
+
+    Attributes:
+        joint: Index of the other joint.
+        reference: Predicts its torque.
+    """
+
+    joint: int
+    reference: ReferenceTorque = field(repr=False, compare=False)
+    functions = 1
+    kind = "tau"
+
+    def refined(self, _pieces: int) -> OtherTorque:
+        """Itself: a share has no pieces."""
+        return self
+
+    @property
+    def name(self) -> str:
+        """Such as "tau_2" (joints from 1)."""
+        return f"tau_{self.joint + 1}"
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Itself."""
+        return (self.name,)
+
+    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
+        """The torque [N m]."""
+        return np.asarray(self.reference.total(state)[self.joint], dtype=float)[:, None]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
+from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
 from oed.dynamics.effects import Effect, Parameter, State
 from oed.dynamics.scalars import Scalar
 
@@ -30,7 +30,7 @@ class FreeForm(Effect):
     """
 
     joint: int
-    coordinates: tuple[Coordinate | Loop | Factor | VaryingInertia, ...]
+    coordinates: tuple[Coordinate | Loop | Factor | VaryingInertia | OtherTorque, ...]
     direction: int | None = None
     mixing: Float[ndarray, "functions columns"] | None = field(
         default=None, repr=False, compare=False

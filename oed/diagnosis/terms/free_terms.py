@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
+from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
 from oed.diagnosis.terms.free_form import FreeForm
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.thermal import since
 
 PIECES_ALONE = 8
@@ -71,6 +72,14 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
         # Friction and whatever hangs on position that come and go.
         terms.append(FreeForm(j, (coordinate(prepared, "time", 0, PIECES_FINE),), direction=j))
     return tuple(terms)
+
+
+def torques_of_others(reference: ReferenceTorque) -> tuple[FreeForm, ...]:
+    """What each joint may show of every other joint's torque."""
+    joints = range(reference.robot.n)
+    return tuple(
+        FreeForm(j, (OtherTorque(i, reference),)) for j in joints for i in joints if i != j
+    )
 
 
 def terms_together(

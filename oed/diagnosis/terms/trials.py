@@ -14,6 +14,7 @@ from numpy import ndarray
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
 from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.terms.coordinates import OtherTorque
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Shape, Target
@@ -70,6 +71,13 @@ class Trial:
     def is_free_form(self) -> bool:
         """Whether it claims no physics."""
         return self.name == FREE_FORM
+
+    @property
+    def is_share(self) -> bool:
+        """Whether it is a share of another joint's torque."""
+        return isinstance(self.effect, FreeForm) and any(
+            isinstance(c, OtherTorque) for c in self.effect.coordinates
+        )
 
 
 def white_group(
