@@ -210,7 +210,9 @@ def _lines(
         stretch = np.zeros_like(between)
         stretch[p.valid] = weights * between[p.valid]
         stretches.append(stretch)
-    found = find_lines(stretches, estimation[0].band.analysis_rate, estimation[0].band.cutoff)
+    periods = [p.period for p in repeated if p.period is not None]
+    band = estimation[0].band
+    found = find_lines(stretches, periods, band.analysis_rate, band.cutoff)
     return tuple(Unexplained(x.joint, ("time",), x.share, x.label, stands_in=False) for x in found)
 
 

@@ -18,12 +18,17 @@ from numpy import ndarray
 from scipy.signal import firwin, welch
 from scipy.sparse import csr_array
 
+from oed.experiment.signals.differentiation import central_difference
+from oed.experiment.signals.lowpass import lowpass
+
 SIGNAL_TO_NOISE = 4.0  # least ratio of the acceleration's power to that of encoder noise
+EVEN = 2.0  # the same where there is as much noise as motion
 NOISE_ONLY = 0.3  # of the rate, above which no arm moves and the position is noise
 # The stretches in which motion is held against noise: from 1 Hz to short of the Nyquist frequency.
 LOWEST, HIGHEST, STEPS = 1.0, 0.45, 60  # [Hz], of the rate
 OVERLAP = 1.1  # ratio by which each is wider on both sides: the lowest hold few frequencies
 SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not touch the band
+EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
 BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
 SAMPLES_PER_CUTOFF = 2.5  # analysis rate over cut-off: the whole transition lies below Nyquist
@@ -38,12 +43,14 @@ class Band:
         factor: Fine samples per analysis sample.
         cutoff: Frequency of half amplitude [Hz].
         smoothing: Cut-off of the position's own smoothing [Hz].
+        calming: Cut-off of each joint's acceleration [Hz]; that of the smoothing if empty.
     """
 
     rate: float
     factor: int
     cutoff: float
     smoothing: float
+    calming: tuple[float, ...] = ()
 
     @property
     def analysis_rate(self) -> float:
@@ -69,6 +76,34 @@ class Band:
         """Times of the filtered rows [s]."""
         return t[self.reach : len(t) - self.reach : self.factor]
 
+    @property
+    def edge(self) -> float:
+        """Time at each end in which the smoothing has not settled [s]."""
+        return max(EDGE, *(1 / cutoff for cutoff in self.calming), 1 / self.smoothing)
+
+    def differentiate(
+        self, q: Float[ndarray, "samples joints"]
+    ) -> tuple[
+        Float[ndarray, "samples joints"],
+        Float[ndarray, "samples joints"],
+        Float[ndarray, "samples joints"],
+    ]:
+        """Smooth positions, velocities and accelerations.
+
+        An acceleration holds what its encoder knows better than noise: the noise of a regressor
+        makes the parameters too small, and what they miss looks like a spring (Carroll, Ruppert,
+        Stefanski and Crainiceanu 2006, "Measurement Error in Nonlinear Models", chapter 4). The
+        velocity keeps more, since its sign must not come late.
+        """
+        smooth = lowpass(q, self.rate, self.smoothing)
+        dq = central_difference(smooth, self.rate)
+        ddq = central_difference(dq, self.rate)
+        for joint, cutoff in enumerate(self.calming):
+            if cutoff < self.smoothing:
+                calm = lowpass(q[:, joint], self.rate, cutoff)
+                ddq[:, joint] = central_difference(central_difference(calm, self.rate), self.rate)
+        return smooth, dq, ddq
+
     def apply(self, fine: Float[ndarray, " samples *columns"]) -> Float[ndarray, " rows *columns"]:
         """Filter without phase and keep every `factor`-th row, the unsettled ends cut away."""
         flat = np.ascontiguousarray(fine.reshape(len(fine), -1))
@@ -85,7 +120,7 @@ def _low_pass(band: Band, samples: int) -> csr_array:
 
 
 def position_noise(
-    positions: Sequence[Float[ndarray, "_ joints"]], rate: float
+    positions: Sequence[Float[ndarray, "_ joints"]], rate: float, ratio: float = SIGNAL_TO_NOISE
 ) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
     """Spectral density of encoder noise, and the frequency up to which motion exceeds it.
 
@@ -95,6 +130,7 @@ def position_noise(
     Args:
         positions: Uniformly sampled positions, one array a recording [rad or m].
         rate: [Hz].
+        ratio: Of the measured power to the noise's from which on motion exceeds it.
 
     Returns:
         (n,) one-sided density [rad^2/Hz], and (n,) frequency [Hz].
@@ -112,23 +148,26 @@ def position_noise(
     upper = frequency > NOISE_ONLY * rate
     density = np.median(power[upper] / shape[upper, None], axis=0)
     edges = np.geomspace(LOWEST, HIGHEST * rate, STEPS)
-    reach = [_reach(frequency, p, d * shape, edges) for p, d in zip(power.T, density, strict=True)]
+    reach = [
+        _reach(frequency, p, ratio * d * shape, edges)
+        for p, d in zip(power.T, density, strict=True)
+    ]
     return density, np.array(reach)
 
 
 def _reach(
     frequency: Float[ndarray, " frequencies"],
     power: Float[ndarray, " frequencies"],
-    noise: Float[ndarray, " frequencies"],
+    least: Float[ndarray, " frequencies"],
     edges: Float[ndarray, " edges"],
 ) -> float:
-    """Upper edge of the last stretch before motion drowns in noise; zero if in the first [Hz]."""
+    """Upper edge of the last stretch before power falls below the least; zero if in the first."""
     reach = 0.0
     for lower, higher in itertools.pairwise(edges):
         inside = (frequency >= lower / OVERLAP) & (frequency <= higher * OVERLAP)
         if not inside.any():
             continue
-        if power[inside].mean() < SIGNAL_TO_NOISE * noise[inside].mean():
+        if power[inside].mean() < least[inside].mean():
             break
         reach = float(higher)
     return reach
@@ -153,4 +192,6 @@ def choose_band(
     cutoff = min(cutoff, rate / (2 * SAMPLES_PER_CUTOFF))
     factor = max(1, int(rate / (SAMPLES_PER_CUTOFF * cutoff)))
     smoothing = min(SMOOTHING * cutoff, 0.4 * rate)
-    return Band(rate=rate, factor=factor, cutoff=cutoff, smoothing=smoothing)
+    _, even = position_noise(positions, rate, EVEN)
+    calming = np.where(even < cutoff, np.maximum(even, LOWEST), smoothing)
+    return Band(rate, factor, cutoff, smoothing, tuple(calming.tolist()))

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.band import Band, choose_band, position_noise
+from oed.diagnosis.data.band import EDGE, Band, choose_band, position_noise
 from oed.diagnosis.data.bridge import bridged
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.settings import DiagnosisSettings
@@ -16,7 +16,6 @@ from oed.dynamics.motion import Motion, follow_one_another
 from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.processing import fresh_samples
 from oed.experiment.recording import Recording
-from oed.experiment.signals.differentiation import central_difference
 from oed.experiment.signals.gaps import find_gaps
 from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample, uniform_grid
@@ -24,7 +23,6 @@ from oed.experiment.signals.resampling import resample, uniform_grid
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
 LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
-EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 
 
 def _fine_rate(recordings: tuple[Recording, ...]) -> float:
@@ -125,10 +123,8 @@ def _prepare_one(
     noise: Float[ndarray, " joints"],
     start: float | None,
 ) -> Prepared:
-    smooth = lowpass(q, band.rate, band.smoothing)
-    dq = central_difference(smooth, band.rate)
-    ddq = central_difference(dq, band.rate)
-    cut = int(np.ceil(EDGE * band.rate))
+    smooth, dq, ddq = band.differentiate(q)
+    cut = int(np.ceil(band.edge * band.rate))
     if band.rows(len(t) - 2 * cut) < 20:
         raise ValueError(
             f"{recording.name}: {recording.duration:g} s are too short for a band of "
@@ -148,19 +144,19 @@ def _prepare_one(
         repetition=_repetition(recording, rows_t),
         period=_period(recording),
         sign_noise=noise,
-        recorded=_recorded(recording, t[inner], band.rate),
+        recorded=_recorded(recording, t[inner], band.rate, band.edge),
         laid=start is not None,
     )
 
 
 def _recorded(
-    recording: Recording, t: Float[ndarray, " samples"], rate: float
+    recording: Recording, t: Float[ndarray, " samples"], rate: float, edge: float = EDGE
 ) -> Bool[ndarray, " samples"]:
     """False in gaps of the log, such as between runs, and where smoothing feels them."""
     recorded = np.ones(len(t), dtype=bool)
     for k in find_gaps(recording.t, rate):
         before, after = recording.t[k], recording.t[k + 1]
-        recorded &= (t < before - EDGE) | (t > after + EDGE)
+        recorded &= (t < before - edge) | (t > after + edge)
     return recorded
 
 

@@ -17,8 +17,6 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
-from oed.experiment.signals.differentiation import central_difference
-from oed.experiment.signals.lowpass import lowpass
 
 ON_GRID = 0.98  # share of the logged positions that must be multiples of a step
 TOLERANCE = 0.02  # of a step
@@ -91,13 +89,12 @@ def rounding_torque(
     errors = []
     for p in prepared:
         rounded = steps * rng.uniform(-0.5, 0.5, p.motion.q.shape)
-        change = lowpass(rounded, p.band.rate, p.band.smoothing)
-        rate = central_difference(change, p.band.rate)
+        change, rate, acceleration = p.band.differentiate(rounded)
         there = dataclasses.replace(
             p.motion,
             q=p.motion.q + change,
             dq=p.motion.dq + rate,
-            ddq=p.motion.ddq + central_difference(rate, p.band.rate),
+            ddq=p.motion.ddq + acceleration,
         )
         difference = model.torque(parameters, there) - model.torque(parameters, p.motion)
         errors.append(p.band.apply(difference))

@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepare import EDGE
 from oed.diagnosis.search.turning import GRAVITY, total_tilt
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.shape_axes import axis_slope
@@ -71,7 +70,9 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
         std = 0.0 if shape.scale == "choice" else float(on_axis) * axis_slope(value, shape)
         if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
             std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
-            lead = EDGE  # since the log's first sample, not since the first that is used
+            lead = shop.full.rows.prepared[
+                0
+            ].band.edge  # since the log's first sample, not since the first that is used
         # A shape can be no less certain than anywhere in its range.
         spread = (shape.upper - shape.lower) / np.sqrt(12)
         found.append(Estimated(shape.name, value + lead, min(std, float(spread)), shape.unit))

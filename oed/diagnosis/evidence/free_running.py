@@ -16,11 +16,15 @@ from numpy import ndarray
 from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
-LEVEL = 1e-3  # chance of a line in noise, over all frequencies and joints
+# Chance of a line in white noise, over all frequencies and joints. Where colour changes within a
+# neighbourhood the chance is up to some hundred times that.
+LEVEL = 1e-5
 LEAST_SHARE = 0.03  # of the variance between repetitions that a line worth a word carries
 LOWEST = 0.3  # [Hz]: slower is a drift
 NEIGHBOURS = 41  # frequencies whose median is the local level
 PADDING = 2  # ratio of transform to signal length: a line may lie between two frequencies
+FINER = 17  # frequencies about a peak among which the line that carries most is looked for
+SEEN = 0.2  # share of a frequency's power that is left between repetitions if it is to be judged
 
 
 @dataclass(frozen=True)
@@ -48,12 +52,16 @@ class Line:
 
 
 def find_lines(
-    stretches: Sequence[Float[ndarray, "_ joints"]], rate: float, highest: float
+    stretches: Sequence[Float[ndarray, "_ joints"]],
+    periods: Sequence[float],
+    rate: float,
+    highest: float,
 ) -> tuple[Line, ...]:
     """The clearest line of every joint that has one.
 
     Args:
         stretches: What repetitions differ by, one evenly sampled array a recording [N m].
+        periods: Of each recording's motion [s].
         rate: [Hz].
         highest: Frequency up to which to look [Hz].
     """
@@ -69,34 +77,82 @@ def find_lines(
     found = []
     for joint in range(joints):
         series = [x[:, joint] for x in stretches]
-        excess = np.sum([_over_local_level(x, length)[inside] for x in series], axis=0)
+        levels = (
+            _over_local_level(x, length, rate * period)
+            for x, period in zip(series, periods, strict=True)
+        )
+        excess = np.sum([level[inside] for level in levels], axis=0)
         peak = int(np.argmax(excess))
         p_value = min(1.0, tests * float(chi2.sf(2 * excess[peak], 2 * len(series))))
-        at = float(frequency[inside][peak])
-        amplitude, share = _size(series, rate, at)
-        if p_value < LEVEL and share >= LEAST_SHARE:
+        if p_value >= LEVEL:
+            continue
+        near = frequency[inside][peak] + frequency[1] * np.linspace(-PADDING, PADDING, FINER)
+        lines = [(*_size(series, periods, rate, float(f)), float(f)) for f in near]
+        share, amplitude, at = max(lines)
+        if share >= LEAST_SHARE:
             found.append(Line(joint, at, amplitude, share, p_value))
     return tuple(found)
 
 
-def _over_local_level(x: Float[ndarray, " samples"], length: int) -> Float[ndarray, " frequencies"]:
-    """Power over what the median of its neighbours makes expect; exponential in noise."""
+def _over_local_level(
+    x: Float[ndarray, " samples"], length: int, period: float
+) -> Float[ndarray, " frequencies"]:
+    """Power over what the median of its neighbours makes expect; exponential in noise.
+
+    Zero where the mean over the repetitions, of so many samples each, took most of the power.
+    """
     # Colour that falls within a neighbourhood would lift its lower end: one lag takes it off.
     plain = x[1:] - float(x[1:] @ x[:-1]) / max(float(x @ x), 1e-300) * x[:-1]
-    power = np.abs(np.fft.rfft(plain * np.hanning(len(plain)), length)) ** 2
-    level = median_filter(power, size=PADDING * NEIGHBOURS, mode="nearest") / np.log(2)
-    return power / np.maximum(level, 1e-300)
+    window = np.hanning(len(plain))
+    power = np.abs(np.fft.rfft(plain * window, length)) ** 2
+    share = _left_between(window, length, period)
+    seen = share > SEEN
+    even = power[seen] / share[seen]
+    level = median_filter(even, size=PADDING * NEIGHBOURS, mode="nearest") / np.log(2)
+    excess = np.zeros(len(power))
+    excess[seen] = even / np.maximum(level, 1e-300)
+    return excess
+
+
+def _left_between(
+    window: Float[ndarray, " samples"], length: int, period: float
+) -> Float[ndarray, " frequencies"]:
+    """Share of white noise's power that is left when the mean over repetitions is taken off.
+
+    Nothing at the motion's own frequencies and most between them: of noise e, the transform of
+    w (e - mean of e over R repetitions) has the power of the window w's correlations c at whole
+    periods T, c(0) - sum over m of c(m T) cos(2 pi f m T) / R.
+    """
+    repetitions = max(1, round(len(window) / period))
+    turn = 2 * np.pi * np.fft.rfftfreq(length)  # [rad a sample]
+    taken = np.zeros(len(turn))
+    for m in range(1 - repetitions, repetitions):
+        lag = round(abs(m) * period)
+        taken += window[lag:] @ window[: len(window) - lag] * np.cos(turn * lag)
+    return 1 - taken / repetitions / float(window @ window)
 
 
 def _size(
-    series: Sequence[Float[ndarray, " samples"]], rate: float, frequency: float
+    series: Sequence[Float[ndarray, " samples"]],
+    periods: Sequence[float],
+    rate: float,
+    frequency: float,
 ) -> tuple[float, float]:
-    """Amplitude of a sinusoid, its phase free in every stretch, and its share of the variance."""
-    carried = whole = 0.0
-    for x in series:
-        turn = 2 * np.pi * frequency * np.arange(len(x)) / rate
+    """Share of the variance that a sinusoid carries, its phase free in every stretch, and its size.
+
+    What repetitions do not differ by is taken off the sinusoid too.
+    """
+    carried = whole = squares = 0.0
+    for x, period in zip(series, periods, strict=True):
+        instants = np.arange(len(x))
+        turn = 2 * np.pi * frequency * instants / rate
         waves = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        fitted = waves @ np.linalg.lstsq(waves, x, rcond=None)[0]
-        carried, whole = carried + float(fitted @ fitted), whole + float(x @ x)
+        place = np.round(instants % (period * rate)).astype(int)
+        counts = np.maximum(np.bincount(place), 1)
+        mean = np.stack([np.bincount(place, weights=w) / counts for w in waves.T], axis=1)
+        waves = waves - mean[place]
+        sizes = np.linalg.lstsq(waves, x, rcond=None)[0]
+        carried, whole = carried + float(np.sum((waves @ sizes) ** 2)), whole + float(x @ x)
+        squares += float(sizes @ sizes) * len(x)
     samples = sum(len(x) for x in series)
-    return float(np.sqrt(2 * carried / samples)), carried / max(whole, 1e-300)
+    return carried / max(whole, 1e-300), float(np.sqrt(squares / samples))

@@ -23,7 +23,6 @@ from scipy.stats import norm
 from oed.design.default_limits import with_default_limits
 from oed.design.limits import fill
 from oed.design.trajectories import FourierClass
-from oed.diagnosis.data.prepare import EDGE
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.rivals.confusion import Pair, confusion, torque_beside
@@ -180,7 +179,7 @@ def _one_run(pattern: Prepared) -> float:
 
     Noise is read off repetitions of several recordings only if their periods are equal.
     """
-    cut = int(np.ceil(EDGE * pattern.band.rate))
+    cut = int(np.ceil(pattern.band.edge * pattern.band.rate))
     return (len(pattern.motion) + 2 * cut) / pattern.band.rate
 
 
