@@ -17,7 +17,7 @@ from oed.diagnosis.evidence.encoder_steps import repeated_steps, rounding_square
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final, install
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
-from oed.diagnosis.evidence.proof import RoleProof, prove, unseen_ratio
+from oed.diagnosis.evidence.proof import RoleProof, error_in_floors, prove
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
@@ -151,8 +151,9 @@ def _conclude(
     left = lack_of_fit(after.fit, freedom, rounding)
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
+    seen, unseen = (error_in_floors(proof, floor, role) for role in ("estimation", "validation"))
     return Diagnosis(
-        verdict=decide(effects, unexplained, left, unseen_ratio(proof, floor), settings),
+        verdict=decide(effects, unexplained, left, seen=seen, unseen=unseen, settings=settings),
         effects=effects,
         unexplained=unexplained,
         before=before,

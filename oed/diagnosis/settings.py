@@ -31,7 +31,7 @@ class DiagnosisSettings:
             that varies: no effect of the catalogue is, nor comes close to one in other words.
         mending_share: Gain of an addition over an earlier one's up to which it counts as mending
             that one's formula, if a free-form term of the same coordinate would do as well.
-        floor_ratio: Residual over noise floor up to which a model counts as complete if no term
+        floor_ratio: Error over noise floor up to which a model counts as complete if no term
             locates what is left.
         lowest_cutoff: Of the analysis band [Hz].
         highest_cutoff: Of the analysis band [Hz].
@@ -55,7 +55,7 @@ class DiagnosisSettings:
     own_family_share: float = 0.6
     foreign_share: float = 0.95
     mending_share: float = 0.25
-    floor_ratio: float = 1.4
+    floor_ratio: float = 1.3
     lowest_cutoff: float = 8.0
     highest_cutoff: float = 30.0
     folds: int = 5

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.diagnosis import Diagnosis
-from oed.diagnosis.evidence.proof import RoleProof, unseen_ratio
+from oed.diagnosis.evidence.proof import RoleProof, error_in_floors
 from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, FoundEffect
 from oed.diagnosis.rivals.confusion import DRAWS
 from oed.diagnosis.rivals.discrimination import NextExperiment
@@ -172,7 +172,7 @@ def _change(interval: Float[ndarray, "2"], whole: float) -> str:
 
 def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | Table | Picture]:
     blocks: list[Text | Table | Picture] = []
-    ratios = unseen_ratio(found.proof, found.noise_floor)
+    ratios = error_in_floors(found.proof, found.noise_floor, "validation")
     unseen = [
         f"{label} ({ratio:.2g})"
         for label, ratio in zip(labels, ratios, strict=True)

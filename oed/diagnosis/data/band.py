@@ -28,6 +28,7 @@ NOISE_ONLY = 0.3  # of the rate, above which no arm moves and the position is no
 LOWEST, HIGHEST, STEPS = 1.0, 0.45, 60  # [Hz], of the rate
 OVERLAP = 1.1  # ratio by which each is wider on both sides: the lowest hold few frequencies
 SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not touch the band
+CALMING = 2.0  # an acceleration's filter, in units of where its noise is even: it touches no motion
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
 BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
@@ -193,5 +194,6 @@ def choose_band(
     factor = max(1, int(rate / (SAMPLES_PER_CUTOFF * cutoff)))
     smoothing = min(SMOOTHING * cutoff, 0.4 * rate)
     _, even = position_noise(positions, rate, EVEN)
-    calming = np.where(even < cutoff, np.maximum(even, LOWEST), smoothing)
+    calm = CALMING * np.maximum(even, LOWEST)
+    calming = np.where(calm < cutoff, calm, smoothing)
     return Band(rate, factor, cutoff, smoothing, tuple(calming.tolist()))

@@ -85,11 +85,11 @@ def prove(
     )
 
 
-def unseen_ratio(
-    proofs: Sequence[RoleProof], floor: Float[ndarray, " joints"]
+def error_in_floors(
+    proofs: Sequence[RoleProof], floor: Float[ndarray, " joints"], role: str
 ) -> Float[ndarray, " joints"]:
-    """Error after on the validation recordings, in noise floors; zero without them."""
-    found = [p.after / floor for p in proofs if p.role == "validation"]
+    """Error after on the recordings of a role, in noise floors; zero without them."""
+    found = [p.after / floor for p in proofs if p.role == role]
     return found[0] if found else np.zeros(len(floor))
 
 

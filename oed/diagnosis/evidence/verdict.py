@@ -181,25 +181,29 @@ def decide(
     effects: Sequence[FoundEffect],
     unexplained: Sequence[Unexplained],
     left: LackOfFit,
+    *,
+    seen: Float[ndarray, " joints"],
     unseen: Float[ndarray, " joints"],
     settings: DiagnosisSettings,
 ) -> Outcome:
     """The verdict in the interface's words.
 
     A free-form term that mends the formula of a named effect is no riddle. A lack of fit that no
-    term locates counts only where it is clear: of a mean of repetitions it is little beside the
-    noise of any, and a floor that was not read off repetitions is itself uncertain by some tenths.
+    term locates counts only where the error shows it too: what is clear in the mean of many
+    repetitions may be little beside the noise of any, and a floor that was not read off
+    repetitions is itself uncertain by some tenths.
 
     Args:
         effects: Found.
         unexplained: Free-form terms.
         left: Lack of fit of the augmented model.
-        unseen: (n,) error on the validation recordings, in noise floors; zero without them.
+        seen: (n,) its error on the estimation recordings, in noise floors.
+        unseen: (n,) the same of the validation recordings; zero without them.
         settings: Level of the tests.
     """
     if any(r.contender for e in effects for r in e.rivals):
         return "ambiguous"
-    significant = (left.p_value < settings.level) & (left.ratio > settings.floor_ratio)
+    significant = (left.p_value < settings.level) & (seen > settings.floor_ratio)
     strange = [
         u
         for u in unexplained
