@@ -23,9 +23,9 @@ def test_finds_encoder_noise_and_where_motion_ends():
     rng = np.random.default_rng(1)
     t = np.arange(20000) / 1000
     q = np.stack([np.sin(2 * np.pi * 0.7 * t) + 1e-5 * rng.normal(size=len(t))], axis=1)
-    density, reach = position_noise([q], 1000.0)
-    assert density[0] == pytest.approx(2 * 1e-10 / 1000, rel=0.15)
-    assert 0.7 < reach[0] < 20
+    noise = position_noise([q], 1000.0)
+    assert noise.density[0] == pytest.approx(2 * 1e-10 / 1000, rel=0.15)
+    assert 0.7 < noise.reach[0] <= noise.end[0] < 20
 
 
 def test_an_acceleration_keeps_the_motion_and_little_of_the_noise():

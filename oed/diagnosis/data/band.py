@@ -22,13 +22,12 @@ from oed.experiment.signals.differentiation import central_difference
 from oed.experiment.signals.lowpass import lowpass
 
 SIGNAL_TO_NOISE = 4.0  # least ratio of the acceleration's power to that of encoder noise
-EVEN = 2.0  # the same where there is as much noise as motion
 NOISE_ONLY = 0.3  # of the rate, above which no arm moves and the position is noise
 # The stretches in which motion is held against noise: from 1 Hz to short of the Nyquist frequency.
 LOWEST, HIGHEST, STEPS = 1.0, 0.45, 60  # [Hz], of the rate
 OVERLAP = 1.1  # ratio by which each is wider on both sides: the lowest hold few frequencies
 SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not touch the band
-CALMING = 2.0  # an acceleration's filter, in units of where its noise is even: it touches no motion
+CALMING = 2.0  # an acceleration's filter, in units of where motion ends: it must not touch it
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
 BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
@@ -120,10 +119,23 @@ def _low_pass(band: Band, samples: int) -> csr_array:
     return csr_array((np.tile(band.taps, rows), read.ravel(), starts), shape=(rows, samples))
 
 
-def position_noise(
-    positions: Sequence[Float[ndarray, "_ joints"]], rate: float, ratio: float = SIGNAL_TO_NOISE
-) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
-    """Spectral density of encoder noise, and the frequency up to which motion exceeds it.
+@dataclass(frozen=True)
+class PositionNoise:
+    """What is noise in measured positions.
+
+    Attributes:
+        density: (n,) one-sided spectral density [rad^2/Hz].
+        reach: (n,) frequency up to which the motion exceeds it everywhere [Hz].
+        end: (n,) frequency beyond which the motion exceeds it nowhere [Hz].
+    """
+
+    density: Float[ndarray, " joints"]
+    reach: Float[ndarray, " joints"]
+    end: Float[ndarray, " joints"]
+
+
+def position_noise(positions: Sequence[Float[ndarray, "_ joints"]], rate: float) -> PositionNoise:
+    """Spectral density of encoder noise, and where motion exceeds it.
 
     The noise is read off the upper part of the band, where arms do not move, and taken for
     white; second differences keep the motion's large slow part from leaking over it.
@@ -131,10 +143,6 @@ def position_noise(
     Args:
         positions: Uniformly sampled positions, one array a recording [rad or m].
         rate: [Hz].
-        ratio: Of the measured power to the noise's from which on motion exceeds it.
-
-    Returns:
-        (n,) one-sided density [rad^2/Hz], and (n,) frequency [Hz].
     """
     length = int(min(min(len(q) for q in positions) - 2, 4 * rate))
     accelerations = (np.diff(q, n=2, axis=0) for q in positions)
@@ -148,30 +156,17 @@ def position_noise(
     shape = (2 - 2 * np.cos(2 * np.pi * frequency / rate)) ** 2
     upper = frequency > NOISE_ONLY * rate
     density = np.median(power[upper] / shape[upper, None], axis=0)
-    edges = np.geomspace(LOWEST, HIGHEST * rate, STEPS)
-    reach = [
-        _reach(frequency, p, ratio * d * shape, edges)
-        for p, d in zip(power.T, density, strict=True)
-    ]
-    return density, np.array(reach)
-
-
-def _reach(
-    frequency: Float[ndarray, " frequencies"],
-    power: Float[ndarray, " frequencies"],
-    least: Float[ndarray, " frequencies"],
-    edges: Float[ndarray, " edges"],
-) -> float:
-    """Upper edge of the last stretch before power falls below the least; zero if in the first."""
-    reach = 0.0
-    for lower, higher in itertools.pairwise(edges):
+    moved = np.array([LOWEST])  # slower than that there is motion in any case
+    exceeded = np.ones((1, len(density)), dtype=bool)
+    for lower, higher in itertools.pairwise(np.geomspace(LOWEST, HIGHEST * rate, STEPS)):
         inside = (frequency >= lower / OVERLAP) & (frequency <= higher * OVERLAP)
-        if not inside.any():
-            continue
-        if power[inside].mean() < least[inside].mean():
-            break
-        reach = float(higher)
-    return reach
+        if inside.any():
+            noise = density * shape[inside].mean()
+            above = power[inside].mean(axis=0) >= SIGNAL_TO_NOISE * noise
+            moved, exceeded = np.append(moved, higher), np.vstack([exceeded, above])
+    unbroken = np.logical_and.accumulate(exceeded)
+    reach, end = (np.max(moved[:, None] * where, axis=0) for where in (unbroken, exceeded))
+    return PositionNoise(density, reach, end)
 
 
 def choose_band(
@@ -188,12 +183,10 @@ def choose_band(
         lowest: Least cut-off [Hz].
         highest: Largest cut-off [Hz].
     """
-    _, reach = position_noise(positions, rate)
-    cutoff = float(np.clip(reach.min(), lowest, highest))
+    noise = position_noise(positions, rate)
+    cutoff = float(np.clip(noise.reach.min(), lowest, highest))
     cutoff = min(cutoff, rate / (2 * SAMPLES_PER_CUTOFF))
     factor = max(1, int(rate / (SAMPLES_PER_CUTOFF * cutoff)))
     smoothing = min(SMOOTHING * cutoff, 0.4 * rate)
-    _, even = position_noise(positions, rate, EVEN)
-    calm = CALMING * np.maximum(even, LOWEST)
-    calming = np.where(calm < cutoff, calm, smoothing)
+    calming = np.where(CALMING * noise.end < cutoff, CALMING * noise.end, smoothing)
     return Band(rate, factor, cutoff, smoothing, tuple(calming.tolist()))

@@ -48,7 +48,7 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     if all(recording.repetitions < 2 for recording in recordings):
         highest = min(highest, _motion_band(recordings, rate))
     band = choose_band(positions, rate, settings.lowest_cutoff, highest)
-    noise = _velocity_noise(position_noise(positions, rate)[0], band)
+    noise = _velocity_noise(position_noise(positions, rate).density, band)
     starts = _starts_end_to_end(recordings)
     return tuple(
         _prepare_one(recording, *signals, band=band, noise=noise, start=start)
