@@ -26,6 +26,7 @@ from oed.diagnosis.evidence.verdict import (
     decide,
     describe_effects,
     describe_unexplained,
+    describe_unlocated,
     doubtful_name,
 )
 from oed.diagnosis.fit.rows import Rows
@@ -152,8 +153,9 @@ def _conclude(
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
     seen, unseen = (error_in_floors(proof, floor, role) for role in ("estimation", "validation"))
+    unexplained += describe_unlocated(unexplained, left, seen, unseen, settings)
     return Diagnosis(
-        verdict=decide(effects, unexplained, left, seen=seen, unseen=unseen, settings=settings),
+        verdict=decide(effects, unexplained),
         effects=effects,
         unexplained=unexplained,
         before=before,

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors
-from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, FoundEffect
+from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, FoundEffect, Unexplained
 from oed.diagnosis.rivals.confusion import DRAWS
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.report.diagnosis_record import NEXT
@@ -85,6 +85,13 @@ def diagnosis_page(
         footer=f"commit {provenance.commit}; "
         + ", ".join(f"{name} {number}" for name, number in provenance.versions.items()),
     )
+
+
+_LOST = (
+    "Where no term describes what is left, a further recording tells more than these: one motion "
+    "five times or more, so that noise and what changes with time stand apart, and the same path "
+    "at half the speed, which parts what follows position from what follows speed."
+)
 
 
 def _verdict(found: Diagnosis) -> Verdict:
@@ -199,16 +206,24 @@ def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | 
             "joint": labels[u.joint],
             "term": u.label,
             "share of residual variance": f"{u.share:.0%}",
-            "part of the model": "yes" if u.stands_in else "no: does not predict unseen motion",
+            "part of the model": _standing(u),
         }
         for u in found.unexplained
     ]
+    if not all(u.depends_on for u in found.unexplained):
+        blocks.append(Text(_LOST))
     caption = (
         "Free-form terms that the data demand: functions of positions q, velocities dq and "
         "accelerations ddq of the joints numbered, or of time; tau is a share of another joint's "
         "torque."
     )
     return [*blocks, Table(rows, caption)]
+
+
+def _standing(item: Unexplained) -> str:
+    if item.stands_in:
+        return "yes"
+    return "no: does not predict unseen motion" if item.depends_on else "no"
 
 
 def _lack_section(found: Diagnosis, labels: Sequence[str]) -> Section:

@@ -65,12 +65,13 @@ class Unexplained:
 
     Attributes:
         joint: Index.
-        depends_on: Coordinates that it depends on.
+        depends_on: Coordinates that it depends on; empty where none is known.
         share: Of the joint's residual variance (before any addition) that it carries; of what
-            repetitions differ by where it keeps its own time.
+            repetitions differ by where it keeps its own time; of the error's square where no
+            coordinate is known.
         label: What it is, in words.
         stands_in: Whether the free-form term is part of the augmented model.
-        trial: Its columns; None where it is no function of the state.
+        trial: Its columns; None where it has none.
     """
 
     joint: int
@@ -177,39 +178,48 @@ def describe_unexplained(shop: Workshop, selection: Selection) -> tuple[Unexplai
     return tuple(result)
 
 
-def decide(
-    effects: Sequence[FoundEffect],
-    unexplained: Sequence[Unexplained],
+def describe_unlocated(
+    located: Sequence[Unexplained],
     left: LackOfFit,
-    *,
     seen: Float[ndarray, " joints"],
     unseen: Float[ndarray, " joints"],
     settings: DiagnosisSettings,
-) -> Outcome:
-    """The verdict in the interface's words.
+) -> tuple[Unexplained, ...]:
+    """Joints of which too much is left, and of no term that was tried.
 
-    A free-form term that mends the formula of a named effect is no riddle. A lack of fit that no
-    term locates counts only where the error shows it too: what is clear in the mean of many
+    A lack of fit counts only where the error shows it too: what is clear in the mean of many
     repetitions may be little beside the noise of any, and a floor that was not read off
     repetitions is itself uncertain by some tenths.
 
     Args:
-        effects: Found.
-        unexplained: Free-form terms.
+        located: What terms say; their joints are not named again.
         left: Lack of fit of the augmented model.
         seen: (n,) its error on the estimation recordings, in noise floors.
         unseen: (n,) the same of the validation recordings; zero without them.
         settings: Level of the tests.
     """
+    clear = (left.p_value < settings.level) & (seen > settings.floor_ratio)
+    missing = set(np.flatnonzero(clear | (unseen > CLEAR_UNSEEN))) - {u.joint for u in located}
+    shares = 1 - 1 / np.maximum(np.maximum(seen, unseen), 1.0) ** 2
+    return tuple(
+        Unexplained(int(j), (), float(shares[j]), "no term that was tried", stands_in=False)
+        for j in sorted(missing)
+    )
+
+
+def decide(effects: Sequence[FoundEffect], unexplained: Sequence[Unexplained]) -> Outcome:
+    """The verdict in the interface's words.
+
+    A free-form term that mends the formula of a named effect is no riddle.
+    """
     if any(r.contender for e in effects for r in e.rivals):
         return "ambiguous"
-    significant = (left.p_value < settings.level) & (seen > settings.floor_ratio)
     strange = [
         u
         for u in unexplained
         if u.trial is None or not any(_mends(u.trial, e.trial) for e in effects)
     ]
-    if strange or np.any(significant) or np.any(unseen > CLEAR_UNSEEN):
+    if strange:
         return "unexplained"
     return "explained" if effects else "nothing found"
 

@@ -1,0 +1,42 @@
+"""What is left, of no term that was tried: said for a joint, or small enough to pass."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.evidence.lack_of_fit import LackOfFit
+from oed.diagnosis.evidence.verdict import Unexplained, decide, describe_unlocated
+from oed.diagnosis.settings import DiagnosisSettings
+
+SETTINGS = DiagnosisSettings()
+SURE = 1e-9  # chance of a lack of fit that no one doubts
+
+
+def left_over(p_value, seen, unseen, located=()):
+    left = LackOfFit(np.array([3.0, 1.0]), np.array([p_value, 0.5]), np.array([100.0, 100.0]))
+    return describe_unlocated(
+        located, left, np.array([seen, 1.0]), np.array([unseen, 1.0]), SETTINGS
+    )
+
+
+def test_what_only_the_mean_of_many_repetitions_shows_is_small_beside_the_noise():
+    found = left_over(SURE, seen=1.1, unseen=1.2)
+    assert found == ()
+    assert decide((), found) == "nothing found"
+
+
+def test_an_error_without_significance_is_a_floor_that_was_read_too_low():
+    assert left_over(0.3, seen=1.6, unseen=1.6) == ()
+
+
+@pytest.mark.parametrize(("p_value", "seen", "unseen"), [(SURE, 1.5, 1.0), (0.3, 1.0, 2.5)])
+def test_a_clear_error_is_said_with_its_joint(p_value, seen, unseen):
+    (found,) = left_over(p_value, seen, unseen)
+    assert (found.joint, found.depends_on) == (0, ())
+    # Squares over those of the floor: what is not noise.
+    assert found.share == pytest.approx(1 - 1 / max(seen, unseen) ** 2)
+    assert decide((), (found,)) == "unexplained"
+
+
+def test_a_joint_that_a_term_names_is_not_named_again():
+    term = Unexplained(0, ("q_1",), 0.5, "f(q_1)", stands_in=False)
+    assert left_over(SURE, seen=2.0, unseen=3.0, located=(term,)) == ()
