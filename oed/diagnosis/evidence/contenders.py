@@ -14,7 +14,7 @@ from oed.diagnosis.search.telling import decisive_between, is_of_kind, telling
 from oed.diagnosis.search.tilt_review import stood_upright
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial, moved
+from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVALS = 5
@@ -48,8 +48,7 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
         return _rivals_of_tilt(shop, others)
     layout = shop.layout(own.trial)
     fit = shop.fit(others, layout).fit
-    contrast = own.trial.between_repetitions and shop.full is not shop.mean
-    here = score(moved(own.trial, layout.rows, shop.context, contrast=contrast), fit)
+    here = score(shop.renewed(own.trial), fit)
     candidates = [
         found
         for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS)
