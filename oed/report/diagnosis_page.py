@@ -23,6 +23,11 @@ from oed.report.provenance import Provenance
 from oed.report.table import Row
 
 REFUSED = 20  # strongest of them that a reader looks at
+LOST = (
+    "Where no term describes what is left, a further recording tells more than these: one motion "
+    "five times or more, so that noise and what changes with time stand apart, and the same path "
+    "at half the speed, which parts what follows position from what follows speed."
+)
 WORSE = 1.05  # ratio of errors that is mentioned whatever its interval
 RARE = 0.05  # share of draws in which noise alone would name the wrong one
 ANYWAY = (
@@ -85,13 +90,6 @@ def diagnosis_page(
         footer=f"commit {provenance.commit}; "
         + ", ".join(f"{name} {number}" for name, number in provenance.versions.items()),
     )
-
-
-_LOST = (
-    "Where no term describes what is left, a further recording tells more than these: one motion "
-    "five times or more, so that noise and what changes with time stand apart, and the same path "
-    "at half the speed, which parts what follows position from what follows speed."
-)
 
 
 def _verdict(found: Diagnosis) -> Verdict:
@@ -211,7 +209,7 @@ def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | 
         for u in found.unexplained
     ]
     if not all(u.depends_on for u in found.unexplained):
-        blocks.append(Text(_LOST))
+        blocks.append(Text(LOST))
     caption = (
         "Free-form terms that the data demand: functions of positions q, velocities dq and "
         "accelerations ddq of the joints numbered, or of time; tau is a share of another joint's "

@@ -35,7 +35,7 @@ def test_an_acceleration_keeps_the_motion_and_little_of_the_noise():
     true = np.array([1.0, 0.01]) * np.sin(t[:, None] * turn)
     steps = np.array([1e-3, 1e-7])  # [rad] of a coarse encoder under a slow joint, and a fine one
     noisy = true + steps * rng.uniform(-0.5, 0.5, true.shape)
-    band = choose_band([noisy], rate, lowest=8.0, highest=30.0)
+    band = choose_band(position_noise([noisy], rate), rate, lowest=8.0, highest=30.0)
     assert band.calming[0] < band.cutoff
     assert band.calming[1] == band.smoothing
     settled = slice(round(band.edge * rate), -round(band.edge * rate))

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from scipy.stats import ncx2, norm
 
-from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import (
     as_prepared,
@@ -14,24 +12,18 @@ from oed.diagnosis.rivals.discrimination import (
     separation,
 )
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.trials import catalogue_trial, dense
-from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.torque_model import TorqueModel
+from oed.diagnosis.terms.trials import dense
 from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of, trial_of
 
 
 @pytest.fixture(scope="module")
 def shop() -> Workshop:
-    dataset = data_set(3, roles=("estimation", "estimation"))
-    settings = DiagnosisSettings()
-    prepared = prepare(dataset.recordings, settings)
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), prepared)
-    return Workshop(baseline, prepared, (), settings, gear_ratio=None)
+    return shop_of(data_set(3, roles=("estimation", "estimation")))
 
 
 def trial(shop, name, values=(), target=0):
-    return catalogue_trial(CATALOGUE[name], shop.context, target, values, shop.mean.rows)
+    return trial_of(shop, name, target, values)
 
 
 def outside(shop, *trials):

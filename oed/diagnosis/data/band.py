@@ -169,21 +169,15 @@ def position_noise(positions: Sequence[Float[ndarray, "_ joints"]], rate: float)
     return PositionNoise(density, reach, end)
 
 
-def choose_band(
-    positions: Sequence[Float[ndarray, "_ joints"]],
-    rate: float,
-    lowest: float,
-    highest: float,
-) -> Band:
+def choose_band(noise: PositionNoise, rate: float, lowest: float, highest: float) -> Band:
     """The widest band in which every joint's motion stands out of its encoder's noise.
 
     Args:
-        positions: As `position_noise`.
+        noise: Of the positions.
         rate: Of these [Hz].
         lowest: Least cut-off [Hz].
         highest: Largest cut-off [Hz].
     """
-    noise = position_noise(positions, rate)
     cutoff = float(np.clip(noise.reach.min(), lowest, highest))
     cutoff = min(cutoff, rate / (2 * SAMPLES_PER_CUTOFF))
     factor = max(1, int(rate / (SAMPLES_PER_CUTOFF * cutoff)))

@@ -47,11 +47,12 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     highest = settings.highest_cutoff
     if all(recording.repetitions < 2 for recording in recordings):
         highest = min(highest, _motion_band(recordings, rate))
-    band = choose_band(positions, rate, settings.lowest_cutoff, highest)
-    noise = _velocity_noise(position_noise(positions, rate).density, band)
+    noise = position_noise(positions, rate)
+    band = choose_band(noise, rate, settings.lowest_cutoff, highest)
+    of_velocity = _velocity_noise(noise.density, band)
     starts = _starts_end_to_end(recordings)
     return tuple(
-        _prepare_one(recording, *signals, band=band, noise=noise, start=start)
+        _prepare_one(recording, *signals, band=band, noise=of_velocity, start=start)
         for recording, signals, start in zip(
             recordings, raw, starts or [None] * len(raw), strict=True
         )

@@ -62,10 +62,9 @@ class Prepared:
     @cached_property
     def place_in_period(self) -> Int[ndarray, " samples"]:
         """Index of each fine sample's phase; of the sample itself without repetitions."""
-        index = np.arange(len(self.motion))
         if self.period is None:
-            return index
-        return np.floor(np.mod(index + 0.5, self.period * self.band.rate)).astype(int)
+            return np.arange(len(self.motion))
+        return places_in_period(len(self.motion), self.period * self.band.rate)
 
     @cached_property
     def mean_motion(self) -> Motion:
@@ -80,10 +79,7 @@ class Prepared:
         self, fine: Float[ndarray, "samples columns"]
     ) -> Float[ndarray, "samples columns"]:
         """Mean over the repetitions at the phase of each fine sample."""
-        place = self.place_in_period
-        counts = np.maximum(np.bincount(place), 1)
-        means = np.stack([np.bincount(place, weights=column) for column in fine.T], axis=1)
-        return (means / counts[:, None])[place]
+        return mean_at_each(fine, self.place_in_period)
 
     @property
     def rows(self) -> int:
@@ -94,3 +90,17 @@ class Prepared:
     def phase(self) -> Float[ndarray, " rows"]:
         """Time within the period, or the time itself without repetitions [s]."""
         return self.t if self.period is None else np.mod(self.t, self.period)
+
+
+def places_in_period(samples: int, period: float) -> Int[ndarray, " samples"]:
+    """Index within the period of each sample, the period in samples and no whole number of them."""
+    return np.floor(np.mod(np.arange(samples) + 0.5, period)).astype(int)
+
+
+def mean_at_each(
+    values: Float[ndarray, "samples columns"], place: Int[ndarray, " samples"]
+) -> Float[ndarray, "samples columns"]:
+    """Mean over all samples of the same place, at each sample."""
+    counts = np.maximum(np.bincount(place), 1)
+    means = np.stack([np.bincount(place, weights=column) for column in values.T], axis=1)
+    return (means / counts[:, None])[place]

@@ -16,6 +16,8 @@ from numpy import ndarray
 from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
+from oed.diagnosis.data.prepared import mean_at_each, places_in_period
+
 # Chance of a line in white noise, over all frequencies and joints. Where colour changes within a
 # neighbourhood the chance is up to some hundred times that.
 LEVEL = 1e-5
@@ -126,9 +128,10 @@ def _left_between(
     repetitions = max(1, round(len(window) / period))
     turn = 2 * np.pi * np.fft.rfftfreq(length)  # [rad a sample]
     taken = np.zeros(len(turn))
-    for m in range(1 - repetitions, repetitions):
-        lag = round(abs(m) * period)
-        taken += window[lag:] @ window[: len(window) - lag] * np.cos(turn * lag)
+    for m in range(repetitions):
+        lag = round(m * period)
+        both = 2 if m else 1  # signs of m
+        taken += both * (window[lag:] @ window[: len(window) - lag]) * np.cos(turn * lag)
     return 1 - taken / repetitions / float(window @ window)
 
 
@@ -144,13 +147,9 @@ def _size(
     """
     carried = whole = squares = 0.0
     for x, period in zip(series, periods, strict=True):
-        instants = np.arange(len(x))
-        turn = 2 * np.pi * frequency * instants / rate
+        turn = 2 * np.pi * frequency * np.arange(len(x)) / rate
         waves = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        place = np.round(instants % (period * rate)).astype(int)
-        counts = np.maximum(np.bincount(place), 1)
-        mean = np.stack([np.bincount(place, weights=w) / counts for w in waves.T], axis=1)
-        waves = waves - mean[place]
+        waves = waves - mean_at_each(waves, places_in_period(len(x), period * rate))
         sizes = np.linalg.lstsq(waves, x, rcond=None)[0]
         carried, whole = carried + float(np.sum((waves @ sizes) ** 2)), whole + float(x @ x)
         squares += float(sizes @ sizes) * len(x)
