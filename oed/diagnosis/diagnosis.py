@@ -13,10 +13,18 @@ from oed.diagnosis.baseline.baseline import Baseline, find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
+from oed.diagnosis.evidence.differing import differing
 from oed.diagnosis.evidence.encoder_steps import repeated_steps, rounding_squares, rounding_torque
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final, install
+from oed.diagnosis.evidence.final_model import (
+    FinalModel,
+    errors_of,
+    fit_final,
+    install,
+    lost_when_repeated,
+)
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
+from oed.diagnosis.evidence.modulation import find_modulations
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors, prove
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
@@ -146,7 +154,7 @@ def _conclude(
     effects = describe_effects(shop, selection, found)
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
-        unexplained += _lines(after, estimation, baseline)
+        unexplained += _unrepeated(after, estimation, baseline)
     rounding, floor = _with_rounding(baseline, before, layout.rows, steps)
     freedom = float(sum(p.rows for p in estimation))
     left = lack_of_fit(after.fit, freedom, rounding)
@@ -184,6 +192,11 @@ def _sure(
     """What holds in its exact form and beyond its own uncertainty, installed and as it was fitted."""
     while True:
         selection, after = _never_worse(shop, selection, validation, before)
+        lost = lost_when_repeated(shop, selection.found, after)
+        if lost is not None:
+            reason = "in its exact form it raises the error of the single repetitions"
+            selection = selection.without(shop, lost, reason)
+            continue
         found = with_uncertainty(shop, selection.found)
         doubtful = doubtful_name(shop, found)
         if doubtful is None:
@@ -201,22 +214,25 @@ def _with_rounding(
     return rounding_squares(rows, errors), np.hypot(baseline.floor.deviation, repeated)
 
 
-def _lines(
+def _unrepeated(
     after: FinalModel, estimation: tuple[Prepared, ...], baseline: Baseline
 ) -> tuple[Unexplained, ...]:
-    """What makes repetitions differ at a frequency of its own."""
-    repeated = tuple(p for p in estimation if p.period is not None)
-    stretches = []
-    for p, weights in zip(repeated, baseline.certainty(repeated), strict=True):
-        error = p.fine_torque - after.model.torque(after.parameters, p.motion)
-        between = p.band.apply(error - p.phase_mean(error))
-        stretch = np.zeros_like(between)
-        stretch[p.valid] = weights * between[p.valid]
-        stretches.append(stretch)
-    periods = [p.period for p in repeated if p.period is not None]
-    band = estimation[0].band
-    found = find_lines(stretches, periods, band.analysis_rate, band.cutoff)
-    return tuple(Unexplained(x.joint, ("time",), x.share, x.label, stands_in=False) for x in found)
+    """What makes repetitions differ in its own time: with the state of the arm, or without."""
+    band, recordings = estimation[0].band, differing(after, estimation, baseline)
+    modulations = find_modulations(recordings, band.analysis_rate)
+    carried = {m.joint for m in modulations}
+    lines = find_lines(recordings, band.analysis_rate, band.cutoff)
+    return (
+        *(
+            Unexplained(m.joint, m.depends_on, m.share, m.label, stands_in=False)
+            for m in modulations
+        ),
+        *(
+            Unexplained(x.joint, ("time",), x.share, x.label, stands_in=False)
+            for x in lines
+            if x.joint not in carried
+        ),
+    )
 
 
 def _never_worse(

@@ -28,6 +28,10 @@ LOST = (
     "five times or more, so that noise and what changes with time stand apart, and the same path "
     "at half the speed, which parts what follows position from what follows speed."
 )
+OWN_TIME = (
+    "What keeps its own time is not the same at every repetition: it is part of the noise floor, "
+    "and no model of the motion foretells it. Its share is of what the repetitions differ by."
+)
 WORSE = 1.05  # ratio of errors that is mentioned whatever its interval
 RARE = 0.05  # share of draws in which noise alone would name the wrong one
 ANYWAY = (
@@ -210,6 +214,8 @@ def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | 
     ]
     if not all(u.depends_on for u in found.unexplained):
         blocks.append(Text(LOST))
+    if any(u.depends_on and u.trial is None for u in found.unexplained):
+        blocks.append(Text(OWN_TIME))
     caption = (
         "Free-form terms that the data demand: functions of positions q, velocities dq and "
         "accelerations ddq of the joints numbered, or of time; tau is a share of another joint's "

@@ -19,8 +19,8 @@ LENGTH = 0.359  # [m] of the first link
 def data_set(seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, hum=None, roles=None):
     """A data set with noise of a time constant `colour` [s] and encoder steps [rad].
 
-    `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t)` what
-    comes from elsewhere.
+    `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t, dq)`
+    what comes in its own time.
     """
     rng = np.random.default_rng(seed)
     roles = roles or ("estimation", "estimation", "validation", "test")
@@ -58,7 +58,7 @@ def _record(rng, name, role, *, extra, repetitions, colour, step, hum):
     if extra is not None:
         tau = tau + extra(q, dq, ddq)
     if hum is not None:
-        tau = tau + hum(t + rng.uniform(0, PERIOD))
+        tau = tau + hum(t + rng.uniform(0, PERIOD), dq)
     tau = tau + NOISE * _noise(rng, len(t), colour)
     measured = q + 1e-5 * rng.normal(size=q.shape)
     if step > 0:

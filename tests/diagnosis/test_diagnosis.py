@@ -25,7 +25,8 @@ def diagnosis_of(kind, seed=0):
         "coarse": {"step": 2e-3, "repetitions": 1},
         "stribeck": {"extra": stribeck(1.0)},
         "foreign": {"extra": lambda q, dq, ddq: np.stack([q[:, 1] * dq[:, 0], 0 * q[:, 0]], 1)},
-        "hum": {"hum": lambda t: np.outer(np.sin(2 * np.pi * HUM * t), [0.1, 0.0])},
+        "hum": {"hum": lambda t, dq: np.outer(np.sin(2 * np.pi * HUM * t), [0.1, 0.0])},
+        "brake": {"hum": _brake},
         "elusive": {"extra": _elusive},
         "strange": {"extra": _strange, "repetitions": 1, "roles": ("estimation",) * 5 + SEALED},
     }
@@ -36,6 +37,12 @@ def diagnosis_of(kind, seed=0):
 def _elusive(q, dq, ddq):
     """Waves so fine that the paths of two motions do not determine them between."""
     return np.stack([2.0 * np.cos(14 * q[:, 0]) * np.sin(4 * q[:, 1]), 0 * q[:, 0]], axis=1)
+
+
+def _brake(t, dq):
+    """Drags on the second joint for some seconds, and then does not."""
+    drags = np.sin(0.7 * t) + np.sin(1.63 * t + 1.0) > 0.2
+    return np.stack([0 * t, 0.4 * drags * np.sign(dq[:, 1])], axis=1)
 
 
 def _strange(q, dq, ddq):
@@ -127,6 +134,14 @@ def test_says_that_something_keeps_its_own_time():
     # An amplitude's standard deviation is sqrt(2 S f_band / N), here about 0.004 N m.
     assert amplitude == pytest.approx(0.1, abs=0.015)
     assert frequency == pytest.approx(HUM, abs=1 / 60)
+
+
+def test_says_that_friction_comes_and_goes():
+    found = diagnosis_of("brake")
+    assert found.effects == ()
+    assert found.verdict == "unexplained"
+    (brake,) = found.unexplained
+    assert (brake.joint, brake.depends_on, brake.stands_in) == (1, ("time", "dq_2"), False)
 
 
 def test_augmented_model_is_an_ordinary_torque_model():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from oed.diagnosis.evidence.differing import Differing
 from oed.diagnosis.evidence.free_running import find_lines
 
 RATE = 40.0  # [Hz]
@@ -23,8 +24,8 @@ def _between(x, period):
 
 
 def _lines(stretches, period):
-    differing = [_between(x, period) for x in stretches]
-    return find_lines(differing, [period / RATE] * len(stretches), RATE, 16.0)
+    recordings = [Differing(_between(x, period), x, x, float(period)) for x in stretches]
+    return find_lines(recordings, RATE, 16.0)
 
 
 @pytest.mark.parametrize("repetitions", [2, 3, 6])
@@ -55,5 +56,6 @@ def test_finds_a_line_of_a_third_of_the_noise(pole):
 
 
 def test_nothing_to_look_at():
-    assert find_lines([], [], RATE, 16.0) == ()
-    assert find_lines([np.zeros((SAMPLES, 2))], [PERIOD / RATE], RATE, 0.1) == ()
+    still = np.zeros((SAMPLES, 2))
+    assert find_lines([], RATE, 16.0) == ()
+    assert find_lines([Differing(still, still, still, float(PERIOD))], RATE, 0.1) == ()

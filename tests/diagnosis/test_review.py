@@ -6,12 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
+from oed.diagnosis.evidence.final_model import fit_final, install, lost_when_repeated
 from oed.diagnosis.evidence.verdict import doubtful_name
 from oed.diagnosis.search.scan import at_rest, implausible, scan, score
 from oed.diagnosis.search.turning import HEAVIEST, moment_fault
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
-from tests.diagnosis.arm import data_set
+from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
 THINNED = 0.2  # [rad/s] at which grease thins
@@ -70,6 +71,20 @@ def test_an_uncertain_shape_does_not_make_a_size_doubtful():
     )
     found = Augmented((trial,), (np.array([0.2, 0.0]),), shop.before.fit, (covariance,))
     assert doubtful_name(shop, found) is None
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_makes_every_repetition_worse_is_lost(turned):
+    shop = shop_with(stribeck(1.0))
+    trial = trial_of(shop, "stribeck", 0, (0.1, 1.0, 0.5))
+    layout = shop.layout_for([trial])
+    found = shop.fit([trial], layout)
+    final = fit_final(shop.baseline, layout, install(shop.baseline, found, shop.context))
+    if turned:
+        signs = np.ones(len(final.parameters))
+        signs[-1] = -1.0
+        final = dataclasses.replace(final, parameters=signs * final.parameters)
+    assert (lost_when_repeated(shop, found, final) is trial) is turned
 
 
 def test_what_mends_a_name_does_not_make_it_doubtful():

@@ -13,7 +13,10 @@ from numpy import ndarray
 from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
+from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented, Layout
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.identifiability import base_parameters
@@ -77,6 +80,41 @@ def errors_of(final: FinalModel, prepared: Sequence[Prepared]) -> list[Float[nda
         (p.torque - p.band.apply(final.model.torque(final.parameters, p.motion)))[p.valid]
         for p in prepared
     ]
+
+
+def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> Trial | None:
+    """An addition that mends the mean of repetitions, and makes every single one worse.
+
+    A disturbance of one repetition moves the arm a little: in the mean of several, friction turns
+    its sign more gradually than in any. What explains that is no part of the arm.
+
+    Args:
+        shop: The laid-out data.
+        found: The additions, fitted.
+        final: With all of them in their exact form.
+    """
+    if shop.mean is shop.full:
+        return None
+    whole, joints = _white_squares(final, shop.full.rows), range(shop.baseline.model.robot.n)
+    for trial in found.chosen:
+        if trial.name == GRAVITY and shop.is_turned:
+            continue
+        others = [t for t in found.chosen if t is not trial]
+        layout = shop.layout_for(others)
+        model = install(shop.baseline, shop.fit(others, layout), shop.context)
+        without = _white_squares(fit_final(shop.baseline, layout, model), shop.full.rows)
+        acting = list(joints) if trial.joint is None else [trial.joint]
+        if np.sum((without - whole)[acting]) <= 0:
+            return trial
+    return None
+
+
+def _white_squares(final: FinalModel, rows: Rows) -> Float[ndarray, " joints"]:
+    """(n,) squares of white residuals of all rows, repeated or not."""
+    torques = [final.model.torque(final.parameters, p.motion) for p in rows.prepared]
+    errors = [p.torque - p.band.apply(t) for p, t in zip(rows.prepared, torques, strict=True)]
+    joints = range(errors[0].shape[1])
+    return np.array([np.sum(rows.whiten([e[:, [j]] for e in errors], j) ** 2) for j in joints])
 
 
 def _acts_on_model(trial: Trial) -> bool:

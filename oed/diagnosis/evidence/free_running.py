@@ -17,12 +17,15 @@ from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
 from oed.diagnosis.data.prepared import mean_at_each, places_in_period
+from oed.diagnosis.evidence.differing import Differing
 
 # Chance of a line in white noise, over all frequencies and joints. Where colour changes within a
 # neighbourhood the chance is up to some hundred times that.
 LEVEL = 1e-5
 LEAST_SHARE = 0.03  # of the variance between repetitions that a line worth a word carries
-LOWEST = 0.3  # [Hz]: slower is a drift
+SLOW = 0.3  # [Hz], below which a drift of no one frequency has peaks of its own,
+SLOW_SHARE = 0.3  # and a line must carry this share
+CYCLES = 10  # in the longest recording, below which nothing slow is called a line
 NEIGHBOURS = 41  # frequencies whose median is the local level
 PADDING = 2  # ratio of transform to signal length: a line may lie between two frequencies
 FINER = 17  # frequencies about a peak among which the line that carries most is looked for
@@ -53,45 +56,37 @@ class Line:
         return f"{self.amplitude:.2g} sin(2 pi {self.frequency:.4g} t + phase)"
 
 
-def find_lines(
-    stretches: Sequence[Float[ndarray, "_ joints"]],
-    periods: Sequence[float],
-    rate: float,
-    highest: float,
-) -> tuple[Line, ...]:
+def find_lines(recordings: Sequence[Differing], rate: float, highest: float) -> tuple[Line, ...]:
     """The clearest line of every joint that has one.
 
     Args:
-        stretches: What repetitions differ by, one evenly sampled array a recording [N m].
-        periods: Of each recording's motion [s].
+        recordings: Of repeated motions.
         rate: [Hz].
         highest: Frequency up to which to look [Hz].
     """
-    if not stretches:
+    if not recordings:
         return ()
-    joints = stretches[0].shape[1]
-    length = PADDING * max(len(x) for x in stretches)
+    joints = recordings[0].torque.shape[1]
+    longest = max(len(r.torque) for r in recordings)
+    length = PADDING * longest
     frequency = np.fft.rfftfreq(length, 1 / rate)
-    inside = (frequency >= LOWEST) & (frequency <= highest)
+    lowest = min(SLOW, CYCLES * rate / longest)
+    inside = (frequency >= lowest) & (frequency <= highest)
     if not inside.any():
         return ()
     tests = joints * int(inside.sum())
     found = []
     for joint in range(joints):
-        series = [x[:, joint] for x in stretches]
-        levels = (
-            _over_local_level(x, length, rate * period)
-            for x, period in zip(series, periods, strict=True)
-        )
+        levels = (_over_local_level(r.torque[:, joint], length, r.period) for r in recordings)
         excess = np.sum([level[inside] for level in levels], axis=0)
         peak = int(np.argmax(excess))
-        p_value = min(1.0, tests * float(chi2.sf(2 * excess[peak], 2 * len(series))))
+        p_value = min(1.0, tests * float(chi2.sf(2 * excess[peak], 2 * len(recordings))))
         if p_value >= LEVEL:
             continue
         near = frequency[inside][peak] + frequency[1] * np.linspace(-PADDING, PADDING, FINER)
-        lines = [(*_size(series, periods, rate, float(f)), float(f)) for f in near]
+        lines = [(*_size(recordings, joint, float(f) / rate), float(f)) for f in near]
         share, amplitude, at = max(lines)
-        if share >= LEAST_SHARE:
+        if share >= (LEAST_SHARE if at >= SLOW else SLOW_SHARE):
             found.append(Line(joint, at, amplitude, share, p_value))
     return tuple(found)
 
@@ -135,23 +130,24 @@ def _left_between(
     return 1 - taken / repetitions / float(window @ window)
 
 
-def _size(
-    series: Sequence[Float[ndarray, " samples"]],
-    periods: Sequence[float],
-    rate: float,
-    frequency: float,
-) -> tuple[float, float]:
+def _size(recordings: Sequence[Differing], joint: int, frequency: float) -> tuple[float, float]:
     """Share of the variance that a sinusoid carries, its phase free in every stretch, and its size.
 
     What repetitions do not differ by is taken off the sinusoid too.
+
+    Args:
+        recordings: Of repeated motions.
+        joint: Whose torque.
+        frequency: [cycles a sample].
     """
     carried = whole = squares = 0.0
-    for x, period in zip(series, periods, strict=True):
-        turn = 2 * np.pi * frequency * np.arange(len(x)) / rate
+    for r in recordings:
+        x = r.torque[:, joint]
+        turn = 2 * np.pi * frequency * np.arange(len(x))
         waves = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        waves = waves - mean_at_each(waves, places_in_period(len(x), period * rate))
+        waves = waves - mean_at_each(waves, places_in_period(len(x), r.period))
         sizes = np.linalg.lstsq(waves, x, rcond=None)[0]
         carried, whole = carried + float(np.sum((waves @ sizes) ** 2)), whole + float(x @ x)
         squares += float(sizes @ sizes) * len(x)
-    samples = sum(len(x) for x in series)
+    samples = sum(len(r.torque) for r in recordings)
     return carried / max(whole, 1e-300), float(np.sqrt(squares / samples))

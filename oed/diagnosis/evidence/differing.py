@@ -1,0 +1,54 @@
+"""What repetitions of one motion differ by: noise, and whatever keeps its own time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline.baseline import Baseline
+from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.final_model import FinalModel
+
+
+@dataclass(frozen=True)
+class Differing:
+    """What the repetitions of one recording differ by, and where the arm was.
+
+    Attributes:
+        torque: (N, n) less its mean at each phase, zero where it is uncertain [N m].
+        position: (N, n) [rad or m].
+        direction: (N, n) of motion, in -1 to 1.
+        period: Of the motion [samples].
+    """
+
+    torque: Float[ndarray, "samples joints"]
+    position: Float[ndarray, "samples joints"]
+    direction: Float[ndarray, "samples joints"]
+    period: float
+
+
+def differing(
+    model: FinalModel, estimation: Sequence[Prepared], baseline: Baseline
+) -> tuple[Differing, ...]:
+    """Of every repeated recording, what a fitted model leaves of it.
+
+    Args:
+        model: Takes off what the motion's own differences between repetitions explain.
+        estimation: Recordings, repeated or not.
+        baseline: Knows which rows are uncertain.
+    """
+    repeated = tuple(p for p in estimation if p.period is not None)
+    found = []
+    for p, weights in zip(repeated, baseline.certainty(repeated), strict=True):
+        error = p.fine_torque - model.model.torque(model.parameters, p.motion)
+        between = p.band.apply(error - p.phase_mean(error))
+        torque = np.zeros_like(between)
+        torque[p.valid] = weights * between[p.valid]
+        direction = p.band.apply(np.tanh(p.motion.dq / p.sign_noise))
+        period = (p.period or 0.0) * p.band.analysis_rate
+        found.append(Differing(torque, p.band.apply(p.motion.q), direction, period))
+    return tuple(found)
