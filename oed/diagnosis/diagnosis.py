@@ -38,7 +38,7 @@ from oed.diagnosis.evidence.verdict import (
     doubtful_name,
 )
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.judgement import Refused, costs
+from oed.diagnosis.search.judgement import Refused, costs, keeps_step
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selection import Selection, search
 from oed.diagnosis.search.workbench import Augmented
@@ -161,7 +161,11 @@ def _conclude(
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
     seen, unseen = (error_in_floors(proof, floor, role) for role in ("estimation", "validation"))
-    unexplained += describe_unlocated(unexplained, left, seen, unseen, settings)
+    unexplained += tuple(
+        u
+        for u in describe_unlocated(unexplained, left, seen, unseen, settings)
+        if keeps_step(shop, selection.trials, u.joint)
+    )
     return Diagnosis(
         verdict=decide(effects, unexplained),
         effects=effects,

@@ -198,7 +198,8 @@ def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | 
         blocks.append(
             Text(
                 "No motion is repeated: what changes with time cannot be told from what depends "
-                "on the motion, and a drift may be part of the noise floor."
+                "on the motion, and a drift may be part of the noise floor. What is left counts "
+                "where it keeps step with the arm; slow noise, which does not, may exceed the floor."
             )
         )
     if not found.unexplained:

@@ -22,6 +22,7 @@ def diagnosis_of(kind, seed=0):
         "clean": {},
         "coloured": {"colour": 0.03},
         "steps": {"step": 1e-4},
+        "slow": {"colour": 0.5, "repetitions": 1},
         "coarse": {"step": 2e-3, "repetitions": 1},
         "stribeck": {"extra": stribeck(1.0)},
         "foreign": {"extra": lambda q, dq, ddq: np.stack([q[:, 1] * dq[:, 0], 0 * q[:, 0]], 1)},
@@ -51,7 +52,7 @@ def _strange(q, dq, ddq):
     return np.stack([waves, q[:, 1] * dq[:, 1]], axis=1)
 
 
-@pytest.mark.parametrize("kind", ["clean", "coloured", "steps", "coarse"])
+@pytest.mark.parametrize("kind", ["clean", "coloured", "slow", "steps", "coarse"])
 def test_nothing_is_named_where_nothing_is_missing(kind):
     found = diagnosis_of(kind)
     assert found.effects == ()

@@ -10,9 +10,9 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.optimize import minimize
 from scipy.special import gammaln
-from scipy.stats import chi2, gumbel_r
+from scipy.stats import chi2
 
-from oed.diagnosis.fit.addition import NormalEquations, normal_equations
+from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
@@ -60,10 +60,10 @@ class Score:
     def surprise(self, inflation: Float[ndarray, " joints"]) -> float:
         """-log of the chance of this gain in noise that large, shapes counted as parameters."""
         gains = np.array([max(self.gain, 0.0) / inflation[list(self.trial.group)].mean()])
-        return float(_minus_log_chance(gains, max(self.freedom, 1))[0])
+        return float(minus_log_chance(gains, max(self.freedom, 1))[0])
 
 
-def _minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[ndarray, " count"]:
+def minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[ndarray, " count"]:
     """-log of a chi-square's upper tail, by its leading terms where it underflows."""
     exact = -chi2.logsf(np.minimum(gains, 400.0), freedom)
     half = np.maximum(gains, 1.0) / 2
@@ -86,7 +86,7 @@ def score(trial: Trial, fit: LinearFit) -> Score:
             return Score(trial, 0.0, trial.shapes, ones)
         promise = max(towards, 0.0) ** 2 / size
         return Score(trial, 2 * towards - size, trial.shapes, ones, promise=promise)
-    found = normal.solved(_ridge_of(trial))
+    found = normal.solved(ridge_of(trial))
     freedom = found.rank + trial.shapes if found.rank else 0
     own = sum(float(np.sum((b @ found.coefficients) ** 2)) for b in trial.group.values())
     cancelled = own / found.gain if found.gain > 0 else 1.0
@@ -94,7 +94,8 @@ def score(trial: Trial, fit: LinearFit) -> Score:
     return Score(trial, found.gain, freedom, found.coefficients, cancelled, promise=found.gain)
 
 
-def _ridge_of(trial: Trial) -> float:
+def ridge_of(trial: Trial) -> float:
+    """Of a unit column's square, that keeps a free form's coefficients bounded."""
     return FREE_FORM_RIDGE if trial.is_free_form else 0.0
 
 
@@ -192,61 +193,3 @@ def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
         if settled:
             break
     return best
-
-
-def surrogate_surprise(
-    trials: Sequence[Trial], fit: LinearFit, count: int, rng: np.random.Generator
-) -> Float[ndarray, " count"]:
-    """Largest surprise of a whole search when the residual is nothing but chance.
-
-    The residual's sign is flipped block by block: whatever keeps step with a column is
-    destroyed, while size, bursts and colour stay. The maximum over all trials carries the
-    multiplicity of the search.
-    """
-    flipped = _flip_signs(fit, count, rng)
-    inside = np.einsum("jrb,jrs->bs", fit.projection.basis, flipped, optimize=True)
-    largest = np.zeros(count)
-    inflation = inflation_of(fit)
-    for trial in trials:
-        normal = normal_equations(fit.projection, fit.residual, trial.group)
-        moments = np.zeros((len(normal.lengths), count))
-        for joint, block in trial.group.items():
-            moments += block.T @ flipped[joint]
-            moments -= (fit.projection.basis[joint].T @ block).T @ inside
-        share = float(inflation[list(trial.group)].mean())
-        largest = np.maximum(largest, _surprises(trial, normal, moments, share))
-    return largest
-
-
-def _flip_signs(
-    fit: LinearFit, count: int, rng: np.random.Generator
-) -> Float[ndarray, "joints rows count"]:
-    """Residuals with random signs, one a block and surrogate, common to all joints."""
-    blocks = fit.rows.blocks()
-    signs = rng.choice([-1.0, 1.0], size=(int(blocks.max()) + 1, count))
-    return fit.residual[:, :, None] * signs[blocks][None]
-
-
-def family_p_value(surprise: float, surrogates: Float[ndarray, " count"]) -> float:
-    """Chance that a search through noise surprises as much, from a Gumbel tail."""
-    scale = max(float(np.std(surrogates)) * np.sqrt(6) / np.pi, 0.5)
-    location = float(np.mean(surrogates)) - np.euler_gamma * scale
-    return float(np.clip(gumbel_r.sf(surprise, location, scale), 1e-300, 1.0))
-
-
-def _surprises(
-    trial: Trial,
-    normal: NormalEquations,
-    moments: Float[ndarray, "columns count"],
-    inflation: float,
-) -> Float[ndarray, " count"]:
-    """Surprise of one trial by the moments of its columns with each of many residuals."""
-    directions = normal.directions()
-    if not directions.rank:
-        return np.zeros(moments.shape[1])
-    if trial.fixed:
-        gains = np.maximum(2 * moments.sum(axis=0) - normal.gram.sum(), 0.0)
-    else:
-        gains = directions.gains(moments, _ridge_of(trial))
-    freedom = (0 if trial.fixed else directions.rank) + trial.shapes
-    return _minus_log_chance(gains / inflation, max(freedom, 1))

@@ -8,7 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oed.diagnosis.search.judgement import Accepted, Refused, held_out_fault, judge
+from oed.diagnosis.search.judgement import (
+    Accepted,
+    Refused,
+    chance_of_slow_noise,
+    held_out_fault,
+    judge,
+    refusal,
+)
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, score
 from oed.diagnosis.search.telling import RIVAL_SHARE
@@ -21,6 +28,8 @@ from oed.diagnosis.terms.trials import Trial, free_form_trials
 # Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
 # would carry it to the next motion.
 BETTER = 0.95
+CLEARLY_BETTER = 0.8  # slow noise seldom follows a curve that far, in two motions
+FORETOLD = 0.1  # chance of slow noise up to which a ratio between the two is believed
 # Pieces of a term that stands in, by the number of its coordinates: what was noticed may be
 # finer than what noticed it, and how fine the data say themselves.
 PIECES = {1: 36, 2: 10}
@@ -40,8 +49,17 @@ def next_free_form(
     ]
     for candidate in _least_left_first(shop, candidates, others, standing):
         passed = judge(shop, candidate, accepted, pool, refused)
-        if passed is not None:
-            return _standing_in(shop, passed, standing)
+        if passed is None:
+            continue
+        found, ratio = _standing_in(shop, passed, standing)
+        if shop.mean is not shop.full or ratio < CLEARLY_BETTER:
+            return found
+        # Neither repetitions nor another motion say clearly that it is the arm's doing.
+        chance = chance_of_slow_noise(shop, candidate, others, pool)
+        if chance <= (FORETOLD if found.stands_in else shop.settings.level):
+            return found
+        reason = f"p = {chance:.2g} in noise that changes as slowly, and unseen motion says no more"
+        refused.append(refusal(candidate, reason))
     return None
 
 
@@ -81,16 +99,19 @@ def _shares(shop: Workshop, best: Score, others: Sequence[Trial]) -> list[Score]
     return [score(t, fit) for t in own]
 
 
-def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> Accepted:
-    """A free-form term as far as the data determine it, part of the model if it then predicts."""
+def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> tuple[Accepted, float]:
+    """A free-form term as far as the data determine it, part of the model if it then predicts.
+
+    With the ratio of the validation error, 1 where it does not.
+    """
     bench = _Bench(shop, others, item.trial)
     tried = bench.tried(_with_fine_pieces(shop, [item.trial, *_alike(shop, item.trial)]))
     for choice in tried:
         if choice.ratio >= BETTER:
             break
         if held_out_fault(shop, others, choice.trial) is None:
-            return dataclasses.replace(item, trial=choice.trial, stands_in=True)
-    return dataclasses.replace(item, stands_in=False)
+            return dataclasses.replace(item, trial=choice.trial, stands_in=True), choice.ratio
+    return dataclasses.replace(item, stands_in=False), 1.0
 
 
 @dataclass(frozen=True)
