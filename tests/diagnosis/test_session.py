@@ -51,12 +51,15 @@ def test_recordings_of_their_own_clocks_lie_end_to_end_as_they_are_listed():
     prepared = prepare(dataset.recordings, DiagnosisSettings())
     starts = [p.motion.t[0] for p in prepared]
     assert np.diff(starts) == pytest.approx(3 * PERIOD, abs=0.01)
-    # Where the log has a clock that goes on, or nothing repeats, time stays as it was logged.
+    # Where the log has a clock that goes on, time stays as it was logged.
     apart = prepare(shifted(dataset, 5.0), DiagnosisSettings())
     assert np.diff([p.motion.t[0] for p in apart]) == pytest.approx(3 * PERIOD + 5, abs=0.01)
     assert apart[0].motion.t[0] == pytest.approx(100.0, abs=0.2)
+    # And where several recordings are there for estimation, none of them repeated.
     single = tuple(dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
     assert {p.motion.t[0] for p in prepare(single, DiagnosisSettings())} == {starts[0]}
+    fewer = prepare(single[1:], DiagnosisSettings())
+    assert np.diff([p.motion.t[0] for p in fewer]) == pytest.approx(3 * PERIOD, abs=0.01)
 
 
 @pytest.mark.parametrize("kind", ["payload", "drift"])

@@ -37,6 +37,8 @@ class Coordinate:
         crowding: Value below which the pieces crowd: they are even in asinh of the coordinate
             over it. None for pieces that are even in the coordinate.
         start: Origin of time [s]; None for the first sample of each recording.
+        from_rest: Whether the functions vanish where the coordinate is zero, so that a constant
+            torque is none of them.
     """
 
     kind: str
@@ -46,6 +48,7 @@ class Coordinate:
     pieces: int
     crowding: float | None = None
     start: float | None = 0.0
+    from_rest: bool = False
 
     @property
     def name(self) -> str:
@@ -63,8 +66,15 @@ class Coordinate:
         return self.pieces + DEGREE
 
     def basis(self, state: State) -> Float[ndarray, "samples functions"]:
-        """B-splines that add up to one; beyond the covered range they stay at its edge."""
-        inside = np.clip(self._values(state), self.lower, self.upper)
+        """B-splines that add up to one; beyond the covered range they stay at its edge.
+
+        From rest, each less its value there.
+        """
+        splines = self._splines(self._values(state))
+        return splines - self._splines(np.zeros(1)) if self.from_rest else splines
+
+    def _splines(self, values: Float[ndarray, " samples"]) -> Float[ndarray, "samples functions"]:
+        inside = np.clip(values, self.lower, self.upper)
         lower, upper = self._knots[[0, -1]]
         stretched = np.clip(self._stretched(inside), lower, upper)
         return BSpline.design_matrix(stretched, self._knots, DEGREE).toarray()

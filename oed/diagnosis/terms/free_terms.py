@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -40,6 +41,11 @@ def coordinate(
     return Coordinate(kind, joint, lower, upper, pieces, start=start)
 
 
+def _from_rest(prepared: Sequence[Prepared], kind: str, joint: int) -> Coordinate:
+    """A speed or an acceleration as a cause of its own: without it there is no torque."""
+    return dataclasses.replace(coordinate(prepared, kind, joint), from_rest=True)
+
+
 def loop(prepared: Sequence[Prepared], joint: int) -> Loop:
     """Loops against a joint's position of every width that the motion shows."""
     whole = coordinate(prepared, "q", joint)
@@ -52,7 +58,8 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
     terms: list[FreeForm] = []
     for j in range(joints):
         for i in range(joints):
-            terms += [FreeForm(j, (coordinate(prepared, kind, i),)) for kind in ("q", "dq")]
+            terms.append(FreeForm(j, (coordinate(prepared, "q", i),)))
+            terms.append(FreeForm(j, (_from_rest(prepared, "dq", i),)))
             terms.append(FreeForm(j, (loop(prepared, i),)))
             # Friction of this joint that varies, and what another joint drags along.
             own = {i, j}
@@ -67,7 +74,7 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
                 terms.append(FreeForm(j, (coordinate(prepared, "q", j), Factor("dq", i))))
         fine = coordinate(prepared, "q", j, PIECES_FINE)
         terms += [FreeForm(j, (fine,)), FreeForm(j, (fine,), direction=j)]
-        terms.append(FreeForm(j, (coordinate(prepared, "ddq", j),)))
+        terms.append(FreeForm(j, (_from_rest(prepared, "ddq", j),)))
         terms.append(FreeForm(j, (coordinate(prepared, "time", 0),)))
         # Friction and whatever hangs on position that come and go.
         terms.append(FreeForm(j, (coordinate(prepared, "time", 0, PIECES_FINE),), direction=j))
