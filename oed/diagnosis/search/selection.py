@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
+import numpy as np
+
 from oed.diagnosis.search.exchange import rested, settled
 from oed.diagnosis.search.judgement import (
     COVERED,
@@ -28,6 +30,9 @@ from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial
+
+# What nearly every joint has a little of; tried together where none alone does what is missing.
+TOGETHER = ("torque_offset", "rotor_inertia", "asymmetric_viscous")
 
 
 @dataclass(frozen=True)
@@ -115,6 +120,7 @@ class _State:
         accepted: Names so far.
         barred: Keys of names that fell, and may not come back.
         grouped: Names that were tried in several joints at once.
+        joined: Joints in which several names were tried at once.
         p_value: Of a tilt, if the tables are turned.
     """
 
@@ -124,6 +130,7 @@ class _State:
     accepted: list[Accepted] = field(default_factory=list)
     barred: set[tuple[str, object]] = field(default_factory=set)
     grouped: set[str] = field(default_factory=set)
+    joined: set[int] = field(default_factory=set)
     p_value: float = 0.0
 
     def add_names(self) -> None:
@@ -132,7 +139,8 @@ class _State:
         while len(self.accepted) + self.shop.is_turned < most:
             pick = _next_physical(self.shop, self.accepted, self.refused, self._pool())
             if pick is None:
-                group = self._next_group(most - len(self.accepted) - self.shop.is_turned)
+                room = most - len(self.accepted) - self.shop.is_turned
+                group = self._next_group(room) or self._next_together(room)
                 if not group:
                     break
                 self.accepted += group
@@ -169,6 +177,27 @@ class _State:
                 return found
         return []
 
+    def _next_together(self, most: int) -> list[Accepted]:
+        """Plain effects of one joint at once; every joint has one turn.
+
+        A function of some coordinate may do in part what each of them does: alone none explains
+        as much as it.
+        """
+        names = {a.trial.key for a in self.accepted}
+        for joint in range(self.shop.context.n):
+            free = [
+                t
+                for t in self._pool()
+                if t.name in TOGETHER and t.target == joint and t.key not in names
+            ]
+            if joint in self.joined or len(free) > most:
+                continue
+            self.joined.add(joint)
+            found = several_at_once(self.shop, self.accepted, free, self.refused)
+            if found and _as_good_as_free_forms(self.shop, self.accepted, found, joint):
+                return found
+        return []
+
     def _settle(self) -> None:
         accepted = [at_home(self.shop, a) for a in self.accepted]
         self.accepted = settled(self.shop, accepted, self._pool())
@@ -184,6 +213,20 @@ class _State:
 def _is_plain(trial: Trial) -> bool:
     """Whether a trial is columns of one joint, without shapes and with sizes that are free."""
     return isinstance(trial.target, int) and not trial.shapes and not trial.fixed
+
+
+def _as_good_as_free_forms(
+    shop: Workshop, accepted: list[Accepted], found: list[Accepted], joint: int
+) -> bool:
+    """Whether additions to a joint explain together what the best free-form term does."""
+    others = [a.trial for a in accepted]
+    before, after = (
+        shop.fit(chosen, shop.mean, bend=False).fit
+        for chosen in (others, [*others, *(a.trial for a in found)])
+    )
+    gain = float(np.sum(before.residual[joint] ** 2) - np.sum(after.residual[joint] ** 2))
+    free = (t for t in shop.smooth if t.joint == joint and not t.between_repetitions)
+    return gain > shop.settings.family_share * max(score(t, before).gain for t in free)
 
 
 def _with_free_forms(
