@@ -46,6 +46,7 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.dissipation import check_dissipation
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import ROLES
 
@@ -122,6 +123,7 @@ def diagnose(
 
     Raises:
         ValueError: If there is no estimation recording, or one is too short.
+        OedError: If friction drives every joint, as with torques of the opposite sign.
     """
     if not dataset.estimation:
         raise ValueError(f"data set {dataset.name!r} has no recording with role estimation")
@@ -134,6 +136,11 @@ def diagnose(
     ratio = dataset.drive.gear_ratio
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
+    fit = shop.before.fit
+    names = (p.name for p in fit.model.parameters)
+    friction = dict(zip(names, fit.full_parameters().tolist(), strict=True))
+    dq = np.concatenate([p.band.apply(p.motion.dq) for p in estimation])
+    check_dissipation(friction, dq, np.concatenate([p.torque for p in estimation]), dataset.name)
     shop, selection = search(shop)
     say(f"{len(selection.accepted)} additions, {len(selection.refused)} candidates refused")
     steps = repeated_steps(dataset.estimation)

@@ -15,6 +15,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError
+from oed.estimation.dissipation import check_dissipation
 from oed.estimation.estimate import Estimate
 from oed.estimation.identify import identify
 from oed.estimation.recursive import RecursiveEstimate, recursive_least_squares
@@ -82,6 +83,7 @@ def calibrate(
     Raises:
         ValueError: If there is nothing to estimate from, or a recording is too short.
         TooFewSamples: If there are fewer equations than base parameters.
+        OedError: If friction drives every joint, as with torques of the opposite sign.
     """
     recordings = process_all(dataset, settings)
     base = base_parameters(model)
@@ -101,6 +103,9 @@ def calibrate(
         robust=robust,
         segments=tuple(len(recording) for recording in training),
     )
+    dq = np.concatenate([recording.motion.dq for recording in training])
+    friction = dict(zip(estimate.names, estimate.parameters.tolist(), strict=True))
+    check_dissipation(friction, dq, torque, dataset.name)
     validation = {}
     for role, held in recordings.items():
         role_regressor, measured = stack(model, base, held)

@@ -32,6 +32,13 @@ OWN_TIME = (
     "What keeps its own time is not the same at every repetition: it is part of the noise floor, "
     "and no model of the motion foretells it. Its share is of what the repetitions differ by."
 )
+FAR_OFF = 5.0  # noise floors of validation error, from which on a mistake in the file is likely
+MISTAKES = (
+    "So large an error is more often a mistake in the files than physics. Worth a look: signs and "
+    "order of the columns, angles that count from the link before or from the base, zero "
+    "positions, gravity's direction, the values in [drive], and whether q and tau belong to the "
+    "same instant."
+)
 WORSE = 1.05  # ratio of errors that is mentioned whatever its interval
 RARE = 0.05  # share of draws in which noise alone would name the wrong one
 ANYWAY = (
@@ -202,6 +209,8 @@ def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | 
                 "where it keeps step with the arm; slow noise, which does not, may exceed the floor."
             )
         )
+    if np.any(ratios > FAR_OFF):
+        blocks.append(Text(MISTAKES))
     if not found.unexplained:
         return [*blocks, Text("No free-form term of the residual is significant.")]
     rows = [
