@@ -11,8 +11,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.diagnosis import Diagnosis
-from oed.diagnosis.evidence.proof import RoleProof, error_in_floors
-from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, FoundEffect, Unexplained
+from oed.diagnosis.evidence.proof import RoleProof
+from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.diagnosis.rivals.confusion import DRAWS
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.report.diagnosis_record import NEXT
@@ -21,24 +21,9 @@ from oed.report.joint_words import joint_labels, over_floor, torque_units
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
 from oed.report.table import Row
+from oed.report.unexplained_section import unexplained_blocks
 
 REFUSED = 20  # strongest of them that a reader looks at
-LOST = (
-    "Where no term describes what is left, a further recording tells more than these: one motion "
-    "five times or more, so that noise and what changes with time stand apart, and the same path "
-    "at half the speed, which parts what follows position from what follows speed."
-)
-OWN_TIME = (
-    "What keeps its own time is not the same at every repetition: it is part of the noise floor, "
-    "and no model of the motion foretells it. Its share is of what the repetitions differ by."
-)
-FAR_OFF = 5.0  # noise floors of validation error, from which on a mistake in the file is likely
-MISTAKES = (
-    "So large an error is more often a mistake in the files than physics. Worth a look: signs and "
-    "order of the columns, angles that count from the link before or from the base, zero "
-    "positions, gravity's direction, the values in [drive], and whether q and tau belong to the "
-    "same instant."
-)
 WORSE = 1.05  # ratio of errors that is mentioned whatever its interval
 RARE = 0.05  # share of draws in which noise alone would name the wrong one
 ANYWAY = (
@@ -70,7 +55,7 @@ def diagnosis_page(
     sections = [
         _proof_section(found, labels, pictures["proof"]),
         *effect_sections(found, labels),
-        Section("There, but without a name", _unexplained_blocks(found, labels)),
+        Section("There, but without a name", unexplained_blocks(found, labels)),
         _lack_section(found, labels),
         Section(
             "What the residual depends on",
@@ -184,60 +169,6 @@ def _change(interval: Float[ndarray, "2"], whole: float) -> str:
     """An interval with the decimals that show three digits of the whole."""
     decimals = max(0, 2 - math.floor(math.log10(whole)))
     return " to ".join(f"{end:+.{decimals}f}" for end in interval)
-
-
-def _unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | Table | Picture]:
-    blocks: list[Text | Table | Picture] = []
-    ratios = error_in_floors(found.proof, found.noise_floor, "validation")
-    unseen = [
-        f"{label} ({ratio:.2g})"
-        for label, ratio in zip(labels, ratios, strict=True)
-        if ratio > CLEAR_UNSEEN
-    ]
-    if unseen:
-        blocks.append(
-            Text(
-                "On the validation recordings what the model predicts is not what happens at "
-                f"{', '.join(unseen)}; in brackets the error in noise floors."
-            )
-        )
-    if not any(p.period for p in found.shop.estimation):
-        blocks.append(
-            Text(
-                "No motion is repeated: what changes with time cannot be told from what depends "
-                "on the motion, and a drift may be part of the noise floor. What is left counts "
-                "where it keeps step with the arm; slow noise, which does not, may exceed the floor."
-            )
-        )
-    if np.any(ratios > FAR_OFF):
-        blocks.append(Text(MISTAKES))
-    if not found.unexplained:
-        return [*blocks, Text("No free-form term of the residual is significant.")]
-    rows = [
-        {
-            "joint": labels[u.joint],
-            "term": u.label,
-            "share of residual variance": f"{u.share:.0%}",
-            "part of the model": _standing(u),
-        }
-        for u in found.unexplained
-    ]
-    if not all(u.depends_on for u in found.unexplained):
-        blocks.append(Text(LOST))
-    if any(u.depends_on and u.trial is None for u in found.unexplained):
-        blocks.append(Text(OWN_TIME))
-    caption = (
-        "Free-form terms that the data demand: functions of positions q, velocities dq and "
-        "accelerations ddq of the joints numbered, or of time; tau is a share of another joint's "
-        "torque."
-    )
-    return [*blocks, Table(rows, caption)]
-
-
-def _standing(item: Unexplained) -> str:
-    if item.stands_in:
-        return "yes"
-    return "no: does not predict unseen motion" if item.depends_on else "no"
 
 
 def _lack_section(found: Diagnosis, labels: Sequence[str]) -> Section:

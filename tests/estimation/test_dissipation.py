@@ -20,7 +20,7 @@ def test_friction_that_brakes_passes():
 
 
 def test_torques_of_the_opposite_sign_are_refused():
-    with pytest.raises(OedError, match="arm: .*signs of the tau columns"):
+    with pytest.raises(OedError, match=r"arm: .*signs of the tau columns"):
         check_dissipation(_reversed(FRICTION, 1, 2), DQ, -TORQUE, "arm")
 
 
