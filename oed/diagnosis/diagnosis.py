@@ -19,29 +19,24 @@ from oed.diagnosis.evidence.final_model import (
     FinalModel,
     errors_of,
     fit_final,
-    install,
-    lost_when_repeated,
 )
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.evidence.modulation import find_modulations
+from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors, prove
-from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     Outcome,
     Unexplained,
     decide,
-    describe_effects,
     describe_unexplained,
     describe_unlocated,
-    doubtful_name,
 )
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.judgement import Refused, costs, keeps_step
+from oed.diagnosis.search.judgement import Refused, keeps_step
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selection import Selection, search
-from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
@@ -157,8 +152,7 @@ def _conclude(
     baseline, estimation = shop.baseline, by_role["estimation"]
     layout = shop.layout_for(selection.trials)
     before = fit_final(shop.declared, layout, shop.declared.model)
-    selection, after, found = _sure(shop, selection, by_role["validation"], before)
-    effects = describe_effects(shop, selection, found)
+    selection, after, effects = named(shop, selection, by_role["validation"], before)
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
         unexplained += _unrepeated(after, estimation, baseline)
@@ -194,27 +188,6 @@ def _conclude(
     )
 
 
-def _sure(
-    shop: Workshop,
-    selection: Selection,
-    validation: tuple[Prepared, ...],
-    before: FinalModel,
-) -> tuple[Selection, FinalModel, Augmented]:
-    """What holds in its exact form and beyond its own uncertainty, installed and as it was fitted."""
-    while True:
-        selection, after = _never_worse(shop, selection, validation, before)
-        lost = lost_when_repeated(shop, selection.found, after)
-        if lost is not None:
-            reason = "in its exact form it raises the error of the single repetitions"
-            selection = selection.without(shop, lost, reason)
-            continue
-        found = with_uncertainty(shop, selection.found)
-        doubtful = doubtful_name(shop, found)
-        if doubtful is None:
-            return selection, after, found
-        selection = selection.without(shop, doubtful, "its own interval holds zero")
-
-
 def _with_rounding(
     baseline: Baseline, before: FinalModel, rows: Rows, steps: Float[ndarray, " joints"]
 ) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
@@ -244,32 +217,6 @@ def _unrepeated(
             if x.joint not in carried
         ),
     )
-
-
-def _never_worse(
-    shop: Workshop,
-    selection: Selection,
-    validation: tuple[Prepared, ...],
-    before: FinalModel,
-) -> tuple[Selection, FinalModel]:
-    """The augmented model in its exact form; additions that then raise the held-out error go.
-
-    The search judges columns of first order where an effect acts on the whole model. Only the
-    exact form, all parameters refitted together, can prove that nothing got worse.
-    """
-    weights = shop.baseline.certainty(validation)
-    old = rms(errors_of(before, validation), weights) if validation else None
-    kept = selection
-    while kept.trials:
-        model = install(shop.baseline, kept.found, shop.context)
-        final = fit_final(shop.baseline, shop.layout_for(kept.trials), model)
-        if old is None or not costs(
-            old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
-        ):
-            return kept, final
-        reason = "in its exact form it raises the validation error"
-        kept = kept.without(shop, kept.trials[-1], reason)
-    return kept, before
 
 
 def _proof(

@@ -161,6 +161,36 @@ def describe_effects(
     return tuple(found)
 
 
+def plainer_rival(
+    effects: Sequence[FoundEffect], decisive: float, barred: set[tuple[str, object]]
+) -> tuple[Trial, Trial] | None:
+    """A name, and the rival of fewer parameters that the data prefer by far beside all others.
+
+    The search took the name when the others were not yet there.
+
+    Args:
+        effects: With their rivals.
+        decisive: Difference of evidence that separates two.
+        barred: Keys that may not come back.
+    """
+    taken = barred | {e.trial.key for e in effects}
+    for effect in effects:
+        for rival in effect.rivals:
+            preferred = rival.contender and rival.evidence < -decisive
+            if (
+                preferred
+                and rival.trial.key not in taken
+                and _is_plainer(rival.trial, effect.trial)
+            ):
+                return effect.trial, rival.trial
+    return None
+
+
+def _is_plainer(one: Trial, other: Trial) -> bool:
+    """Whether one has fewer parameters, shapes counted."""
+    return len(one.effect.parameters) + one.shapes < len(other.effect.parameters) + other.shapes
+
+
 def describe_unexplained(shop: Workshop, selection: Selection) -> tuple[Unexplained, ...]:
     """Free-form terms that the data demand, with the share of the residual that they carry."""
     result = []

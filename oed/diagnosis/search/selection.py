@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
-import numpy as np
-
 from oed.diagnosis.search.exchange import rested, settled
-from oed.diagnosis.search.judgement import (
-    COVERED,
-    Accepted,
-    Refused,
-    at_home,
-    judge,
-    refusal,
-    share_needed,
-)
+from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms, better_free_form
+from oed.diagnosis.search.judgement import Accepted, Refused, at_home, judge, refusal
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.review import drop_superfluous, review_names
-from oed.diagnosis.search.scan import Score, score
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.standing_in import next_free_form
-from oed.diagnosis.search.telling import foretells_most, most_telling_first
+from oed.diagnosis.search.telling import most_telling_first
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.search.turning import GRAVITY, accepted_tilt, turned
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial
 
 # What nearly every joint has a little of; tried together where none alone does what is missing.
@@ -67,6 +57,14 @@ class Selection:
         item = next(a for a in self.accepted if a.trial.key == trial.key)
         rest = [a for a in self.accepted if a is not item]
         return Selection.of(shop, rest, [*self.refused, refusal(item, reason)])
+
+    def exchanged(self, shop: Workshop, trial: Trial, rival: Trial) -> Selection:
+        """The same with another addition in the place of one."""
+        kept = [
+            dataclasses.replace(a, trial=rival) if a.trial.key == trial.key else a
+            for a in self.accepted
+        ]
+        return Selection.of(shop, kept, self.refused)
 
 
 def search(shop: Workshop) -> tuple[Workshop, Selection]:
@@ -194,7 +192,7 @@ class _State:
                 continue
             self.joined.add(joint)
             found = several_at_once(self.shop, self.accepted, free, self.refused)
-            if found and _as_good_as_free_forms(self.shop, self.accepted, found, joint):
+            if found and as_good_as_free_forms(self.shop, self.accepted, found, joint):
                 return found
         return []
 
@@ -213,20 +211,6 @@ class _State:
 def _is_plain(trial: Trial) -> bool:
     """Whether a trial is columns of one joint, without shapes and with sizes that are free."""
     return isinstance(trial.target, int) and not trial.shapes and not trial.fixed
-
-
-def _as_good_as_free_forms(
-    shop: Workshop, accepted: list[Accepted], found: list[Accepted], joint: int
-) -> bool:
-    """Whether additions to a joint explain together what the best free-form term does."""
-    others = [a.trial for a in accepted]
-    before, after = (
-        shop.fit(chosen, shop.mean, bend=False).fit
-        for chosen in (others, [*others, *(a.trial for a in found)])
-    )
-    gain = float(np.sum(before.residual[joint] ** 2) - np.sum(after.residual[joint] ** 2))
-    free = (t for t in shop.smooth if t.joint == joint and not t.between_repetitions)
-    return gain > shop.settings.family_share * max(score(t, before).gain for t in free)
 
 
 def _with_free_forms(
@@ -259,7 +243,7 @@ def _next_physical(
     for candidate in candidates:
         if candidate.evidence(shop.full.rows.count) <= 0:
             continue
-        better = _better_free_form(shop, candidate, rivals, others)
+        better = better_free_form(shop, candidate, rivals, others)
         if better is not None:
             reason = (
                 f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
@@ -270,30 +254,3 @@ def _next_physical(
         if passed is not None:
             return passed
     return None
-
-
-def _better_free_form(
-    shop: Workshop, candidate: Score, rivals: list[Score], others: Sequence[Trial]
-) -> Score | None:
-    """A free-form term that is better by far, and leaves little for the candidate to explain."""
-    rows = shop.full.rows.count
-    for rival in rivals:
-        if rival.evidence(rows) - candidate.evidence(rows) < shop.settings.free_form_margin:
-            break
-        share = share_needed([rival.trial], candidate.trial, shop.settings)
-        if candidate.gain > share * rival.gain:
-            continue
-        apart = candidate.trial.joint != rival.trial.joint
-        if apart and not _covered(shop, candidate, rival, others):
-            continue
-        fit = shop.fit(others, shop.layout(rival.trial)).fit
-        if not foretells_most(shop, others, candidate.trial, restrained(rival.trial, fit)):
-            return rival
-    return None
-
-
-def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Trial]) -> bool:
-    """Whether most of a candidate's gain is gone beside a term of another joint."""
-    layout = shop.layout(candidate.trial)
-    fit = shop.fit([*others, rival.trial], layout).fit
-    return score(candidate.trial, fit).gain < COVERED * candidate.gain

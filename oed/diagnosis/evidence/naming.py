@@ -1,0 +1,96 @@
+"""What of a selection holds in its exact form, and under which names."""
+
+from __future__ import annotations
+
+from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.final_model import (
+    FinalModel,
+    errors_of,
+    fit_final,
+    install,
+    lost_when_repeated,
+)
+from oed.diagnosis.evidence.uncertainty import with_uncertainty
+from oed.diagnosis.evidence.verdict import (
+    FoundEffect,
+    describe_effects,
+    doubtful_name,
+    plainer_rival,
+)
+from oed.diagnosis.search.judgement import costs
+from oed.diagnosis.search.predict import rms
+from oed.diagnosis.search.selection import Selection
+from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.search.workshop import Workshop
+
+
+def named(
+    shop: Workshop,
+    selection: Selection,
+    validation: tuple[Prepared, ...],
+    before: FinalModel,
+) -> tuple[Selection, FinalModel, tuple[FoundEffect, ...]]:
+    """What is sure, under the plainest of the names that the data prefer.
+
+    Args:
+        shop: The laid-out data.
+        selection: What the search added.
+        validation: Recordings that the exact form must predict.
+        before: The base model.
+    """
+    barred: set[tuple[str, object]] = set()
+    while True:
+        selection, after, found = _sure(shop, selection, validation, before)
+        effects = describe_effects(shop, selection, found)
+        exchange = plainer_rival(effects, shop.settings.decisive, barred)
+        if exchange is None:
+            return selection, after, effects
+        barred.add(exchange[0].key)
+        selection = selection.exchanged(shop, *exchange)
+
+
+def _sure(
+    shop: Workshop,
+    selection: Selection,
+    validation: tuple[Prepared, ...],
+    before: FinalModel,
+) -> tuple[Selection, FinalModel, Augmented]:
+    """What holds in its exact form and beyond its own uncertainty, installed and as it was fitted."""
+    while True:
+        selection, after = _never_worse(shop, selection, validation, before)
+        lost = lost_when_repeated(shop, selection.found, after)
+        if lost is not None:
+            reason = "in its exact form it raises the error of the single repetitions"
+            selection = selection.without(shop, lost, reason)
+            continue
+        found = with_uncertainty(shop, selection.found)
+        doubtful = doubtful_name(shop, found)
+        if doubtful is None:
+            return selection, after, found
+        selection = selection.without(shop, doubtful, "its own interval holds zero")
+
+
+def _never_worse(
+    shop: Workshop,
+    selection: Selection,
+    validation: tuple[Prepared, ...],
+    before: FinalModel,
+) -> tuple[Selection, FinalModel]:
+    """The augmented model in its exact form; additions that then raise the held-out error go.
+
+    The search judges columns of first order where an effect acts on the whole model. Only the
+    exact form, all parameters refitted together, can prove that nothing got worse.
+    """
+    weights = shop.baseline.certainty(validation)
+    old = rms(errors_of(before, validation), weights) if validation else None
+    kept = selection
+    while kept.trials:
+        model = install(shop.baseline, kept.found, shop.context)
+        final = fit_final(shop.baseline, shop.layout_for(kept.trials), model)
+        if old is None or not costs(
+            old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
+        ):
+            return kept, final
+        reason = "in its exact form it raises the validation error"
+        kept = kept.without(shop, kept.trials[-1], reason)
+    return kept, before

@@ -1,0 +1,55 @@
+"""Names held against free-form terms: what a curve does better by far is not what they say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oed.diagnosis.search.judgement import COVERED, Accepted, share_needed
+from oed.diagnosis.search.scan import Score, score
+from oed.diagnosis.search.telling import foretells_most
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.restraint import restrained
+from oed.diagnosis.terms.trials import Trial
+
+
+def better_free_form(
+    shop: Workshop, candidate: Score, rivals: list[Score], others: Sequence[Trial]
+) -> Score | None:
+    """A free-form term that is better by far, and leaves little for the candidate to explain."""
+    rows = shop.full.rows.count
+    for rival in rivals:
+        if rival.evidence(rows) - candidate.evidence(rows) < shop.settings.free_form_margin:
+            break
+        share = share_needed([rival.trial], candidate.trial, shop.settings)
+        if candidate.gain > share * rival.gain:
+            continue
+        apart = candidate.trial.joint != rival.trial.joint
+        if apart and not _covered(shop, candidate, rival, others):
+            continue
+        fit = shop.fit(others, shop.layout(rival.trial)).fit
+        if not foretells_most(shop, others, candidate.trial, restrained(rival.trial, fit)):
+            return rival
+    return None
+
+
+def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Trial]) -> bool:
+    """Whether most of a candidate's gain is gone beside a term of another joint."""
+    layout = shop.layout(candidate.trial)
+    fit = shop.fit([*others, rival.trial], layout).fit
+    return score(candidate.trial, fit).gain < COVERED * candidate.gain
+
+
+def as_good_as_free_forms(
+    shop: Workshop, accepted: list[Accepted], found: list[Accepted], joint: int
+) -> bool:
+    """Whether additions to a joint explain together what the best free-form term does."""
+    others = [a.trial for a in accepted]
+    before, after = (
+        shop.fit(chosen, shop.mean, bend=False).fit
+        for chosen in (others, [*others, *(a.trial for a in found)])
+    )
+    gain = float(np.sum(before.residual[joint] ** 2) - np.sum(after.residual[joint] ** 2))
+    free = (t for t in shop.smooth if t.joint == joint and not t.between_repetitions)
+    return gain > shop.settings.family_share * max(score(t, before).gain for t in free)
