@@ -97,6 +97,22 @@ def test_crowded_pieces_are_denser_about_zero():
     assert ratios[1] == pytest.approx(np.sqrt(1 + (0.7 / 0.2) ** 2), rel=0.1)
 
 
+@pytest.mark.parametrize("kind", ["dq", "ddq"])
+def test_a_function_of_speed_alone_is_no_offset(motion, kind):
+    """It vanishes at rest, and is even or odd as it likes."""
+    signal = getattr(motion, kind)[:, 0]
+    whole = Coordinate(kind, 0, float(signal.min()), float(signal.max()), 8)
+    from_rest = FreeForm(0, (dataclasses.replace(whole, from_rest=True),))
+    still = Motion(np.zeros(1), np.zeros((1, 2)), np.zeros((1, 2)), np.zeros((1, 2)))
+    assert effect_columns(from_rest, still, 0.0)[0] == pytest.approx(0.0)
+    constant = np.ones(len(motion))
+    columns = effect_columns(from_rest, motion, 0.0)[0]
+    for torque, follows in ((constant, False), (signal**2, True)):
+        found = np.linalg.lstsq(columns, torque, rcond=None)[0]
+        left = np.sqrt(np.mean((torque - columns @ found) ** 2) / np.mean(torque**2))
+        assert bool(left < 0.01) is follows
+
+
 def test_a_varying_coefficient_is_linear_in_its_signal(motion):
     term = FreeForm(1, (Coordinate("q", 0, -1.0, 1.0, 8), Factor("dq", 1)))
     faster = Motion(motion.t, motion.q, 3.0 * motion.dq, motion.ddq)

@@ -46,6 +46,22 @@ def test_one_joint_alone_is_no_kind(joints):
     assert refused == []
 
 
+def test_plain_effects_of_one_joint_are_found_though_a_curve_outdoes_each_alone():
+    """On joint 2 an offset and a rotor, each as large as the other."""
+
+    def torque(q, dq, ddq):
+        return np.stack([0 * q[:, 0], 0.3 + 0.12 * ddq[:, 1]], axis=1)
+
+    shop = shop_of(data_set(5, extra=torque, repetitions=1))
+    _, found = selection.search(shop)
+    sizes = {
+        t.key: float(c[0]) for t, c in zip(found.trials, found.found.coefficients, strict=True)
+    }
+    assert set(sizes) == {("torque_offset", 1), ("rotor_inertia", 1)}
+    assert sizes[("torque_offset", 1)] == pytest.approx(0.3, abs=0.05)
+    assert sizes[("rotor_inertia", 1)] == pytest.approx(0.12, abs=0.01)
+
+
 def test_what_falls_beside_the_others_does_not_come_back(monkeypatch):
     """A pick that settling throws out again would be picked for ever."""
     picked = []

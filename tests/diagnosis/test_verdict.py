@@ -3,9 +3,18 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.evidence.contenders import Rival
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
-from oed.diagnosis.evidence.verdict import Unexplained, decide, describe_unlocated
+from oed.diagnosis.evidence.verdict import (
+    FoundEffect,
+    Unexplained,
+    decide,
+    describe_unlocated,
+    plainer_rival,
+)
 from oed.diagnosis.settings import DiagnosisSettings
+from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of
 
 SETTINGS = DiagnosisSettings()
 SURE = 1e-9  # chance of a lack of fit that no one doubts
@@ -40,3 +49,31 @@ def test_a_clear_error_is_said_with_its_joint(p_value, seen, unseen):
 def test_a_joint_that_a_term_names_is_not_named_again():
     term = Unexplained(0, ("q_1",), 0.5, "f(q_1)", stands_in=False)
     assert left_over(SURE, seen=2.0, unseen=3.0, located=(term,)) == ()
+
+
+def _effect(rival_name, evidence, *, contender=True):
+    """A coupling with one rival."""
+    shop = shop_of(data_set(1, repetitions=1), held=False)
+    coupling = next(t for t in shop.physical if t.key == ("motor_coupling", (1, 0)))
+    other = next(t for t in shop.physical if t.key == (rival_name, 1))
+    rival = Rival(rival_name, 1, evidence, other, contender)
+    return FoundEffect("motor_coupling", 1, (), 1e-9, 0.2, (rival,), coupling)
+
+
+@pytest.mark.parametrize(
+    ("name", "evidence", "contender", "gives_way"),
+    [
+        ("rotor_inertia", -20.0, True, True),
+        ("rotor_inertia", -2.0, True, False),  # too close to call
+        ("rotor_inertia", -20.0, False, False),  # fell at a test
+        ("stribeck", -20.0, True, False),  # no plainer
+    ],
+)
+def test_a_name_gives_way_to_a_plainer_one_that_says_far_more(name, evidence, contender, gives_way):
+    effect = _effect(name, evidence, contender=contender)
+    found = plainer_rival([effect], SETTINGS.decisive, set())
+    assert (found is not None) is gives_way
+    if found is not None:
+        assert found == (effect.trial, effect.rivals[0].trial)
+        # What gave way once does not come back.
+        assert plainer_rival([effect], SETTINGS.decisive, {found[1].key}) is None
