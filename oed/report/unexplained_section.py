@@ -20,7 +20,7 @@ OWN_TIME = (
     "What keeps its own time is not the same at every repetition: it is part of the noise floor, "
     "and no model of the motion foretells it. Its share is of what the repetitions differ by."
 )
-FAR_OFF = 5.0  # noise floors of validation error, from which on a mistake in the file is likely
+FAR_OFF = 4.0  # noise floors of validation error, from which on a mistake in the file is likely
 MISTAKES = (
     "So large an error is more often a mistake in the files than physics. Worth a look: signs and "
     "order of the columns, angles that count from the link before or from the base, zero "
