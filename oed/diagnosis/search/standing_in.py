@@ -29,7 +29,7 @@ from oed.diagnosis.terms.trials import Trial, free_form_trials
 # would carry it to the next motion.
 BETTER = 0.95
 CLEARLY_BETTER = 0.8  # slow noise seldom follows a curve that far, in two motions
-FORETOLD = 0.1  # chance of slow noise up to which a ratio between the two is believed
+FORETOLD = 0.03  # chance of slow noise up to which a ratio between the two is believed
 # Pieces of a term that stands in, by the number of its coordinates: what was noticed may be
 # finer than what noticed it, and how fine the data say themselves.
 PIECES = {1: 36, 2: 10}
@@ -54,9 +54,11 @@ def next_free_form(
         found, ratio = _standing_in(shop, passed, standing)
         if shop.mean is not shop.full or ratio < CLEARLY_BETTER:
             return found
-        # Neither repetitions nor another motion say clearly that it is the arm's doing.
+        # Neither repetitions nor another motion say clearly that it is the arm's doing. A share
+        # of another torque holds on any motion, if it is one.
         chance = chance_of_slow_noise(shop, candidate, others, pool)
-        if chance <= (FORETOLD if found.stands_in else shop.settings.level):
+        known = found.stands_in or not found.trial.is_share
+        if known and chance <= (FORETOLD if found.stands_in else shop.settings.level):
             return found
         reason = f"p = {chance:.2g} in noise that changes as slowly, and unseen motion says no more"
         refused.append(refusal(candidate, reason))
