@@ -15,11 +15,7 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.differing import differing
 from oed.diagnosis.evidence.encoder_steps import repeated_steps, rounding_squares, rounding_torque
-from oed.diagnosis.evidence.final_model import (
-    FinalModel,
-    errors_of,
-    fit_final,
-)
+from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.evidence.modulation import find_modulations
@@ -34,7 +30,8 @@ from oed.diagnosis.evidence.verdict import (
     describe_unlocated,
 )
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.judgement import Refused, keeps_step
+from oed.diagnosis.search.chance import keeps_step
+from oed.diagnosis.search.judgement import Refused
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selection import Selection, search
 from oed.diagnosis.search.workshop import Workshop
@@ -131,15 +128,19 @@ def diagnose(
     ratio = dataset.drive.gear_ratio
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
-    fit = shop.before.fit
-    names = (p.name for p in fit.model.parameters)
-    friction = dict(zip(names, fit.full_parameters().tolist(), strict=True))
-    dq = np.concatenate([p.band.apply(p.motion.dq) for p in estimation])
-    check_dissipation(friction, dq, np.concatenate([p.torque for p in estimation]), dataset.name)
+    _check_signs(shop, dataset.name)
     shop, selection = search(shop)
     say(f"{len(selection.accepted)} additions, {len(selection.refused)} candidates refused")
     steps = repeated_steps(dataset.estimation)
     return _conclude(shop, selection, by_role, steps, settings)
+
+
+def _check_signs(shop: Workshop, name: str) -> None:
+    fit, prepared = shop.before.fit, shop.estimation
+    names = (p.name for p in fit.model.parameters)
+    friction = dict(zip(names, fit.full_parameters().tolist(), strict=True))
+    dq = np.concatenate([p.band.apply(p.motion.dq) for p in prepared])
+    check_dissipation(friction, dq, np.concatenate([p.torque for p in prepared]), name)
 
 
 def _conclude(

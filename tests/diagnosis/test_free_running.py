@@ -2,19 +2,14 @@
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from oed.diagnosis.evidence.differing import Differing
 from oed.diagnosis.evidence.free_running import find_lines
+from tests.diagnosis.noise import coloured
 
 RATE = 40.0  # [Hz]
 SAMPLES = 1200
 PERIOD = 400  # samples
-
-
-def _noise(rng, pole):
-    white = rng.normal(size=(SAMPLES + 500, 2))
-    return np.asarray(lfilter([np.sqrt(1 - pole**2)], [1.0, -pole], white, axis=0))[500:]
 
 
 def _between(x, period):
@@ -34,7 +29,10 @@ def test_noise_has_no_line(pole, repetitions):
     """Nor where few repetitions differ only at frequencies between the motion's own."""
     rng = np.random.default_rng(3)
     draws, period = 400, SAMPLES // repetitions
-    alarms = sum(bool(_lines([_noise(rng, pole), _noise(rng, pole)], period)) for _ in range(draws))
+    alarms = sum(
+        bool(_lines([coloured(rng, SAMPLES, pole), coloured(rng, SAMPLES, pole)], period))
+        for _ in range(draws)
+    )
     # One in a hundred, of any colour.
     assert alarms <= 4
 
@@ -45,7 +43,7 @@ def test_finds_a_line_of_a_third_of_the_noise(pole):
     t = np.arange(SAMPLES) / RATE
     stretches = []
     for phase in (0.3, 2.0):
-        x = _noise(rng, pole)
+        x = coloured(rng, SAMPLES, pole)
         x[:, 1] += 0.47 * np.sin(2 * np.pi * 3.25 * t + phase)
         stretches.append(x)
     (line,) = _lines(stretches, PERIOD)

@@ -2,19 +2,14 @@
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from oed.diagnosis.evidence.differing import Differing
 from oed.diagnosis.evidence.modulation import find_modulations
+from tests.diagnosis.noise import coloured
 
 RATE = 40.0  # [Hz]
 SAMPLES = 3200
 PERIOD = 400  # samples
-
-
-def _noise(rng, pole):
-    white = rng.normal(size=(SAMPLES + 500, 2))
-    return np.asarray(lfilter([np.sqrt(1 - pole**2)], [1.0, -pole], white, axis=0))[500:]
 
 
 def _motion(rng):
@@ -40,7 +35,7 @@ def test_noise_is_not_modulated(pole):
     for draw in range(60):
         q, dq = _motion(rng)
         loud = 1 + (draw % 2) * np.abs(dq)
-        recordings = [_recording(loud * _noise(rng, pole), q, dq) for _ in range(2)]
+        recordings = [_recording(loud * coloured(rng, SAMPLES, pole), q, dq) for _ in range(2)]
         alarms += bool(find_modulations(recordings, RATE))
     # One in a hundred, of any colour.
     assert alarms <= 1
@@ -53,7 +48,7 @@ def test_finds_a_brake_that_drags_now_and_then(pole):
     recordings = []
     for _ in range(2):
         drags = np.repeat(rng.random(SAMPLES // 160 + 1) < 0.4, 160)[:SAMPLES]
-        torque = _noise(rng, pole)
+        torque = coloured(rng, SAMPLES, pole)
         torque[:, 1] += 3.0 * drags * np.tanh(dq[:, 1] / 0.05)
         recordings.append(_recording(torque, q, dq))
     (found,) = find_modulations(recordings, RATE)
@@ -67,7 +62,7 @@ def test_finds_a_field_that_turns():
     t = np.arange(SAMPLES) / RATE
     recordings = []
     for phase in (0.4, 2.9):
-        torque = _noise(rng, 0.8)
+        torque = coloured(rng, SAMPLES, 0.8)
         torque[:, 0] += 2.0 * np.sin(2 * np.pi * 0.237 * t + phase) * np.cos(2 * q[:, 0])
         recordings.append(_recording(torque, q, dq))
     (found,) = find_modulations(recordings, RATE)

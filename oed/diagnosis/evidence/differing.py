@@ -13,6 +13,8 @@ from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.final_model import FinalModel
 
+PADDING = 2  # ratio of a transform's to its signal's length: a line may lie between two frequencies
+
 
 @dataclass(frozen=True)
 class Differing:

@@ -76,10 +76,7 @@ def fit_final(baseline: Baseline, layout: Layout, model: TorqueModel) -> FinalMo
 
 def errors_of(final: FinalModel, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
     """Torque less prediction in the analysis band [N m], one array a recording."""
-    return [
-        (p.torque - p.band.apply(final.model.torque(final.parameters, p.motion)))[p.valid]
-        for p in prepared
-    ]
+    return [e[p.valid] for e, p in zip(_all_errors(final, prepared), prepared, strict=True)]
 
 
 def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> Trial | None:
@@ -93,7 +90,7 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
         found: The additions, fitted.
         final: With all of them in their exact form.
     """
-    if shop.mean is shop.full:
+    if shop.mean is shop.full or not found.chosen:
         return None
     whole, joints = _white_squares(final, shop.full.rows), range(shop.baseline.model.robot.n)
     for trial in found.chosen:
@@ -111,10 +108,17 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
 
 def _white_squares(final: FinalModel, rows: Rows) -> Float[ndarray, " joints"]:
     """(n,) squares of white residuals of all rows, repeated or not."""
-    torques = [final.model.torque(final.parameters, p.motion) for p in rows.prepared]
-    errors = [p.torque - p.band.apply(t) for p, t in zip(rows.prepared, torques, strict=True)]
+    errors = _all_errors(final, rows.prepared)
     joints = range(errors[0].shape[1])
     return np.array([np.sum(rows.whiten([e[:, [j]] for e in errors], j) ** 2) for j in joints])
+
+
+def _all_errors(
+    final: FinalModel, prepared: Sequence[Prepared]
+) -> list[Float[ndarray, "_ joints"]]:
+    """Of every row, next to gaps of the log too."""
+    torques = (final.model.torque(final.parameters, p.motion) for p in prepared)
+    return [p.torque - p.band.apply(t) for p, t in zip(prepared, torques, strict=True)]
 
 
 def _acts_on_model(trial: Trial) -> bool:

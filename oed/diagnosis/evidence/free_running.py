@@ -17,7 +17,7 @@ from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
 from oed.diagnosis.data.prepared import mean_at_each, places_in_period
-from oed.diagnosis.evidence.differing import Differing
+from oed.diagnosis.evidence.differing import PADDING, Differing
 
 # Chance of a line in white noise, over all frequencies and joints. Where colour changes within a
 # neighbourhood the chance is up to some hundred times that.
@@ -27,7 +27,6 @@ SLOW = 0.3  # [Hz], below which a drift of no one frequency has peaks of its own
 SLOW_SHARE = 0.3  # and a line must carry this share
 CYCLES = 10  # in the longest recording, below which nothing slow is called a line
 NEIGHBOURS = 41  # frequencies whose median is the local level
-PADDING = 2  # ratio of transform to signal length: a line may lie between two frequencies
 FINER = 17  # frequencies about a peak among which the line that carries most is looked for
 SEEN = 0.2  # share of a frequency's power that is left between repetitions if it is to be judged
 

@@ -16,14 +16,13 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.evidence.differing import Differing
+from oed.diagnosis.evidence.differing import PADDING, Differing
 
 SHIFTS = 40  # of the carrier
 MIDDLE = (0.08, 0.92)  # of the period: nearer to a whole one a moved carrier is still itself
 DEVIATIONS = 5.0  # of what moved carriers gather, beyond their mean
 LEAST_SHARE = 0.1  # of the variance between repetitions, beyond what moved carriers gather
 POWERS = 4  # of a position, from 0 on
-PADDING = 2  # ratio of transform to signal length: a line may lie between two frequencies
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ def _carried(recordings: Sequence[Differing], joint: int, rate: float) -> list[M
         found.append(Modulation(joint, ("time", f"dq_{number}"), slow, label))
     line = share_beyond(lambda part: float(_turning(recordings, joint, part).max()))
     if line > 0:
-        power = _turning(recordings, joint, 0.0)
+        power = _turning(recordings, joint, part=0.0)
         frequency = 0.5 * rate * np.argmax(power) / (len(power) - 1)
         label = f"sin(2 pi {frequency:.3g} t + phase) f(q_{number})"
         found.append(Modulation(joint, ("time", f"q_{number}"), line, label))

@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.chance import p_value_of
 from oed.diagnosis.search.held_out import cross_validate
-from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
-from oed.diagnosis.search.surrogates import (
-    family_p_value,
-    flipped,
-    largest_surprises,
-    moved_in_time,
-)
+from oed.diagnosis.search.scan import Score, implausible, score
 from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -81,7 +75,7 @@ def judge(
     reason = too_little(shop, candidate, accepted) or implausible(candidate, shop.context)
     p_value = 1.0
     if reason is None:
-        p_value = _p_value(shop, candidate, others, pool)
+        p_value = p_value_of(shop, candidate, others, pool)
         if p_value > shop.settings.level:
             reason = f"p = {p_value:.2g} after the multiplicity of the search"
     fault = held_out_fault(shop, others, candidate.trial) if reason is None else None
@@ -187,65 +181,6 @@ def share_needed(free: Sequence[Trial], named: Trial, settings: DiagnosisSetting
 
 def _families(item: Accepted | Score) -> set[str]:
     return set() if item.trial.is_free_form else set(CATALOGUE[item.trial.name].families)
-
-
-def _p_value(
-    shop: Workshop, candidate: Score, others: Sequence[Trial], pool: Sequence[Trial]
-) -> float:
-    """Family-wise p-value; chance is what the model with the candidate leaves of its joints."""
-    own = candidate.trial
-    after = shop.fit([*others, own], shop.layout(own)).fit
-    return _family_wise(shop, candidate, after, flipped, pool)
-
-
-def chance_of_slow_noise(
-    shop: Workshop, candidate: Score, others: Sequence[Trial], pool: Sequence[Trial]
-) -> float:
-    """Family-wise p-value of noise so slow that a curve of the arm's state can follow it.
-
-    What a term has taken for the arm's doing is gone from what it leaves. So chance is what was
-    there before, moved in time: noise keeps no step with the arm, and a search finds as much in it.
-    """
-    before = shop.fit(others, shop.layout(candidate.trial)).fit
-    return _family_wise(shop, candidate, before, moved_in_time, pool)
-
-
-def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
-    """Whether what additions leave of a joint keeps step with the arm; slow noise may not.
-
-    Always where repetitions show what noise is.
-    """
-    if shop.mean is not shop.full:
-        return True
-    fit = shop.fit(others, shop.mean).fit
-    own = [t for t in (*shop.smooth, *shop.smooth_pairs) if t.joint == joint]
-    left = float(largest_surprises(own, fit, fit.residual[:, :, None])[0])
-    null = largest_surprises(own, fit, moved_in_time(fit, shop.settings.surrogates, shop.rng))
-    return shop.context.n * family_p_value(left, null) <= shop.settings.level
-
-
-def _family_wise(
-    shop: Workshop,
-    candidate: Score,
-    fit: LinearFit,
-    chance: Callable[[LinearFit, int, np.random.Generator], Float[ndarray, "joints rows count"]],
-    pool: Sequence[Trial],
-) -> float:
-    """Chance that a search of a candidate's joints surprises as much.
-
-    A search through its joints, and Bonferroni's factor for the others: what they lack, and how
-    slowly that changes, says nothing of chance here.
-    """
-    own = candidate.trial
-    kin = [
-        t
-        for t in pool
-        if t.between_repetitions == own.between_repetitions
-        and not set(t.group).isdisjoint(own.group)
-    ]
-    null = largest_surprises(kin, fit, chance(fit, shop.settings.surrogates, shop.rng))
-    places = shop.context.n / len(own.group)
-    return min(1.0, places * family_p_value(candidate.surprise(inflation_of(fit)), null))
 
 
 def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:

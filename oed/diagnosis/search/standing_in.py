@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from oed.diagnosis.search.chance import chance_of_slow_noise
 from oed.diagnosis.search.judgement import (
     Accepted,
     Refused,
-    chance_of_slow_noise,
     held_out_fault,
     judge,
     refusal,
