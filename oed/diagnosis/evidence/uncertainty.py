@@ -21,7 +21,7 @@ from numpy import ndarray
 
 from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of, left_by, profiled_deviation, widened
-from oed.diagnosis.fit.linear_fit import Projection, project
+from oed.diagnosis.fit.linear_fit import Projection
 from oed.diagnosis.search.ripening import is_unripe
 from oed.diagnosis.search.workbench import Augmented, Layout
 from oed.diagnosis.search.workshop import Workshop
@@ -41,7 +41,7 @@ class _Linearised:
     """A fit in which every shape moves its columns along a secant.
 
     Attributes:
-        columns: White, of base model, additions, secants and nuisances.
+        columns: White, of base model, nuisances, additions and secants.
         target: What they are to explain.
         projection: On the columns.
         covariance: Of all their parameters.
@@ -113,7 +113,8 @@ def _profiled(
         if not trial.shapes or is_unripe(trial):
             continue
         own = moved(trial, layout.rows, shop.context)
-        others = project(np.delete(linear.columns, place, axis=2))
+        rest = np.delete(linear.columns, place, axis=2)
+        others = layout.span.extended(rest[:, :, _base(layout) :])
         whole = target + dense(own, *target.shape).sum(axis=2) if own.fixed else target
         squares = left_by(own, others, whole, layout.rows, shop.context, steps=step)
         first = place.stop - len(trial.values)
@@ -134,7 +135,7 @@ def _linearised(
 ) -> _Linearised:
     """The fit with secants over these steps."""
     columns, target = _columns(shop, found, layout, steps)
-    projection = project(columns)
+    projection = layout.span.extended(columns[:, :, _base(layout) :])
     covariance = robust_covariance(
         projection, projection.residual(target), layout.rows.weights, layout.rows.blocks()
     )
@@ -144,9 +145,9 @@ def _linearised(
 def _columns(
     shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " shapes"]]
 ) -> tuple[Float[ndarray, "joints rows columns"], Float[ndarray, "joints rows"]]:
-    """White columns of base model, additions and nuisances on a layout, and their target."""
+    """White columns of base model, nuisances and additions on a layout, and their target."""
     joints, count, _ = layout.regressor.shape
-    blocks, target = [layout.regressor], layout.torque.copy()
+    blocks, target = [layout.regressor, layout.nuisances], layout.torque.copy()
     for trial, coefficients, step in zip(found.chosen, found.coefficients, steps, strict=True):
         own = moved(trial, layout.rows, shop.context)
         columns = dense(own, joints, count)
@@ -155,12 +156,17 @@ def _columns(
         else:
             blocks.append(columns)
         blocks.append(secants(trial, coefficients, layout.rows, shop.context, step))
-    return np.concatenate([*blocks, layout.nuisances], axis=2), target
+    return np.concatenate(blocks, axis=2), target
+
+
+def _base(layout: Layout) -> int:
+    """Columns that every fit to a layout shares: base model and nuisances."""
+    return layout.regressor.shape[2] + layout.nuisances.shape[2]
 
 
 def _places(found: Augmented, layout: Layout) -> list[slice]:
     """Where the parameters of each addition stand: coefficients unless fixed, then shapes."""
-    start, places = layout.regressor.shape[2], []
+    start, places = _base(layout), []
     for trial in found.chosen:
         size = len(trial.values) + (0 if trial.fixed else len(trial.effect.parameters))
         places.append(slice(start, start + size))

@@ -19,6 +19,7 @@ from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.torque_model import TorqueModel
 
 RANK_TOLERANCE = 1e-7  # of the largest singular value of the normalised regressor
+NUISANCES = 2  # columns a joint that are fitted beside every model
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,22 @@ class Projection:
         """Columns less their projections."""
         return columns - self.basis @ np.einsum("jrb,jrc->bc", self.basis, columns, optimize=True)
 
+    def extended(self, columns: Float[ndarray, "joints rows columns"]) -> Projection:
+        """The span with further columns, whose parameters follow.
+
+        A column that lies inside adds nothing, and its parameter is zero.
+        """
+        inside = np.einsum("jrb,jrc->bc", self.basis, columns, optimize=True)
+        outside = columns - self.basis @ inside
+        # Once more: what is left of a column nearly inside is mostly rounding (Kahan's rule).
+        again = np.einsum("jrb,jrc->bc", self.basis, outside, optimize=True)
+        lengths = np.sqrt(np.einsum("jrc,jrc->c", columns, columns, optimize=True))
+        added = _factorised(outside - self.basis @ again, lengths)
+        upper = np.hstack([self.inverse, -self.inverse @ (inside + again) @ added.inverse])
+        below = np.hstack([np.zeros((len(added.inverse), self.rank)), added.inverse])
+        basis = np.concatenate([self.basis, added.basis], axis=2)
+        return Projection(basis, np.vstack([upper, below]))
+
     @property
     def rank(self) -> int:
         """Dimension b of the span."""
@@ -59,16 +76,21 @@ class Projection:
 
 def project(regressor: Float[ndarray, "joints rows parameters"]) -> Projection:
     """Factorise a whitened regressor; directions that the data do not excite are left out."""
-    joints, rows, parameters = regressor.shape
-    stacked = regressor.reshape(joints * rows, parameters)
-    norms = np.linalg.norm(stacked, axis=0)
-    norms[norms == 0] = 1.0
-    q, r = np.linalg.qr(stacked / norms)
+    lengths = np.sqrt(np.einsum("jrp,jrp->p", regressor, regressor, optimize=True))
+    return _factorised(regressor, lengths)
+
+
+def _factorised(
+    columns: Float[ndarray, "joints rows columns"], lengths: Float[ndarray, " columns"]
+) -> Projection:
+    """Factorise columns in units of these lengths; directions shorter than the tolerance drop out."""
+    joints, rows, count = columns.shape
+    lengths = np.where(lengths > 0, lengths, 1.0)
+    q, r = np.linalg.qr(columns.reshape(joints * rows, count) / lengths)
     u, s, vt = np.linalg.svd(r)
-    kept = s > RANK_TOLERANCE * s[0]
+    kept = s > RANK_TOLERANCE * max(s.max(initial=0.0), 1.0)
     basis = q @ u[:, kept]
-    inverse = (vt[kept].T / s[kept]) / norms[:, None]
-    return Projection(basis.reshape(joints, rows, -1), inverse)
+    return Projection(basis.reshape(joints, rows, -1), (vt[kept].T / s[kept]) / lengths[:, None])
 
 
 @dataclass(frozen=True)
@@ -129,10 +151,10 @@ def reversal_nuisances(rows: Rows) -> Float[ndarray, "joints rows nuisances"]:
     every model, belong to none, and are left out of every prediction.
     """
     joints = rows.weights.shape[1]
-    result = np.zeros((joints, rows.count, 2 * joints))
+    result = np.zeros((joints, rows.count, NUISANCES * joints))
     for j in range(joints):
         fine = [reversal_shapes(p, j) for p in rows.prepared]
-        result[j, :, 2 * j : 2 * j + 2] = rows.whiten_fine(fine, j)
+        result[j, :, NUISANCES * j : NUISANCES * (j + 1)] = rows.whiten_fine(fine, j)
     return result
 
 
@@ -155,43 +177,40 @@ def fit_model(
         torque -= np.stack(
             [rows.whiten_fine([k[:, [j]] for k in known], j)[:, 0] for j in range(len(torque))]
         )
-    return fit_columns(
-        model,
-        columns,
-        rows,
-        regressor=whitened_regressor(model, columns, rows),
-        nuisances=reversal_nuisances(rows),
-        torque=torque,
+    return fit_span(model, columns, rows, span_of_model(model, columns, rows), torque)
+
+
+def span_of_model(model: TorqueModel, columns: Int[ndarray, " base"], rows: Rows) -> Projection:
+    """The chosen white columns of a model, and after them the nuisances."""
+    return project(
+        np.concatenate([whitened_regressor(model, columns, rows), reversal_nuisances(rows)], axis=2)
     )
 
 
-def fit_columns(
+def fit_span(
     model: TorqueModel,
     columns: Int[ndarray, " base"],
     rows: Rows,
-    *,
-    regressor: Float[ndarray, "joints rows parameters"],
-    nuisances: Float[ndarray, "joints rows nuisances"],
+    span: Projection,
     torque: Float[ndarray, "joints rows"],
 ) -> LinearFit:
-    """Fit white columns, and nuisances beside them, to white torque.
+    """Fit white columns to white torque.
 
     Args:
-        model: Whose columns come first in the regressor.
+        model: Whose columns come first in the span.
         columns: (b,) indices of these.
         rows: White rows.
-        regressor: Columns of the model, then of additions.
-        nuisances: Columns whose parameters nobody asks for.
+        span: Of the model's columns, the nuisances, and additions.
         torque: What they are to explain.
     """
-    whole = project(np.concatenate([regressor, nuisances], axis=2))
-    coordinates = whole.coordinates(torque)
-    projection = Projection(whole.basis, whole.inverse[: regressor.shape[2]])
+    coordinates = span.coordinates(torque)
+    nuisances = slice(len(columns), len(columns) + NUISANCES * len(torque))
+    asked = np.delete(span.inverse, nuisances, axis=0)
     return LinearFit(
         model=model,
         columns=columns,
         rows=rows,
-        projection=projection,
-        parameters=projection.inverse @ coordinates,
-        residual=torque - projection.basis @ coordinates,
+        projection=Projection(span.basis, asked),
+        parameters=asked @ coordinates,
+        residual=torque - span.basis @ coordinates,
     )

@@ -140,7 +140,7 @@ def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> Linea
     # The effect as it was fitted: one that acts on the model's torque brings its own.
     mine = dataclasses.replace(favourite, group=white_group(favourite.effect, layout.rows))
     torque = dense(mine, shop.context.n, layout.rows.count) @ coefficients
-    return fit_layout(shop.baseline, layout, [layout.regressor], torque)
+    return fit_layout(shop.baseline, layout, [], torque)
 
 
 def _with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> Layout:

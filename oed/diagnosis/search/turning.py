@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.linear_fit import LinearFit, project, reversal_nuisances, whitened_regressor
+from oed.diagnosis.fit.linear_fit import LinearFit, span_of_model
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
@@ -138,6 +138,5 @@ def _under_tilt(model: TorqueModel, tilt: Float[ndarray, " directions"]) -> Torq
 def squares_under(shop: Workshop, model: TorqueModel) -> float:
     """Whitened squares that a base model leaves, on the mean rows of the tables."""
     rows = shop.mean.rows
-    regressor = whitened_regressor(model, np.sort(base_parameters(model).columns), rows)
-    everything = np.concatenate([regressor, reversal_nuisances(rows)], axis=2)
-    return float(np.sum(project(everything).residual(rows.torque()) ** 2))
+    span = span_of_model(model, np.sort(base_parameters(model).columns), rows)
+    return float(np.sum(span.residual(rows.torque()) ** 2))

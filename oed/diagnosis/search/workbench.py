@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -13,7 +14,9 @@ from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import (
     LinearFit,
-    fit_columns,
+    Projection,
+    fit_span,
+    project,
     reversal_nuisances,
     whitened_regressor,
 )
@@ -43,6 +46,11 @@ class Layout:
     regressor: Float[ndarray, "joints rows base"]
     nuisances: Float[ndarray, "joints rows nuisances"]
     torque: Float[ndarray, "joints rows"]
+
+    @cached_property
+    def span(self) -> Projection:
+        """Of base columns and nuisances."""
+        return project(np.concatenate([self.regressor, self.nuisances], axis=2))
 
 
 @dataclass(frozen=True)
@@ -125,7 +133,7 @@ def fit_with(
     """
     joints, count, base = layout.regressor.shape
     target = layout.torque.copy()
-    blocks, places = [layout.regressor], []
+    blocks, places = [], []
     start = base
     for trial in chosen:
         columns = dense(trial, joints, count)
@@ -204,15 +212,9 @@ def _augmented(
 def fit_layout(
     baseline: Baseline,
     layout: Layout,
-    blocks: Sequence[Float[ndarray, "joints rows _"]],
+    added: Sequence[Float[ndarray, "joints rows _"]],
     torque: Float[ndarray, "joints rows"],
 ) -> LinearFit:
-    """Fit blocks of white columns, the base model's first, to a torque on the rows of a layout."""
-    return fit_columns(
-        baseline.model,
-        baseline.columns,
-        layout.rows,
-        regressor=np.concatenate(blocks, axis=2),
-        nuisances=layout.nuisances,
-        torque=torque,
-    )
+    """Fit the base model, and blocks of white columns added to it, to a torque on these rows."""
+    span = layout.span.extended(np.concatenate(added, axis=2)) if added else layout.span
+    return fit_span(baseline.model, baseline.columns, layout.rows, span, torque)

@@ -15,6 +15,7 @@ from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign, with_
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.search.predict import fine_torque, prediction_errors, rms
+from oed.diagnosis.search.recent import Recent
 from oed.diagnosis.search.unseen import Unseen
 from oed.diagnosis.search.workbench import (
     Augmented,
@@ -31,6 +32,7 @@ from oed.diagnosis.terms.free_terms import terms_alone, terms_together, torques_
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
 
+RECENT_FITS = 16  # kept: what is asked of one addition is asked beside the same others
 QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew
 WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made anew
 
@@ -38,7 +40,7 @@ WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made an
 class Workshop:
     """The tables of one diagnosis: layouts, pools of trials and the held-out recordings.
 
-    What it makes, it makes once and never changes. Two things of its own do change: `context`,
+    What it makes, it never changes. Two things of its own do change: `context`,
     which `update_context` takes from better fits, and `rng`, from which surrogates are drawn.
     """
 
@@ -60,7 +62,8 @@ class Workshop:
         self.mean = lay_out(baseline, estimation, mean=True) if repeated else self.full
         self.estimation, self.validation = estimation, validation
         self.rng = np.random.default_rng(settings.seed)
-        self.before = self.fit(())
+        self._fits: Recent[Augmented] = Recent(RECENT_FITS)
+        self.before = self._fitted((), self.mean, bend=False)
         self.context = self.context_with(self.before)
         self._validation_weights = baseline.certainty(validation)
 
@@ -146,14 +149,19 @@ class Workshop:
             bend: Whether shapes enter by their derivatives.
         """
         layout = self.layout_for(chosen) if layout is None else layout
-        context = self.context if chosen else None
+        return self._fits.get(
+            (layout, self.context, bend, *chosen), lambda: self._fitted(chosen, layout, bend=bend)
+        )
+
+    def _fitted(self, chosen: Sequence[Trial], layout: Layout, *, bend: bool) -> Augmented:
+        context = self.context if chosen and bend else None
         own = [
             t
             if next(iter(t.group.values())).shape[0] == layout.rows.count and not t.contrast
             else moved(t, layout.rows, self.context)
             for t in chosen
         ]
-        return fit_with(self.baseline, layout, own, context if bend else None)
+        return fit_with(self.baseline, layout, own, context)
 
     def update_context(self, found: Augmented) -> None:
         """Take the reference torque of load-dependent effects from a better fit."""
