@@ -87,6 +87,16 @@ def test_what_makes_every_repetition_worse_is_lost(turned):
     assert (lost_when_repeated(shop, found, final) is trial) is turned
 
 
+def test_a_late_sensor_is_not_held_against_single_repetitions():
+    shop = shop_with()
+    trial = trial_of(shop, "time_delay", None, (0.03,))
+    layout = shop.layout_for([trial])
+    found = shop.fit([trial], layout)
+    final = fit_final(shop.baseline, layout, install(shop.baseline, found, shop.context))
+    assert final.fit.squares > shop.before.fit.squares
+    assert lost_when_repeated(shop, found, final) is None
+
+
 def test_what_mends_a_name_does_not_make_it_doubtful():
     """A free form of the same coordinate can follow the name whole: neither is determined alone."""
     shop = shop_with()

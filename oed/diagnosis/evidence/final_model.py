@@ -15,7 +15,7 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workbench import Augmented, Layout
+from oed.diagnosis.search.workbench import Augmented, Layout, lags_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
@@ -83,7 +83,8 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
     """An addition that mends the mean of repetitions, and makes every single one worse.
 
     A disturbance of one repetition moves the arm a little: in the mean of several, friction turns
-    its sign more gradually than in any. What explains that is no part of the arm.
+    its sign more gradually than in any. What explains that is no part of the arm. A sensor that is
+    late is so with the disturbance too, which single repetitions hold: nothing is asked of it.
 
     Args:
         shop: The laid-out data.
@@ -94,7 +95,7 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
         return None
     whole, joints = _white_squares(final, shop.full.rows), range(shop.baseline.model.robot.n)
     for trial in found.chosen:
-        if trial.name == GRAVITY and shop.is_turned:
+        if lags_of([trial]) or (trial.name == GRAVITY and shop.is_turned):
             continue
         others = [t for t in found.chosen if t is not trial]
         layout = shop.layout_for(others)
