@@ -12,6 +12,7 @@ from numpy import ndarray
 from oed.diagnosis.baseline.baseline import Baseline, find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.differing import differing
 from oed.diagnosis.evidence.encoder_steps import repeated_steps, rounding_squares, rounding_torque
@@ -61,6 +62,7 @@ class Diagnosis:
         lack_after: Of the augmented model.
         dependences: Residual of the base model over every coordinate.
         dependences_after: Residual of the augmented model.
+        contributions: What each addition does.
         spectrum: Of both residuals.
         refused: Candidates that were turned down, and why.
         cutoff: Of the analysis band [Hz].
@@ -80,6 +82,7 @@ class Diagnosis:
     lack_after: LackOfFit
     dependences: tuple[Dependence, ...]
     dependences_after: tuple[Dependence, ...]
+    contributions: tuple[Contribution, ...]
     spectrum: Spectrum
     refused: tuple[Refused, ...]
     cutoff: float
@@ -181,6 +184,7 @@ def _conclude(
         lack_after=left,
         dependences=dependences(estimation, old),
         dependences_after=dependences(estimation, new),
+        contributions=contributions(shop, selection, after, floor),
         spectrum=spectrum(old, new, estimation[0].band.analysis_rate),
         refused=selection.refused,
         cutoff=estimation[0].band.cutoff,

@@ -48,12 +48,13 @@ def diagnosis_page(
         following: The motion that tells rivals apart, if there are any.
         data: Name of the data set.
         joints: (n,) names.
-        pictures: PNG or SVG files "proof", "dependence" and "spectrum".
+        pictures: PNG or SVG files "proof", "dependence" and "spectrum"; "additions" if there are any.
         provenance: Of the run.
     """
     labels = joint_labels(joints)
     sections = [
         _proof_section(found, labels, pictures["proof"]),
+        *_additions_section(pictures),
         *effect_sections(found, labels),
         Section("There, but without a name", unexplained_blocks(found, labels)),
         _lack_section(found, labels),
@@ -86,6 +87,18 @@ def diagnosis_page(
         footer=f"commit {provenance.commit}; "
         + ", ".join(f"{name} {number}" for name, number in provenance.versions.items()),
     )
+
+
+def _additions_section(pictures: dict[str, Path]) -> list[Section]:
+    if "additions" not in pictures:
+        return []
+    caption = (
+        "What was added, each over the coordinates on which it depends. Dots: mean residual where "
+        "all but this is fitted, with two standard errors. Line or map: what this gives of it, in "
+        "the joint's unit; what the rest of the model can give as well is in neither, so that it "
+        "is known where the parameters below are not."
+    )
+    return [Section("What each addition does", [Picture(pictures["additions"], caption)])]
 
 
 def _verdict(found: Diagnosis) -> Verdict:

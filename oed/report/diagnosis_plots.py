@@ -79,6 +79,93 @@ def plot_dependences(shown: Sequence[ResidualPanel]) -> Figure:
     return figure
 
 
+@dataclass(frozen=True)
+class CurvePanel:
+    """What one addition does over one coordinate.
+
+    Attributes:
+        title: Joint and the addition's name.
+        unit: Of the joint's residual, "N m" or "N".
+        coordinate: In words, with its unit.
+        missing: Residual without the addition.
+        given: What the addition gives of it.
+    """
+
+    title: str
+    unit: str
+    coordinate: str
+    missing: Curve
+    given: Curve
+
+
+@dataclass(frozen=True)
+class MapPanel:
+    """What one addition does over two coordinates.
+
+    Attributes:
+        title: Joint and the addition's name.
+        unit: Of the joint's residual, "N m" or "N".
+        coordinates: In words, with their units.
+        edges: Of the cells, one array a coordinate.
+        given: (C, C) torque in each cell, first coordinate first; NaN where there is none.
+    """
+
+    title: str
+    unit: str
+    coordinates: tuple[str, str]
+    edges: tuple[Float[ndarray, " edges"], Float[ndarray, " edges"]]
+    given: Float[ndarray, "cells cells"]
+
+
+@mpl.rc_context(STYLE)
+def plot_contributions(shown: Sequence[CurvePanel | MapPanel]) -> Figure:
+    """What each addition gives, over the coordinates on which it depends.
+
+    Raises:
+        ValueError: If there is none.
+    """
+    figure, panels = titled_panels([s.title for s in shown], "")
+    for panel, s in zip(panels, shown, strict=True):
+        panel.title.set_fontsize(7.5)
+        if isinstance(s, CurvePanel):
+            _draw_curve(panel, s)
+        else:
+            _draw_map(figure, panel, s)
+    curves = [p for p, s in zip(panels, shown, strict=True) if isinstance(s, CurvePanel)]
+    if curves:
+        legend_above(figure, curves[0])
+    return figure
+
+
+def _draw_curve(panel: Axes, shown: CurvePanel) -> None:
+    missing, given = shown.missing, shown.given
+    panel.axhline(0.0, color="#CCCCCC", linewidth=0.6, zorder=0)
+    panel.errorbar(
+        missing.centre,
+        missing.mean,
+        yerr=2 * missing.error,
+        color=VERMILION,
+        marker="o",
+        markersize=2.5,
+        linestyle="none",
+        label="residual without it",
+    )
+    panel.plot(given.centre, given.mean, color=BLUE, label="what it gives")
+    panel.set_xlabel(shown.coordinate, fontsize=7.0)
+    panel.set_ylabel(f"[{shown.unit}]", fontsize=7.0)
+
+
+def _draw_map(figure: Figure, panel: Axes, shown: MapPanel) -> None:
+    largest = float(np.nanmax(np.abs(shown.given), initial=0.0)) or 1.0
+    drawn = panel.pcolormesh(
+        *shown.edges, shown.given.T, cmap="RdBu_r", vmin=-largest, vmax=largest, rasterized=True
+    )
+    figure.colorbar(drawn, ax=panel).set_label(f"[{shown.unit}]", fontsize=7.0)
+    first, second = shown.coordinates
+    panel.set_xlabel(first, fontsize=7.0)
+    panel.set_ylabel(second, fontsize=7.0)
+
+
 @mpl.rc_context(STYLE)
 def plot_spectra(
     frequency: Float[ndarray, " frequencies"],

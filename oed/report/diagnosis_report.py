@@ -10,13 +10,17 @@ from matplotlib.figure import Figure
 
 from oed.design.export import SetPoints, write_csv
 from oed.diagnosis.diagnosis import Diagnosis
+from oed.diagnosis.evidence.contributions import Contribution, Map
 from oed.diagnosis.evidence.dependence import Dependence
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.report.diagnosis_page import diagnosis_page
 from oed.report.diagnosis_plots import (
     Curve,
+    CurvePanel,
+    MapPanel,
     ResidualPanel,
+    plot_contributions,
     plot_dependences,
     plot_proof,
     plot_spectra,
@@ -27,6 +31,7 @@ from oed.report.json_file import plain_value, write_json
 from oed.report.page import write_page
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
+from oed.robot.robot import Joint
 
 
 def write_diagnosis(
@@ -113,7 +118,8 @@ def draw_figures(found: Diagnosis, joints: Sequence[str]) -> dict[str, Figure]:
         for p in found.proof
     }
     s = found.spectrum
-    return {
+    additions = [_addition_panel(c, robot.joints, units) for c in found.contributions]
+    return ({"additions": plot_contributions(additions)} if additions else {}) | {
         "proof": plot_proof(roles, found.noise_floor, labels, units),
         "dependence": plot_dependences(panels),
         "spectrum": plot_spectra(
@@ -126,6 +132,18 @@ def draw_figures(found: Diagnosis, joints: Sequence[str]) -> dict[str, Figure]:
             units=units,
         ),
     }
+
+
+def _addition_panel(
+    shown: Contribution, joints: Sequence[Joint], units: Sequence[str]
+) -> CurvePanel | MapPanel:
+    joint = shown.joint if isinstance(shown, Map) else shown.given.joint
+    title, unit = f"joint {joint + 1}: {shown.label}", units[joint]
+    if isinstance(shown, Map):
+        first, second = (coordinate_label(c, joints) for c in shown.coordinates)
+        return MapPanel(title, unit, (first, second), shown.edges, shown.given)
+    coordinate = coordinate_label(shown.given.coordinate, joints)
+    return CurvePanel(title, unit, coordinate, _curve(shown.missing), _curve(shown.given))
 
 
 def _curve(dependence: Dependence) -> Curve:

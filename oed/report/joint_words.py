@@ -15,6 +15,7 @@ COORDINATES = {
     "q": ("position", "rad"),
     "dq": ("velocity", "rad/s"),
     "ddq": ("acceleration", "rad/s²"),
+    "tau": ("torque", "N m"),
 }
 
 

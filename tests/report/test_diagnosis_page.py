@@ -99,7 +99,7 @@ def labels_of(figure) -> list[str]:
 
 def test_needs_no_other_file(html):
     page = Reader(html)
-    assert len(page.references) == 3
+    assert len(page.references) == len(("proof", "additions", "dependence", "spectrum"))
     assert all(reference.startswith("data:image/") for reference in page.references)
     assert not {"script", "link", "iframe", "object"} & set(page.tags)
 
@@ -185,10 +185,19 @@ def test_a_sliding_joint_has_forces_and_metres(found, tmp_path):
     known = known_parameters(slide.effects[0], slide.shop.context, slide.before.model.robot.joints)
     assert {"Fs_1": "N", "speed": "m/s"}.items() <= {p.name: p.unit for p in known}.items()
     figures = draw_figures(slide, ("slide", "elbow"))
-    proof, dependence = (labels_of(figures[name]) for name in ("proof", "dependence"))
+    names = ("proof", "dependence", "additions")
+    proof, dependence, additions = (labels_of(figures[name]) for name in names)
     assert {"joint 1 (slide) [N]", "joint 2 (elbow) [N m]"} <= set(proof)
     assert "velocity of joint 1 [m/s]" in dependence
     assert "position of joint 2 [rad]" in dependence
+    assert additions[:2] == ["joint 1: stribeck", "velocity of joint 1 [m/s]"]
+    assert figures["additions"].axes[0].get_ylabel() == "[N]"
+
+
+def test_where_nothing_was_added_no_addition_is_drawn(found, tmp_path):
+    bare = dataclasses.replace(found, effects=(), unexplained=(), contributions=())
+    assert "additions" not in draw_figures(bare, JOINTS)
+    assert "What each addition does" not in Reader(write(bare, tmp_path)).text
 
 
 def test_the_spectrum_shows_the_edge_of_the_band_and_the_noise_floor(found):

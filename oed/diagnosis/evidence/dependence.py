@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.signal import welch
 
@@ -67,16 +67,16 @@ def dependences(
             coordinates[f"{kind}_{i + 1}"] = values[:, i]
     coordinates["time"] = np.concatenate([p.t[p.valid] for p in prepared])
     stacked = np.concatenate(list(errors))
-    blocks = _blocks(prepared)
+    blocks = blocks_of(prepared)
     return tuple(
-        _binned(j, name, x, stacked[:, j], blocks)
+        binned(j, name, x, stacked[:, j], blocks)
         for j in range(joints)
         for name, x in coordinates.items()
         if not name.startswith("ddq") or name == f"ddq_{j + 1}"
     )
 
 
-def _blocks(prepared: Sequence[Prepared]) -> ndarray:
+def blocks_of(prepared: Sequence[Prepared]) -> Int[ndarray, " rows"]:
     """Number of the block of `BLOCK` seconds of each valid row: one observation each."""
     parts, offset = [], 0
     for p in prepared:
@@ -87,13 +87,22 @@ def _blocks(prepared: Sequence[Prepared]) -> ndarray:
     return np.concatenate(parts)
 
 
-def _binned(
+def binned(
     joint: int,
     name: str,
     x: Float[ndarray, " rows"],
     y: Float[ndarray, " rows"],
-    blocks: ndarray,
+    blocks: Int[ndarray, " rows"],
 ) -> Dependence:
+    """Means of a joint's residual in bins of as many rows each.
+
+    Args:
+        joint: Index.
+        name: Of the coordinate.
+        x: Its values.
+        y: The residual [N m].
+        blocks: Number of the block of each row.
+    """
     edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
     place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
     centre, mean, deviation = [], [], []
