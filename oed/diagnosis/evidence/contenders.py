@@ -8,6 +8,7 @@ import numpy as np
 
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.judgement import Accepted, held_out_fault
+from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
 from oed.diagnosis.search.telling import decisive_between, is_of_kind, telling
@@ -50,7 +51,7 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     fit = shop.fit(others, layout).fit
     here = score(shop.renewed(own.trial), fit)
     candidates = [
-        found
+        decided(shop, others, found)
         for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS)
         if found.trial.key != own.trial.key
     ][:RIVALS]

@@ -10,6 +10,7 @@ import numpy as np
 
 from oed.diagnosis.search.crests import climbed
 from oed.diagnosis.search.judgement import Accepted, held_out_fault, too_little
+from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.ripening import is_unripe
 from oed.diagnosis.search.scan import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
@@ -43,6 +44,20 @@ def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
                 best = at_rest(climbed(shop, best, fit), fit, shop.context)
             best = as_built(shop, others, best, fit)
             kept[k] = dataclasses.replace(item, trial=best.trial)
+    return kept
+
+
+def decided_shapes(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
+    """What the estimation recordings leave open of shapes decided by the validation recordings."""
+    kept = list(accepted)
+    for k, item in enumerate(kept):
+        if not item.stands_in or item.trial.is_free_form:
+            continue
+        others = [a.trial for a in kept if a.stands_in and a is not item]
+        fit = shop.fit(others, shop.layout(item.trial)).fit
+        best = decided(shop, others, score(shop.renewed(item.trial), fit))
+        best = as_built(shop, others, best, fit)
+        kept[k] = dataclasses.replace(item, trial=best.trial)
     return kept
 
 

@@ -101,7 +101,10 @@ def drop_superfluous(
         )
         # What the whole model still lacks is chance to this addition.
         chance = float(inflation_of(whole.fit)[list(item.trial.group)].mean())
-        needed = (without.fit.squares - whole.fit.squares) / chance
+        unseen = shop.unseen_by([*(a.trial for a in standing), item.trial])
+        left = unseen.left(whole)
+        foretold = (unseen.left(without) - left) / np.maximum(left / unseen.counted, 1.0)
+        needed = (without.fit.squares - whole.fit.squares) / chance + float(foretold.sum())
         columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
         predicts = shop.validation_gain([a.trial for a in standing], item.trial)
         reason = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,7 +109,9 @@ def best_shapes(scores: Sequence[Score], fit: LinearFit, context: Context) -> li
     best: dict[tuple[str, object], Score] = {}
     for found in scores:
         key = found.trial.key
-        if key not in best or _is_better(found, best[key], context):
+        if key not in best or _is_better(
+            found, best[key], context, more=found.gain > best[key].gain
+        ):
             best[key] = found
     inflation = inflation_of(fit)
     return sorted(best.values(), key=lambda s: -s.surprise(inflation))
@@ -124,29 +126,42 @@ def implausible(found: Score, context: Context) -> str | None:
     return entry.plausible(context, trial.target, trial.values, found.coefficients)
 
 
-def _is_better(new: Score, old: Score, context: Context) -> bool:
+def _is_better(new: Score, old: Score, context: Context, *, more: bool) -> bool:
     """A plausible shape before one that explains more."""
-    if new.gain > old.gain:
+    if more:
         return implausible(new, context) is None or implausible(old, context) is not None
     return implausible(old, context) is not None and implausible(new, context) is None
 
 
-def refine(found: Score, fit: LinearFit, context: Context) -> Score:
-    """Improve the shape of a candidate from the scan's best grid point (Nelder and Mead)."""
+def refine(
+    found: Score,
+    fit: LinearFit,
+    context: Context,
+    worth: Callable[[Score], float] = lambda tried: tried.gain,
+) -> Score:
+    """Improve the shape of a candidate from the scan's best grid point (Nelder and Mead).
+
+    Args:
+        found: Candidate.
+        fit: Beside which.
+        context: What is known.
+        worth: What is to be large.
+    """
     if found.trial.is_free_form or not found.trial.values:
         return found
     shapes = CATALOGUE[found.trial.name].shapes_for(context, found.trial.target)
-    best = found
+    best, most = found, worth(found)
     # From a plausible start on, what is not plausible explains nothing.
     guarded = implausible(found, context) is None
 
     def loss(x: Float[ndarray, " shapes"]) -> float:
-        nonlocal best
+        nonlocal best, most
         tried = score_at(x, found.trial, fit, context)
-        if _is_better(tried, best, context):
-            best = tried
+        value = worth(tried)
+        if _is_better(tried, best, context, more=value > most):
+            best, most = tried, value
         outside = guarded and implausible(tried, context) is not None
-        return 0.0 if outside else -tried.gain
+        return np.inf if outside else -value
 
     start = np.array([to_axis(v, s) for v, s in zip(found.trial.values, shapes, strict=True)])
     steps = np.array([0.6 / max(s.points - 1, 1) for s in shapes])
@@ -189,7 +204,7 @@ def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
     for _ in range(MOST_ROUNDS):
         again = refine(best, fit, context)
         settled = again.gain < best.gain + AT_REST
-        best = again if _is_better(again, best, context) else best
+        best = again if _is_better(again, best, context, more=again.gain > best.gain) else best
         if settled:
             break
     return best

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
-from oed.diagnosis.search.exchange import rested, settled
+from oed.diagnosis.search.exchange import decided_shapes, rested, settled
 from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms, better_free_form
 from oed.diagnosis.search.judgement import Accepted, Refused, at_home, judge, refusal
 from oed.diagnosis.search.ranking import ranked
@@ -230,6 +230,7 @@ def _concluded(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused], tilts: list[Accepted]
 ) -> tuple[Workshop, Selection]:
     accepted = rested(shop, [*tilts, *drop_superfluous(shop, accepted, refused)])
+    accepted = decided_shapes(shop, accepted)
     return shop, Selection.of(shop, accepted, refused)
 
 
@@ -237,12 +238,12 @@ def _next_physical(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused], pool: Sequence[Trial]
 ) -> Accepted | None:
     others = [a.trial for a in accepted]
+    rows = shop.full.rows.count
     found = ranked(shop, pool, others, shop.settings.refined, thorough=True)
+    found = [c for c in found if c.evidence(rows) > 0]
     candidates = most_telling_first(shop, found, others)
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
-        if candidate.evidence(shop.full.rows.count) <= 0:
-            continue
         better = better_free_form(shop, candidate, rivals, others)
         if better is not None:
             reason = (

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.scan import Score, inflation_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -86,6 +87,7 @@ def most_telling_first(
         if c.gain > RIVAL_SHARE * best.gain and not set(c.trial.group).isdisjoint(best.trial.group)
     ]
     rest = [c for c in candidates if all(c is not r for r in level)]
+    level = [decided(shop, others, c) for c in level]
     values = telling(shop, others, level)
     first = level[int(np.argmax(values))]
     tied = [
@@ -122,7 +124,7 @@ def may_replace(shop: Workshop, here: Score, rival: Score) -> bool:
 
 def replaces(shop: Workshop, others: Sequence[Trial], here: Score, rival: Score) -> bool:
     """Whether a rival tells more by far than an addition, or as much and is plainer."""
-    said, better = telling(shop, others, [here, rival])
+    said, better = telling(shop, others, [decided(shop, others, s) for s in (here, rival)])
     margin = _margin(shop, here, rival)
     return bool(better > said + (-margin if _is_plainer(rival, here) else margin))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -54,14 +55,23 @@ class Unseen:
             return np.ones(self.joints)
         return np.maximum(np.sum(self.rows.weights**2, axis=0), 1.0)
 
+    @cached_property
+    def white(self) -> Float[ndarray, "joints rows base"]:
+        """White base columns."""
+        if self.rows is None:
+            return np.zeros((self.joints, 0, 0))
+        return np.stack(
+            [self.rows.whiten([c[:, j] for c in self.columns], j) for j in range(self.joints)]
+        )
+
+    def errors(self, found: Augmented) -> Float[ndarray, "joints rows"]:
+        """(n, R) white errors of what a fit foretells."""
+        if self.rows is None:
+            return np.zeros((self.joints, 0))
+        errors = prediction_errors(found, self.rows.prepared, self.columns)
+        white = [self.rows.whiten([e[:, [j]] for e in errors], j)[:, 0] for j in range(self.joints)]
+        return np.stack(white)
+
     def left(self, found: Augmented) -> Float[ndarray, " joints"]:
         """(n,) squares that a fit leaves of each joint's white rows."""
-        if self.rows is None:
-            return np.zeros(self.joints)
-        errors = prediction_errors(found, self.rows.prepared, self.columns)
-        return np.array(
-            [
-                np.sum(self.rows.whiten([e[:, [j]] for e in errors], j) ** 2)
-                for j in range(self.joints)
-            ]
-        )
+        return np.sum(self.errors(found) ** 2, axis=1)

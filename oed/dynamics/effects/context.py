@@ -33,6 +33,7 @@ class Context:
         duration: Of the longest recording [s].
         position_range: (n, 2) least and largest position [rad].
         top_speed: (n,) largest speed, but for a few samples [rad/s].
+        top_acceleration: (n,) likewise [rad/s^2].
         peak_torque: (n,) largest predicted torque, but for a few samples [N m].
         gear_ratio: Motor turns a joint turn, None where unknown.
         session: First and last time of recordings that one clock timed, one after another [s];
@@ -48,6 +49,7 @@ class Context:
     duration: float
     position_range: Float[ndarray, "joints 2"]
     top_speed: Float[ndarray, " joints"]
+    top_acceleration: Float[ndarray, " joints"]
     peak_torque: Float[ndarray, " joints"]
     gear_ratio: tuple[float, ...] | None = None
     session: tuple[float, float] | None = None
@@ -79,7 +81,8 @@ class Context:
         if not motions:
             raise ValueError("a context needs at least one motion to say what is covered")
         reference = _reference(model, parameters, beside)
-        q, dq = (np.concatenate([getattr(m, x) for m in motions]) for x in ("q", "dq"))
+        states = ("q", "dq", "ddq")
+        q, dq, ddq = (np.concatenate([getattr(m, x) for m in motions]) for x in states)
         torque = np.concatenate([reference.parts(motion).sum(axis=2) for motion in motions])
         session = _session(motions if len(motions) > 1 else [*motions, *later])
         return cls(
@@ -88,6 +91,7 @@ class Context:
             duration=float(max(motion.t[-1] - motion.t[0] for motion in motions)),
             position_range=np.stack([q.min(axis=0), q.max(axis=0)], axis=1),
             top_speed=np.quantile(np.abs(dq), HIGHEST, axis=0),
+            top_acceleration=np.quantile(np.abs(ddq), HIGHEST, axis=0),
             peak_torque=np.quantile(np.abs(torque), HIGHEST, axis=0),
             gear_ratio=gear_ratio,
             session=session,

@@ -17,6 +17,7 @@ from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInertia
 
 ONE_WAY = 0.05  # a ratio below this: the motor is the joint's own, recorded in another row
+SMALL = 0.1  # of what speed adds, up to which Coulomb friction may be noise
 LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
 
 
@@ -70,7 +71,8 @@ def _coupling_plausible(
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
     if abs(values[0]) < ONE_WAY:
-        return finite(estimates)
+        _, other = pair_of(target)
+        return finite(estimates) or _both_ways(context, other, estimates)
     if abs(values[0]) < LEAST_RATIO:
         return f"at a ratio of {values[0]:.2g} the motor is the joint's own"
     inertia, viscous, coulomb = (float(x) for x in estimates)
@@ -82,6 +84,24 @@ def _coupling_plausible(
             positive(inertia, "the motor's inertia", "kg m^2"),
             positive(viscous * speed + coulomb, "the motor's friction at top speed", "N m"),
         ]
+    )
+
+
+def _both_ways(context: Context, other: int, estimates: Float[ndarray, " columns"]) -> str | None:
+    """Why friction cannot be a motor's: what it gives at rest and what speed adds are two ways.
+
+    Beside an inertia that does much more, both may be noise.
+    """
+    inertia, viscous, coulomb = (float(x) for x in estimates)
+    added = viscous * float(context.top_speed[other])
+    driving = abs(inertia) * float(context.top_acceleration[other])
+    if added * coulomb >= 0 or abs(coulomb) < SMALL * abs(added):
+        return None
+    if max(abs(added), abs(coulomb)) < driving:
+        return None
+    return (
+        f"the motor's friction turns from {coulomb:.3g} N m at rest to "
+        f"{coulomb + added:.3g} N m at top speed: it has one sign"
     )
 
 

@@ -1,0 +1,84 @@
+"""Shapes that one motion leaves open, decided by what another motion does.
+
+A motion that hardly ever goes slowly says that friction rises there, and not how: many shapes
+explain as much of it, and foretell very different torques of a motion that does go slowly. The
+likelihood of both is that of the first times that of the second, foretold from the first; shapes
+are taken where it is largest. The parameters that come linearly are those of the first alone.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.search.ripening import is_late, is_unripe
+from oed.diagnosis.search.scan import Score, implausible, inflation_of, refine, score
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial, dense, moved
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+MISFIT = 1.1  # variances of the noise on unseen motion, from which on a shape is looked at again
+
+
+def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
+    """A candidate at the shape that estimation and validation recordings prefer together.
+
+    As it is where it foretells the other motion well, or nothing of it is open.
+
+    Args:
+        shop: The laid-out data.
+        others: Additions that it stands beside.
+        found: At the shape that the estimation recordings prefer.
+    """
+    trial = found.trial
+    if trial.is_free_form or not trial.values or is_unripe(trial) or is_late(trial):
+        return found
+    if trial.between_repetitions or not shop.validation:
+        return found
+    told = _told(shop, others, found)
+    if told is None:
+        return found
+    fit = shop.fit(others, shop.layout(trial)).fit
+    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
+    usual = dataclasses.replace(trial, values=tuple(shape.default for shape in shapes))
+    starts = [found, score(moved(usual, fit.rows, shop.context), fit)]
+    plausible = [s for s in starts if s is found or implausible(s, shop.context) is None]
+    return max((refine(s, fit, shop.context, told) for s in plausible), key=told)
+
+
+def _told(shop: Workshop, others: Sequence[Trial], found: Score) -> Callable[[Score], float] | None:
+    """What a shape says of both motions; None where the found one foretells the other well."""
+    layout = shop.layout(found.trial)
+    beside = shop.fit(others, layout, bend=False)
+    unseen = shop.unseen_by([*others, found.trial])
+    rows = unseen.rows
+    if rows is None:
+        return None
+    errors = unseen.errors(beside)
+    free = [
+        dense(moved(t, rows, shop.context), *errors.shape) for t in beside.chosen if not t.fixed
+    ]
+    columns = np.concatenate([unseen.white, *free], axis=2)
+
+    def left(tried: Score) -> Float[ndarray, " joints"]:
+        """White squares of the other motion with this addition."""
+        inside = sum(
+            beside.fit.projection.basis[joint].T @ (block @ tried.coefficients)
+            for joint, block in tried.trial.group.items()
+        )
+        there = moved(tried.trial, rows, shop.context)
+        torque = dense(there, *errors.shape) @ tried.coefficients
+        given = torque - columns @ (beside.fit.projection.inverse @ inside)
+        return np.sum((errors - given) ** 2, axis=1)
+
+    at_first = left(found) / unseen.counted
+    own = sorted(found.trial.group)
+    if at_first[own].mean() < MISFIT:
+        return None
+    unit = np.maximum(at_first, 1.0)
+    chance = float(inflation_of(beside.fit)[own].mean())
+    return lambda tried: tried.gain / chance - float(np.sum(left(tried) / unit))
