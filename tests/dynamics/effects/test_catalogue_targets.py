@@ -33,3 +33,22 @@ def test_the_torque_of_reference_holds_what_was_found_so_far():
     bare, known = (context_of(robot, b).reference.total(state) for b in ((), (offset,)))
     assert np.allclose(np.asarray(known[1]) - np.asarray(bare[1]), 0.7, atol=1e-12)
     assert np.allclose(np.asarray(known[0]), np.asarray(bare[0]), atol=1e-12)
+
+
+def reason_against(ratio, *estimates):
+    """Why inertia, viscous and Coulomb friction cannot be those of a motor of joints 5 and 7."""
+    context = context_of(panda())
+    return CATALOGUE["motor_coupling"].plausible(context, (4, 6), (ratio,), np.array(estimates))
+
+
+def test_beside_a_motors_friction_its_inertia_may_be_noise():
+    assert reason_against(1.0, -1e-5, 0.05, 0.04) is None
+    assert "inertia is -1 kg m^2" in reason_against(1.0, -1.0, 0.05, 0.04)
+
+
+def test_the_friction_of_a_motor_has_one_sign():
+    assert reason_against(0.0, 0.0, 0.5, 0.1) is None
+    assert reason_against(0.0, 0.0, -0.5, -0.1) is None
+    assert "one sign" in reason_against(0.0, 0.0, 0.5, -0.3)
+    # Beside an inertia that does far more, both parts may be noise.
+    assert reason_against(0.0, 10.0, 0.5, -0.3) is None

@@ -17,7 +17,7 @@ from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInertia
 
 ONE_WAY = 0.05  # a ratio below this: the motor is the joint's own, recorded in another row
-SMALL = 0.1  # of what speed adds, up to which Coulomb friction may be noise
+SMALL = 0.1  # of what else a motor does, up to which a part of it may be noise
 LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
 
 
@@ -77,12 +77,18 @@ def _coupling_plausible(
         return f"at a ratio of {values[0]:.2g} the motor is the joint's own"
     inertia, viscous, coulomb = (float(x) for x in estimates)
     joint, other = pair_of(target)
-    speed = float(context.top_speed[joint] + abs(values[0]) * context.top_speed[other])
+    speed, acceleration = (
+        float(top[joint] + abs(values[0]) * top[other])
+        for top in (context.top_speed, context.top_acceleration)
+    )
+    friction = viscous * speed + coulomb
+    # Beside friction that does much more, an inertia may be noise.
+    small = abs(inertia) * acceleration < SMALL * friction
     return first_reason(
         [
             finite(estimates),
-            positive(inertia, "the motor's inertia", "kg m^2"),
-            positive(viscous * speed + coulomb, "the motor's friction at top speed", "N m"),
+            None if small else positive(inertia, "the motor's inertia", "kg m^2"),
+            positive(friction, "the motor's friction at top speed", "N m"),
         ]
     )
 

@@ -1,0 +1,48 @@
+"""Shapes that estimation and validation recordings decide together."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.search.open_shapes import MISFIT, decided
+from oed.diagnosis.search.scan import inflation_of, score
+from tests.diagnosis.arm import data_set, stribeck
+from tests.diagnosis.shop import shop_of, trial_of
+
+WRONG = (0.5, 4.0, 0.0)  # speed, exponent and tail far from those of the data
+
+
+@pytest.fixture(scope="module")
+def shop():
+    return shop_of(data_set(5, extra=stribeck(1.5)))
+
+
+def foretold(shop, trial):
+    """Squares that a whole refit leaves of each joint's validation rows, in rows that count."""
+    unseen = shop.unseen_by([trial])
+    return unseen.left(shop.fit([trial], shop.layout(trial), bend=False)) / unseen.counted
+
+
+def test_a_shape_is_decided_by_both_motions(shop):
+    fit = shop.before.fit
+    begun = score(trial_of(shop, "stribeck", 0, WRONG), fit)
+    found = decided(shop, (), begun)
+    first, unit = foretold(shop, begun.trial), np.maximum(foretold(shop, begun.trial), 1.0)
+    assert first[0] > MISFIT
+
+    def told(tried):
+        """Of both, by fits of all parameters."""
+        left = foretold(shop, tried.trial) * shop.unseen.counted
+        return tried.gain / inflation_of(fit)[0] - np.sum(left / unit)
+
+    right = score(trial_of(shop, "stribeck", 0, (0.1, 2.0, 0.0)), fit)
+    assert told(found) > told(begun) + 10
+    assert told(found) > told(right) - 2
+    assert foretold(shop, found.trial)[0] < 1.2
+
+
+def test_a_shape_that_foretells_stays_as_it_is(shop):
+    fit = shop.before.fit
+    right = decided(shop, (), score(trial_of(shop, "stribeck", 0, WRONG), fit))
+    assert decided(shop, (), right) is right
+    offset = score(trial_of(shop, "torque_offset", 0), fit)
+    assert decided(shop, (), offset) is offset
