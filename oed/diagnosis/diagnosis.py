@@ -29,6 +29,7 @@ from oed.diagnosis.evidence.verdict import (
     decide,
     describe_unexplained,
     describe_unlocated,
+    riddles,
 )
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.chance import keeps_step
@@ -168,7 +169,7 @@ def _conclude(
     seen, unseen = (error_in_floors(proof, floor, role) for role in ("estimation", "validation"))
     unexplained += tuple(
         u
-        for u in describe_unlocated(unexplained, left, seen, unseen, settings)
+        for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
         if keeps_step(shop, selection.trials, u.joint)
     )
     return Diagnosis(

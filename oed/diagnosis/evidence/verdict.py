@@ -237,19 +237,22 @@ def describe_unlocated(
     )
 
 
-def decide(effects: Sequence[FoundEffect], unexplained: Sequence[Unexplained]) -> Outcome:
-    """The verdict in the interface's words.
-
-    A free-form term that mends the formula of a named effect is no riddle.
-    """
-    if any(r.contender for e in effects for r in e.rivals):
-        return "ambiguous"
-    strange = [
+def riddles(
+    effects: Sequence[FoundEffect], unexplained: Sequence[Unexplained]
+) -> tuple[Unexplained, ...]:
+    """What has no name, but for free-form terms that mend the formula of a named effect."""
+    return tuple(
         u
         for u in unexplained
         if u.trial is None or not any(_mends(u.trial, e.trial) for e in effects)
-    ]
-    if strange:
+    )
+
+
+def decide(effects: Sequence[FoundEffect], unexplained: Sequence[Unexplained]) -> Outcome:
+    """The verdict in the interface's words."""
+    if any(r.contender for e in effects for r in e.rivals):
+        return "ambiguous"
+    if riddles(effects, unexplained):
         return "unexplained"
     return "explained" if effects else "nothing found"
 

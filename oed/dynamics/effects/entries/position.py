@@ -28,6 +28,7 @@ MOST_TRIALS = 600
 # Multiples of the gear ratio worth looking at: once, twice and four times a motor turn.
 MOTOR_HARMONICS = 4.2
 LEAST_PERIODS = 2.0
+RIPPLE_SHARE = 0.1  # of the peak torque; drives are sold with 1 to 5 %
 LEAST_RANGE = 0.05  # [rad]
 
 
@@ -67,13 +68,26 @@ def _wave_plausible(
     return share_of_coulomb(context, joint_of(target), amplitude, 1.0, "the amplitude")
 
 
+def _ripple_plausible(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, " columns"],
+) -> str | None:
+    joint, amplitude = joint_of(target), float(np.linalg.norm(estimates))
+    # No friction: it grows with the drive, whose gears may have little of that.
+    most = max(context.coulomb(joint), RIPPLE_SHARE * peak_torque(context, joint))
+    bound = f"Coulomb friction and {RIPPLE_SHARE:.0%} of the peak torque"
+    return at_most(amplitude, most, "the amplitude", "N m", bound)
+
+
 TORQUE_RIPPLE = CatalogueEntry(
     name="torque_ripple",
     families=("position",),
     scope="joint",
     shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0),),
     build=_ripple,
-    plausible=_wave_plausible,
+    plausible=_ripple_plausible,
     narrow=_ripple_harmonics,
     page=EffectPage(
         equation="a cos(n q) + b sin(n q)",
