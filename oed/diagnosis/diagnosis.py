@@ -14,7 +14,7 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
-from oed.diagnosis.evidence.differing import differing
+from oed.diagnosis.evidence.differing import differing, left_of_single
 from oed.diagnosis.evidence.encoder_steps import repeated_steps, rounding_squares, rounding_torque
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
 from oed.diagnosis.evidence.free_running import find_lines
@@ -160,7 +160,7 @@ def _conclude(
     selection, after, effects = named(shop, selection, by_role["validation"], before)
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
-        unexplained += _unrepeated(after, estimation, baseline)
+        unexplained += _unrepeated(after, by_role, baseline)
     rounding, floor = _with_rounding(baseline, before, layout.rows, steps)
     freedom = float(sum(p.rows for p in estimation))
     left = lack_of_fit(after.fit, freedom, rounding)
@@ -205,12 +205,15 @@ def _with_rounding(
 
 
 def _unrepeated(
-    after: FinalModel, estimation: tuple[Prepared, ...], baseline: Baseline
+    after: FinalModel, by_role: dict[str, tuple[Prepared, ...]], baseline: Baseline
 ) -> tuple[Unexplained, ...]:
-    """What makes repetitions differ in its own time: with the state of the arm, or without."""
+    """What comes in its own time: with the state of the arm, or without."""
+    estimation = by_role["estimation"]
     band, recordings = estimation[0].band, differing(after, estimation, baseline)
     modulations = find_modulations(recordings, band.analysis_rate)
     carried = {m.joint for m in modulations}
+    if not recordings:
+        recordings = left_of_single(after, (*estimation, *by_role["validation"]), baseline)
     lines = find_lines(recordings, band.analysis_rate, band.cutoff)
     return (
         *(

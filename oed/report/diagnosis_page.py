@@ -146,8 +146,10 @@ def _proof_section(found: Diagnosis, labels: Sequence[str], picture: Path) -> Se
         [
             Picture(
                 picture,
-                "Error of the base model and with what was added, 95 % block bootstrap. Validation "
-                "and test recordings were not fitted.",
+                "Error of the base model and with what was added, 95 % block bootstrap. Neither "
+                "validation nor test recordings were fitted; what the estimation recordings leave "
+                "open of an effect's shape the validation recordings decide, and the test "
+                "recordings had no part in anything.",
             ),
             Table(
                 [row for p in found.proof for row in _proof_rows(p, found, labels)],

@@ -18,7 +18,8 @@ LOST = (
 )
 OWN_TIME = (
     "What keeps its own time is not the same at every repetition: it is part of the noise floor, "
-    "and no model of the motion foretells it. Its share is of what the repetitions differ by."
+    "and no model of the motion foretells it. Its share is of what the repetitions differ by, of "
+    "the residual where no motion is repeated."
 )
 FAR_OFF = 4.0  # noise floors of validation error, from which on a mistake in the file is likely
 MISTAKES = (

@@ -53,6 +53,29 @@ def test_finds_a_line_of_a_third_of_the_noise(pole):
     assert line.share == pytest.approx(0.1, abs=0.04)
 
 
+def _single(rng, hum):
+    """Two motions without repetitions, a part of whose torque the model leaves; and a hum."""
+    t, recordings = np.arange(SAMPLES) / RATE, []
+    for _ in range(2):
+        orders, phases = np.arange(1, 8), rng.uniform(0, 2 * np.pi, 7)
+        waves = np.sin(2 * np.pi * np.outer(t, orders) / (PERIOD / RATE) + phases)
+        predicted = np.stack([waves.sum(axis=1), waves.sum(axis=1)], axis=1)
+        left = coloured(rng, SAMPLES, 0.8)
+        left[:, 0] += 0.3 * waves[:, 4]
+        left[:, 1] += hum * np.sin(2 * np.pi * 3.25 * t + rng.uniform(0, 6))
+        recordings.append(Differing(left, waves[:, :2], waves[:, :2], np.inf, predicted))
+    return find_lines(recordings, RATE, 16.0)
+
+
+def test_where_nothing_is_repeated_a_line_that_the_motion_has_is_none():
+    rng = np.random.default_rng(5)
+    assert not any(_single(rng, hum=0.0) for _ in range(100))
+    (line,) = _single(rng, hum=1.5)
+    assert line.joint == 1
+    assert line.frequency == pytest.approx(3.25, abs=0.5 * RATE / SAMPLES)
+    assert line.amplitude == pytest.approx(1.5, abs=0.2)
+
+
 def test_nothing_to_look_at():
     still = np.zeros((SAMPLES, 2))
     assert find_lines([], RATE, 16.0) == ()

@@ -21,16 +21,19 @@ class Differing:
     """What the repetitions of one recording differ by, and where the arm was.
 
     Attributes:
-        torque: (N, n) less its mean at each phase, zero where it is uncertain [N m].
+        torque: (N, n) less its mean at each phase, zero where it is uncertain [N m]; of a motion
+            that is not repeated, all that the model leaves.
         position: (N, n) [rad or m].
         direction: (N, n) of motion, in -1 to 1.
-        period: Of the motion [samples].
+        period: Of the motion [samples]; infinite for one that is not repeated.
+        predicted: (N, n) what the motion makes expect, for one that is not repeated [N m].
     """
 
     torque: Float[ndarray, "samples joints"]
     position: Float[ndarray, "samples joints"]
     direction: Float[ndarray, "samples joints"]
     period: float
+    predicted: Float[ndarray, "samples joints"] | None = None
 
 
 def differing(
@@ -53,4 +56,26 @@ def differing(
         direction = p.band.apply(np.tanh(p.motion.dq / p.sign_noise))
         period = (p.period or 0.0) * p.band.analysis_rate
         found.append(Differing(torque, p.band.apply(p.motion.q), direction, period))
+    return tuple(found)
+
+
+def left_of_single(
+    model: FinalModel, recordings: Sequence[Prepared], baseline: Baseline
+) -> tuple[Differing, ...]:
+    """What a fitted model leaves of every recording that is not repeated.
+
+    Args:
+        model: Takes off what the motion explains.
+        recordings: Repeated or not.
+        baseline: Knows which rows are uncertain.
+    """
+    single = tuple(p for p in recordings if p.period is None)
+    found = []
+    for p, weights in zip(single, baseline.certainty(single), strict=True):
+        predicted = p.band.apply(model.model.torque(model.parameters, p.motion))
+        torque = np.zeros_like(predicted)
+        torque[p.valid] = weights * (p.torque - predicted)[p.valid]
+        direction = p.band.apply(np.tanh(p.motion.dq / p.sign_noise))
+        position = p.band.apply(p.motion.q)
+        found.append(Differing(torque, position, direction, np.inf, predicted))
     return tuple(found)

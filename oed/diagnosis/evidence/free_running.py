@@ -3,6 +3,9 @@
 They are a line in the spectrum of what repetitions of one motion differ by. Noise has a smooth
 spectrum of whatever colour: against its local level the power of a frequency is exponentially
 distributed (Percival and Walden 1993, "Spectral Analysis for Physical Applications", chapter 10).
+
+Where no motion is repeated, a line of what the model leaves may be the motion's. Then it counts
+where the motion itself has none, in all recordings at once, and carries much of what is left.
 """
 
 from __future__ import annotations
@@ -24,7 +27,8 @@ from oed.diagnosis.evidence.differing import PADDING, Differing
 LEVEL = 1e-5
 LEAST_SHARE = 0.03  # of the variance between repetitions that a line worth a word carries
 SLOW = 0.3  # [Hz], below which a drift of no one frequency has peaks of its own,
-SLOW_SHARE = 0.3  # and a line must carry this share
+MUCH = 0.3  # and a line must carry this share; so must one of a motion that is not repeated
+OWN = 8.0  # power over its local level, from which on the predicted torque has a line of its own
 CYCLES = 10  # in the longest recording, below which nothing slow is called a line
 NEIGHBOURS = 41  # frequencies whose median is the local level
 FINER = 17  # frequencies about a peak among which the line that carries most is looked for
@@ -59,7 +63,7 @@ def find_lines(recordings: Sequence[Differing], rate: float, highest: float) -> 
     """The clearest line of every joint that has one.
 
     Args:
-        recordings: Of repeated motions.
+        recordings: Of repeated motions, or of others.
         rate: [Hz].
         highest: Frequency up to which to look [Hz].
     """
@@ -76,8 +80,7 @@ def find_lines(recordings: Sequence[Differing], rate: float, highest: float) -> 
     tests = joints * int(inside.sum())
     found = []
     for joint in range(joints):
-        levels = (_over_local_level(r.torque[:, joint], length, r.period) for r in recordings)
-        excess = np.sum([level[inside] for level in levels], axis=0)
+        excess = np.sum([_excess(r, joint, length)[inside] for r in recordings], axis=0)
         peak = int(np.argmax(excess))
         p_value = min(1.0, tests * float(chi2.sf(2 * excess[peak], 2 * len(recordings))))
         if p_value >= LEVEL:
@@ -85,9 +88,19 @@ def find_lines(recordings: Sequence[Differing], rate: float, highest: float) -> 
         near = frequency[inside][peak] + frequency[1] * np.linspace(-PADDING, PADDING, FINER)
         lines = [(*_size(recordings, joint, float(f) / rate), float(f)) for f in near]
         share, amplitude, at = max(lines)
-        if share >= (LEAST_SHARE if at >= SLOW else SLOW_SHARE):
+        repeated = all(r.predicted is None for r in recordings)
+        if share >= (LEAST_SHARE if at >= SLOW and repeated else MUCH):
             found.append(Line(joint, at, amplitude, share, p_value))
     return tuple(found)
+
+
+def _excess(recording: Differing, joint: int, length: int) -> Float[ndarray, " frequencies"]:
+    """Power over its local level, none where the motion itself has a line."""
+    excess = _over_local_level(recording.torque[:, joint], length, recording.period)
+    if recording.predicted is not None:
+        own = _over_local_level(recording.predicted[:, joint], length, recording.period)
+        excess[own > OWN] = 0.0
+    return excess
 
 
 def _over_local_level(
@@ -119,6 +132,8 @@ def _left_between(
     w (e - mean of e over R repetitions) has the power of the window w's correlations c at whole
     periods T, c(0) - sum over m of c(m T) cos(2 pi f m T) / R.
     """
+    if not np.isfinite(period):
+        return np.ones(length // 2 + 1)
     repetitions = max(1, round(len(window) / period))
     turn = 2 * np.pi * np.fft.rfftfreq(length)  # [rad a sample]
     taken = np.zeros(len(turn))
@@ -135,7 +150,7 @@ def _size(recordings: Sequence[Differing], joint: int, frequency: float) -> tupl
     What repetitions do not differ by is taken off the sinusoid too.
 
     Args:
-        recordings: Of repeated motions.
+        recordings: What is left of them.
         joint: Whose torque.
         frequency: [cycles a sample].
     """
@@ -144,7 +159,8 @@ def _size(recordings: Sequence[Differing], joint: int, frequency: float) -> tupl
         x = r.torque[:, joint]
         turn = 2 * np.pi * frequency * np.arange(len(x))
         waves = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        waves = waves - mean_at_each(waves, places_in_period(len(x), r.period))
+        if np.isfinite(r.period):
+            waves = waves - mean_at_each(waves, places_in_period(len(x), r.period))
         sizes = np.linalg.lstsq(waves, x, rcond=None)[0]
         carried, whole = carried + float(np.sum((waves @ sizes) ** 2)), whole + float(x @ x)
         squares += float(sizes @ sizes) * len(x)

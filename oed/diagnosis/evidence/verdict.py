@@ -67,8 +67,8 @@ class Unexplained:
         joint: Index.
         depends_on: Coordinates that it depends on; empty where none is known.
         share: Of the joint's residual variance (before any addition) that it carries; of what
-            repetitions differ by where it keeps its own time; of the error's square where no
-            coordinate is known.
+            repetitions differ by, or a single motion leaves, where it keeps its own time; of the
+            error's square where no coordinate is known.
         label: What it is, in words.
         stands_in: Whether the free-form term is part of the augmented model.
         trial: Its columns; None where it has none.
