@@ -27,7 +27,8 @@ MISFIT = 1.1  # variances of the noise on unseen motion, from which on a shape i
 def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     """A candidate at the shape that estimation and validation recordings prefer together.
 
-    As it is where it foretells the other motion well, or nothing of it is open.
+    As it is where it foretells the other motion well, nothing of it is open, or the other shape
+    foretells that no better.
 
     Args:
         shop: The laid-out data.
@@ -47,7 +48,22 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     usual = dataclasses.replace(trial, values=tuple(shape.default for shape in shapes))
     starts = [found, score(moved(usual, fit.rows, shop.context), fit)]
     plausible = [s for s in starts if s is found or implausible(s, shop.context) is None]
-    return max((refine(s, fit, shop.context, told) for s in plausible), key=told)
+    best = max((refine(s, fit, shop.context, told) for s in plausible), key=told)
+    return best if _errs_less(shop, others, best.trial, trial) else found
+
+
+def _errs_less(shop: Workshop, others: Sequence[Trial], one: Trial, other: Trial) -> bool:
+    """Whether the error on unseen motion [N m] of the joints of two additions is less with one.
+
+    White squares weigh what is fast: disturbances that move the arm are slow.
+    """
+    layout, joints = shop.layout(one), sorted(one.group)
+    ours, theirs = (
+        shop.validation_rms(shop.fit([*others, t], layout, bend=False)) for t in (one, other)
+    )
+    if ours is None or theirs is None:
+        return False
+    return bool(np.mean((ours[joints] / theirs[joints]) ** 2) < 1)
 
 
 def _told(shop: Workshop, others: Sequence[Trial], found: Score) -> Callable[[Score], float] | None:

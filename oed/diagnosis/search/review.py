@@ -104,7 +104,9 @@ def drop_superfluous(
         unseen = shop.unseen_by([*(a.trial for a in standing), item.trial])
         left = unseen.left(whole)
         foretold = (unseen.left(without) - left) / np.maximum(left / unseen.counted, 1.0)
-        needed = (without.fit.squares - whole.fit.squares) / chance + float(foretold.sum())
+        needed = (without.fit.squares - whole.fit.squares) / chance + max(
+            float(foretold.sum()), 0.0
+        )
         columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
         predicts = shop.validation_gain([a.trial for a in standing], item.trial)
         reason = None
