@@ -126,6 +126,9 @@ def test_a_profile_is_the_slope_of_a_straight_model_and_wider_in_a_curved_valley
     quartic = slope(lambda x: ((x - 0.5) / 0.1) ** 4)
     assert quartic == pytest.approx(0.1 * np.sqrt(2) / 2, rel=0.05)
     # One side alone, at a bound; and no more than is known of nothing.
+    # Two deviations beside the bottom, the interval of two reaches as far as it does about that.
+    beside = profiled_deviation(lambda x: ((x - 0.52) / 0.01) ** 2, 0.5, 0.01, 1.0)
+    assert beside == pytest.approx(0.02, rel=0.05)
     bounded = profiled_deviation(lambda x: (x / 0.05) ** 2, 0.0, 0.01, 1.0)
     assert bounded == pytest.approx(0.05, rel=0.05)
     assert slope(lambda x: 0.0) == pytest.approx(1 / np.sqrt(12))

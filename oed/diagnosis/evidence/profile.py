@@ -24,6 +24,7 @@ from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 REACH = 2.0  # deviations at which a fit is compared
+ABOUT = 4  # deviations within which the bottom of a profile is looked for
 LEAST_REACH = 1.0  # deviations that must lie inside the shape's range
 UNIFORM = 1 / np.sqrt(12)  # deviation of a shape of which nothing is known, of its range
 SETTLED = 0.05  # relative error of a deviation that does not matter
@@ -75,13 +76,15 @@ def profiled_deviation(
 ) -> float:
     """Deviation of a shape on its axis: the given one, or as wide as its profile.
 
+    Of a shape beside the profile's bottom it is wider by how far that is.
+
     Args:
         squares: White sum of squares by the shape's axis, all else fitted anew.
         axis: Estimate.
         deviation: As its slope has it.
         noise: What counts as one in the squares: that of a row and of its neighbours.
     """
-    best = squares(axis)
+    best = _least_about(squares, axis, deviation)
 
     def slack(deviation: float) -> float:
         """By how much the worse of two sides falls faster than a parabola, negative if slower."""
@@ -102,6 +105,18 @@ def profiled_deviation(
             return UNIFORM
         lower, upper = upper, min(2 * upper, UNIFORM)
     return float(root_scalar(slack, bracket=(lower, upper), rtol=SETTLED).root)
+
+
+def _least_about(squares: Callable[[float], float], axis: float, deviation: float) -> float:
+    """Least squares within a few deviations: a shape that two motions decided is none of one's."""
+    here = squares(axis)
+    for side in (-1.0, 1.0):
+        for count in range(1, ABOUT + 1):
+            there = squares(float(np.clip(axis + side * count * deviation, 0.0, 1.0)))
+            if there >= here:
+                break
+            here = there
+    return here
 
 
 def widened(
