@@ -80,38 +80,43 @@ def plot_dependences(shown: Sequence[ResidualPanel]) -> Figure:
 
 
 @dataclass(frozen=True)
-class CurvePanel:
-    """What one addition does over one coordinate.
+class AdditionPanel:
+    """What one addition does.
 
     Attributes:
         title: Joint and the addition's name.
         unit: Of the joint's residual, "N m" or "N".
+    """
+
+    title: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class CurvePanel(AdditionPanel):
+    """What one addition does over one coordinate.
+
+    Attributes:
         coordinate: In words, with its unit.
         missing: Residual without the addition.
         given: What the addition gives of it.
     """
 
-    title: str
-    unit: str
     coordinate: str
     missing: Curve
     given: Curve
 
 
 @dataclass(frozen=True)
-class MapPanel:
+class MapPanel(AdditionPanel):
     """What one addition does over two coordinates.
 
     Attributes:
-        title: Joint and the addition's name.
-        unit: Of the joint's residual, "N m" or "N".
         coordinates: In words, with their units.
         edges: Of the cells, one array a coordinate.
         given: (C, C) torque in each cell, first coordinate first; NaN where there is none.
     """
 
-    title: str
-    unit: str
     coordinates: tuple[str, str]
     edges: tuple[Float[ndarray, " edges"], Float[ndarray, " edges"]]
     given: Float[ndarray, "cells cells"]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from oed.design.export import SetPoints, write_csv
 from oed.diagnosis.diagnosis import Diagnosis
-from oed.diagnosis.evidence.contributions import Contribution, Map
+from oed.diagnosis.evidence.contributions import Contribution, ContributionMap
 from oed.diagnosis.evidence.dependence import Dependence
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.diagnosis.settings import DiagnosisSettings
@@ -118,8 +118,7 @@ def draw_figures(found: Diagnosis, joints: Sequence[str]) -> dict[str, Figure]:
         for p in found.proof
     }
     s = found.spectrum
-    additions = [_addition_panel(c, robot.joints, units) for c in found.contributions]
-    return ({"additions": plot_contributions(additions)} if additions else {}) | {
+    figures = {
         "proof": plot_proof(roles, found.noise_floor, labels, units),
         "dependence": plot_dependences(panels),
         "spectrum": plot_spectra(
@@ -132,14 +131,19 @@ def draw_figures(found: Diagnosis, joints: Sequence[str]) -> dict[str, Figure]:
             units=units,
         ),
     }
+    if found.contributions:
+        figures["additions"] = plot_contributions(
+            [_addition_panel(c, robot.joints, units) for c in found.contributions]
+        )
+    return figures
 
 
 def _addition_panel(
     shown: Contribution, joints: Sequence[Joint], units: Sequence[str]
 ) -> CurvePanel | MapPanel:
-    joint = shown.joint if isinstance(shown, Map) else shown.given.joint
+    joint = shown.joint if isinstance(shown, ContributionMap) else shown.given.joint
     title, unit = f"joint {joint + 1}: {shown.label}", units[joint]
-    if isinstance(shown, Map):
+    if isinstance(shown, ContributionMap):
         first, second = (coordinate_label(c, joints) for c in shown.coordinates)
         return MapPanel(title, unit, (first, second), shown.edges, shown.given)
     coordinate = coordinate_label(shown.given.coordinate, joints)

@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.evidence.contributions import Curve, Map, contributions
+from oed.diagnosis.evidence.contributions import (
+    ContributionCurve,
+    ContributionMap,
+    contributions,
+)
 from oed.diagnosis.evidence.final_model import fit_final, install
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.selection import Selection
@@ -47,7 +51,7 @@ def shown(shop, *, stands_in):
 def test_contributions_are_what_was_put_in(shop, stands_in):
     constant, over_both = shown(shop, stands_in=stands_in)
 
-    assert isinstance(constant, Curve)
+    assert isinstance(constant, ContributionCurve)
     assert constant.given.joint == 0
     # Friction and inertia can give a little of a constant on this motion: that is in neither.
     assert np.mean(constant.given.mean) == pytest.approx(OFFSET, abs=0.05)
@@ -56,7 +60,7 @@ def test_contributions_are_what_was_put_in(shop, stands_in):
     off = np.abs(constant.missing.mean - constant.given.mean)
     assert np.mean(off < 3 * constant.missing.deviation) > 0.8
 
-    assert isinstance(over_both, Map)
+    assert isinstance(over_both, ContributionMap)
     assert (over_both.joint, over_both.coordinates) == (1, ("q_1", "q_2"))
     first, second = ((e[1:] + e[:-1]) / 2 for e in over_both.edges)
     true = field(*np.meshgrid(first, second, indexing="ij"))

@@ -50,11 +50,12 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     layout = shop.layout(own.trial)
     fit = shop.fit(others, layout).fit
     here = score(shop.renewed(own.trial), fit)
-    candidates = [
-        decided(shop, others, found)
+    other = [
+        found
         for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS)
         if found.trial.key != own.trial.key
-    ][:RIVALS]
+    ]
+    candidates = [decided(shop, others, found) for found in other[:RIVALS]]
     said, *others_said = telling(shop, others, [here, *candidates])
     rivals = []
     for found, value in zip(candidates, others_said, strict=True):

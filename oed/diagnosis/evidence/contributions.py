@@ -15,8 +15,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.evidence.dependence import Dependence, binned, blocks_of
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final, install
+from oed.diagnosis.evidence.dependence import Dependence, binned, blocks_of, coordinates_of
+from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with
 from oed.diagnosis.search.selection import Selection
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
@@ -28,7 +28,7 @@ OUTER = (0.005, 0.995)  # quantiles between which a map is drawn
 
 
 @dataclass(frozen=True)
-class Curve:
+class ContributionCurve:
     """An addition over one coordinate.
 
     Attributes:
@@ -43,7 +43,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Map:
+class ContributionMap:
     """An addition over two coordinates.
 
     Attributes:
@@ -62,7 +62,7 @@ class Map:
     given: Float[ndarray, "cells cells"]
 
 
-Contribution = Curve | Map
+Contribution = ContributionCurve | ContributionMap
 
 
 def contributions(
@@ -80,16 +80,20 @@ def contributions(
     whole = np.concatenate(errors_of(after, prepared))
     measured = _measured(prepared)
     standing = list(selection.trials)
+
+    def errors(chosen: Sequence[Trial]) -> Float[ndarray, "rows joints"]:
+        return np.concatenate(errors_of(final_with(shop, shop.fit(chosen)), prepared))
+
     found = []
     for item in selection.accepted:
         trial = item.trial
         if trial.name == GRAVITY and shop.is_turned:
             continue
         if item.stands_in:
-            without = _errors(shop, [t for t in standing if t is not trial], prepared)
+            without = errors([t for t in standing if t is not trial])
             remaining = whole
         else:
-            without, remaining = whole, _errors(shop, [*standing, trial], prepared)
+            without, remaining = whole, errors([*standing, trial])
         given = without - remaining
         joint = trial.joint
         if joint is None:
@@ -98,22 +102,11 @@ def contributions(
     return tuple(found)
 
 
-def _errors(
-    shop: Workshop, chosen: Sequence[Trial], prepared: Sequence[Prepared]
-) -> Float[ndarray, "rows joints"]:
-    layout = shop.layout_for(chosen)
-    model = install(shop.baseline, shop.fit(chosen, layout), shop.context)
-    return np.concatenate(errors_of(fit_final(shop.baseline, layout, model), prepared))
-
-
 def _measured(prepared: Sequence[Prepared]) -> dict[str, Float[ndarray, " rows"]]:
     """Every coordinate over which an addition may be drawn, in the analysis band."""
-    found = {"time": np.concatenate([p.t[p.valid] for p in prepared])}
-    for kind in ("q", "dq", "ddq"):
-        values = np.concatenate([p.band.apply(getattr(p.motion, kind))[p.valid] for p in prepared])
-        found |= {f"{kind}_{j + 1}": values[:, j] for j in range(values.shape[1])}
     torque = np.concatenate([p.torque[p.valid] for p in prepared])
-    return found | {f"tau_{j + 1}": torque[:, j] for j in range(torque.shape[1])}
+    torques = {f"tau_{j + 1}": torque[:, j] for j in range(torque.shape[1])}
+    return coordinates_of(prepared) | torques
 
 
 def _shown(
@@ -132,7 +125,7 @@ def _shown(
     drawn = [binned(joint, name, measured[name], given, blocks) for name in own]
     best = max(drawn, key=lambda d: d.share)
     x = measured[best.coordinate]
-    return Curve(label, binned(joint, best.coordinate, x, without, blocks), best)
+    return ContributionCurve(label, binned(joint, best.coordinate, x, without, blocks), best)
 
 
 def _map(
@@ -141,13 +134,13 @@ def _map(
     names: tuple[str, str],
     measured: Mapping[str, Float[ndarray, " rows"]],
     given: Float[ndarray, " rows"],
-) -> Map:
+) -> ContributionMap:
     first, second = (measured[name] for name in names)
     edges = _edges(first), _edges(second)
     count, _, _ = np.histogram2d(first, second, bins=edges)
     total, _, _ = np.histogram2d(first, second, bins=edges, weights=given)
     mean = np.where(count >= LEAST_ROWS, total / np.maximum(count, 1), np.nan)
-    return Map(label, joint, names, edges, mean)
+    return ContributionMap(label, joint, names, edges, mean)
 
 
 def _edges(x: Float[ndarray, " rows"]) -> Float[ndarray, " edges"]:

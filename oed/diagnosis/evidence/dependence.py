@@ -60,12 +60,7 @@ def dependences(
     All in the analysis band: what encoders add to an acceleration above it would hide the motion.
     """
     joints = errors[0].shape[1]
-    coordinates: dict[str, Float[ndarray, " rows"]] = {}
-    for kind in ("q", "dq", "ddq"):
-        values = np.concatenate([p.band.apply(getattr(p.motion, kind))[p.valid] for p in prepared])
-        for i in range(joints):
-            coordinates[f"{kind}_{i + 1}"] = values[:, i]
-    coordinates["time"] = np.concatenate([p.t[p.valid] for p in prepared])
+    coordinates = coordinates_of(prepared)
     stacked = np.concatenate(list(errors))
     blocks = blocks_of(prepared)
     return tuple(
@@ -74,6 +69,15 @@ def dependences(
         for name, x in coordinates.items()
         if not name.startswith("ddq") or name == f"ddq_{j + 1}"
     )
+
+
+def coordinates_of(prepared: Sequence[Prepared]) -> dict[str, Float[ndarray, " rows"]]:
+    """Every joint's position, velocity and acceleration in the analysis band, and time."""
+    found = {}
+    for kind in ("q", "dq", "ddq"):
+        values = np.concatenate([p.band.apply(getattr(p.motion, kind))[p.valid] for p in prepared])
+        found |= {f"{kind}_{j + 1}": values[:, j] for j in range(values.shape[1])}
+    return found | {"time": np.concatenate([p.t[p.valid] for p in prepared])}
 
 
 def blocks_of(prepared: Sequence[Prepared]) -> Int[ndarray, " rows"]:

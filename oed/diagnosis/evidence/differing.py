@@ -51,11 +51,8 @@ def differing(
     for p, weights in zip(repeated, baseline.certainty(repeated), strict=True):
         error = p.fine_torque - model.model.torque(model.parameters, p.motion)
         between = p.band.apply(error - p.phase_mean(error))
-        torque = np.zeros_like(between)
-        torque[p.valid] = weights * between[p.valid]
-        direction = p.band.apply(np.tanh(p.motion.dq / p.sign_noise))
         period = (p.period or 0.0) * p.band.analysis_rate
-        found.append(Differing(torque, p.band.apply(p.motion.q), direction, period))
+        found.append(Differing(_certain(between, p, weights), *_state(p), period))
     return tuple(found)
 
 
@@ -73,9 +70,25 @@ def left_of_single(
     found = []
     for p, weights in zip(single, baseline.certainty(single), strict=True):
         predicted = p.band.apply(model.model.torque(model.parameters, p.motion))
-        torque = np.zeros_like(predicted)
-        torque[p.valid] = weights * (p.torque - predicted)[p.valid]
-        direction = p.band.apply(np.tanh(p.motion.dq / p.sign_noise))
-        position = p.band.apply(p.motion.q)
-        found.append(Differing(torque, position, direction, np.inf, predicted))
+        torque = _certain(p.torque - predicted, p, weights)
+        found.append(Differing(torque, *_state(p), np.inf, predicted))
     return tuple(found)
+
+
+def _certain(
+    torque: Float[ndarray, "samples joints"],
+    prepared: Prepared,
+    weights: Float[ndarray, "valid joints"],
+) -> Float[ndarray, "samples joints"]:
+    """A torque by how certain each row is, zero where there is none."""
+    found = np.zeros_like(torque)
+    found[prepared.valid] = weights * torque[prepared.valid]
+    return found
+
+
+def _state(
+    prepared: Prepared,
+) -> tuple[Float[ndarray, "samples joints"], Float[ndarray, "samples joints"]]:
+    """Position and direction of motion in the analysis band."""
+    motion, band = prepared.motion, prepared.band
+    return band.apply(motion.q), band.apply(np.tanh(motion.dq / prepared.sign_noise))

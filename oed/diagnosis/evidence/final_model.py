@@ -74,6 +74,17 @@ def fit_final(baseline: Baseline, layout: Layout, model: TorqueModel) -> FinalMo
     return FinalModel(model, fit.full_parameters(), fit)
 
 
+def final_with(shop: Workshop, found: Augmented) -> FinalModel:
+    """The base model with some additions in their exact form, all fitted together.
+
+    Args:
+        shop: The laid-out data.
+        found: The additions, fitted on the rows that show them.
+    """
+    model = install(shop.baseline, found, shop.context)
+    return fit_final(shop.baseline, shop.layout_for(found.chosen), model)
+
+
 def errors_of(final: FinalModel, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
     """Torque less prediction in the analysis band [N m], one array a recording."""
     return [e[p.valid] for e, p in zip(_all_errors(final, prepared), prepared, strict=True)]
@@ -98,9 +109,7 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
         if lags_of([trial]) or (trial.name == GRAVITY and shop.is_turned):
             continue
         others = [t for t in found.chosen if t is not trial]
-        layout = shop.layout_for(others)
-        model = install(shop.baseline, shop.fit(others, layout), shop.context)
-        without = _white_squares(fit_final(shop.baseline, layout, model), shop.full.rows)
+        without = _white_squares(final_with(shop, shop.fit(others)), shop.full.rows)
         acting = list(joints) if trial.joint is None else [trial.joint]
         if np.sum((without - whole)[acting]) <= 0:
             return trial

@@ -6,8 +6,7 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.final_model import (
     FinalModel,
     errors_of,
-    fit_final,
-    install,
+    final_with,
     lost_when_repeated,
 )
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
@@ -85,8 +84,7 @@ def _never_worse(
     old = rms(errors_of(before, validation), weights) if validation else None
     kept = selection
     while kept.trials:
-        model = install(shop.baseline, kept.found, shop.context)
-        final = fit_final(shop.baseline, shop.layout_for(kept.trials), model)
+        final = final_with(shop, kept.found)
         if old is None or not costs(
             old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
         ):

@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
+from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.crests import climbed
 from oed.diagnosis.search.judgement import Accepted, held_out_fault, too_little
 from oed.diagnosis.search.open_shapes import decided
@@ -37,8 +38,7 @@ def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
         for k, item in enumerate(kept):
             if not item.stands_in or item.trial.is_free_form:
                 continue
-            others = [a.trial for a in kept if a.stands_in and a is not item]
-            fit = shop.fit(others, shop.layout(item.trial)).fit
+            others, fit = _beside(shop, kept, item)
             best = at_rest(score(shop.renewed(item.trial), fit), fit, shop.context)
             if number == 0:
                 best = at_rest(climbed(shop, best, fit), fit, shop.context)
@@ -53,12 +53,19 @@ def decided_shapes(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
     for k, item in enumerate(kept):
         if not item.stands_in or item.trial.is_free_form:
             continue
-        others = [a.trial for a in kept if a.stands_in and a is not item]
-        fit = shop.fit(others, shop.layout(item.trial)).fit
+        others, fit = _beside(shop, kept, item)
         best = decided(shop, others, score(shop.renewed(item.trial), fit))
         best = as_built(shop, others, best, fit)
         kept[k] = dataclasses.replace(item, trial=best.trial)
     return kept
+
+
+def _beside(
+    shop: Workshop, accepted: Sequence[Accepted], item: Accepted
+) -> tuple[list[Trial], LinearFit]:
+    """What else is part of the model, and the fit with it, on the rows of an addition."""
+    others = [a.trial for a in accepted if a.stands_in and a is not item]
+    return others, shop.fit(others, shop.layout(item.trial)).fit
 
 
 def settled(shop: Workshop, accepted: list[Accepted], pool: Sequence[Trial]) -> list[Accepted]:
