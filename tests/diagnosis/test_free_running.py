@@ -1,5 +1,7 @@
 """Lines that keep their own time: found where they are, and not in noise of any colour."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -74,6 +76,22 @@ def test_where_nothing_is_repeated_a_line_that_the_motion_has_is_none():
     assert line.joint == 1
     assert line.frequency == pytest.approx(3.25, abs=0.5 * RATE / SAMPLES)
     assert line.amplitude == pytest.approx(1.5, abs=0.2)
+
+
+def test_where_nothing_is_repeated_a_line_is_larger_than_what_the_motion_does_there():
+    """A motion of many frequencies, none of which stands out, of which the model misses one."""
+    rng = np.random.default_rng(6)
+    t, recordings = np.arange(SAMPLES) / RATE, []
+    orders = np.arange(3, 241)
+    for _ in range(2):
+        waves = np.sin(2 * np.pi * np.outer(t, orders) * RATE / SAMPLES + rng.uniform(0, 6, 238))
+        predicted = 20.0 * np.tile(waves.sum(axis=1)[:, None], 2)
+        left = coloured(rng, SAMPLES, 0.8)
+        left[:, 1] += 1.5 * np.sin(2 * np.pi * 3.25 * t)
+        recordings.append(Differing(left, predicted, predicted, np.inf, predicted))
+    assert find_lines(recordings, RATE, 16.0) == ()
+    small = [dataclasses.replace(r, predicted=r.predicted / 400) for r in recordings]
+    assert [line.joint for line in find_lines(small, RATE, 16.0)] == [1]
 
 
 def test_nothing_to_look_at():

@@ -5,11 +5,13 @@ spectrum of whatever colour: against its local level the power of a frequency is
 distributed (Percival and Walden 1993, "Spectral Analysis for Physical Applications", chapter 10).
 
 Where no motion is repeated, a line of what the model leaves may be the motion's. Then it counts
-where the motion itself has none, in all recordings at once, and carries much of what is left.
+where the motion itself has none, in all recordings at once, carries much of what is left, and is
+larger than all that the motion makes expect at its frequency.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -88,8 +90,14 @@ def find_lines(recordings: Sequence[Differing], rate: float, highest: float) -> 
         near = frequency[inside][peak] + frequency[1] * np.linspace(-PADDING, PADDING, FINER)
         lines = [(*_size(recordings, joint, float(f) / rate), float(f)) for f in near]
         share, amplitude, at = max(lines)
-        repeated = all(r.predicted is None for r in recordings)
-        if share >= (LEAST_SHARE if at >= SLOW and repeated else MUCH):
+        expected = [
+            dataclasses.replace(r, torque=r.predicted)
+            for r in recordings
+            if r.predicted is not None
+        ]
+        if expected and amplitude <= _size(expected, joint, at / rate)[1]:
+            continue
+        if share >= (LEAST_SHARE if at >= SLOW and not expected else MUCH):
             found.append(Line(joint, at, amplitude, share, p_value))
     return tuple(found)
 
