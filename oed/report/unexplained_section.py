@@ -9,6 +9,7 @@ import numpy as np
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import error_in_floors
 from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, Unexplained
+from oed.diagnosis.terms.free_form import FreeForm
 from oed.report.page import Picture, Table, Text
 
 LOST = (
@@ -86,5 +87,7 @@ def unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | T
 
 def _standing(item: Unexplained) -> str:
     if item.stands_in:
-        return "yes"
+        effect = None if item.trial is None else item.trial.effect
+        ends = isinstance(effect, FreeForm) and effect.visited is not None
+        return "yes, as far as the arm has been" if ends else "yes"
     return "no: does not predict unseen motion" if item.depends_on else "no"

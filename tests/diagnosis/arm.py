@@ -16,10 +16,12 @@ NOISE = np.array([0.5, 0.1])  # [N m]
 LENGTH = 0.359  # [m] of the first link
 
 
-def data_set(seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, hum=None, roles=None):
+def data_set(
+    seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, hum=None, roles=None, near=1.0
+):
     """A data set with noise of a time constant `colour` [s] and encoder steps [rad].
 
-    `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t, dq)`
+    Motions for estimation reach `near` times as far as others. `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t, dq)`
     what comes in its own time.
     """
     rng = np.random.default_rng(seed)
@@ -34,6 +36,7 @@ def data_set(seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, hum=None,
             colour=colour,
             step=step,
             hum=hum,
+            reach=near if role == "estimation" else 1.0,
         )
         for k, role in enumerate(roles)
     )
@@ -51,9 +54,9 @@ def stribeck(size, speed=0.1, joint=0):
     return torque
 
 
-def _record(rng, name, role, *, extra, repetitions, colour, step, hum):
+def _record(rng, name, role, *, extra, repetitions, colour, step, hum, reach):
     t = np.arange(int(PERIOD * RATE) * repetitions) / RATE
-    q, dq, ddq = _motion(rng, t)
+    q, dq, ddq = (reach * x for x in _motion(rng, t))
     tau = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
     if extra is not None:
         tau = tau + extra(q, dq, ddq)

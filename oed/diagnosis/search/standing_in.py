@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,11 +19,14 @@ from oed.diagnosis.search.judgement import (
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, score
 from oed.diagnosis.search.telling import RIVAL_SHARE
+from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.coordinates import Coordinate, Factor
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial, free_form_trials
+from oed.diagnosis.terms.visited import Visited
+from oed.dynamics.effects import State
 
 # Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
 # would carry it to the next motion.
@@ -33,6 +36,10 @@ FORETOLD = 0.03  # chance of slow noise up to which a ratio between the two is b
 # Pieces of a term that stands in, by the number of its coordinates: what was noticed may be
 # finer than what noticed it, and how fine the data say themselves.
 PIECES = {1: 36, 2: 10}
+# Distances over which a function of two coordinates ends beyond the region that was visited, in
+# ranges. One of a single coordinate carries on: there is little beyond its edge.
+FADINGS = (0.4, 0.2, 0.1)
+ENDING = 0.95  # ratio of validation errors from which on it is believed to end
 
 
 def next_free_form(
@@ -107,7 +114,9 @@ def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> tup
     With the ratio of the validation error, 1 where it does not.
     """
     bench = _Bench(shop, others, item.trial)
-    tried = bench.tried(_with_fine_pieces(shop, [item.trial, *_alike(shop, item.trial)]))
+    tried = bench.tried(
+        _with_fine_pieces(shop, [item.trial, *_alike(shop, item.trial)]), ending=True
+    )
     for choice in tried:
         if choice.ratio >= BETTER:
             break
@@ -141,20 +150,49 @@ class _Bench:
         self._joint = next(iter(trial.group))
         self._plain = shop.validation_rms(self._fit)
 
-    def tried(self, terms: Sequence[Trial]) -> list[_Choice]:
-        """Every restraint of every term, the best first."""
-        choices = [self._judged(t) for whole in terms for t in restrained(whole, self._fit.fit)]
+    def tried(self, terms: Sequence[Trial], *, ending: bool = False) -> list[_Choice]:
+        """Every restraint of every term, the best first.
+
+        Args:
+            terms: With all their combinations.
+            ending: Whether they may also end beyond the visited region.
+        """
+        choices = [
+            choice
+            for whole in terms
+            for trial in restrained(whole, self._fit.fit)
+            for choice in self._judged(trial, FADINGS if ending else ())
+        ]
         return sorted(choices, key=lambda c: c.ratio)
 
-    def _judged(self, trial: Trial) -> _Choice:
+    def _judged(self, trial: Trial, fadings: Sequence[float]) -> Iterator[_Choice]:
         found = self._shop.fit([*self._others, trial], self._layout, bend=False)
         before, after = (
             float(np.sum(f.fit.residual[self._joint] ** 2)) for f in (self._fit, found)
         )
-        rms, ratio = self._shop.validation_rms(found), 0.0
-        if self._plain is not None and rms is not None:
-            ratio = float(rms[self._joint] / self._plain[self._joint])
-        return _Choice(trial, ratio, after / before + ratio**2)
+        plain = self._ratio(found)
+        yield _Choice(trial, plain, after / before + plain**2)
+        for own in self._ending(trial, fadings):
+            # In the region it is the same: one fit serves all.
+            ratio = self._ratio(dataclasses.replace(found, chosen=(*found.chosen[:-1], own)))
+            if ratio < ENDING * plain:
+                yield _Choice(own, ratio, after / before + ratio**2)
+
+    def _ratio(self, found: Augmented) -> float:
+        rms = self._shop.validation_rms(found)
+        if self._plain is None or rms is None:
+            return 0.0
+        return float(rms[self._joint] / self._plain[self._joint])
+
+    def _ending(self, trial: Trial, fadings: Sequence[float]) -> Iterator[Trial]:
+        effect = trial.effect
+        if not isinstance(effect, FreeForm) or not self._shop.validation:
+            return
+        states = [State.along(p.motion, 0.0) for p in self._shop.full.rows.prepared]
+        places = [effect.places(state) for state in states]
+        for fading in fadings if places[0].shape[1] > 1 else ():
+            visited = Visited.of(np.concatenate(places), fading)
+            yield dataclasses.replace(trial, effect=dataclasses.replace(effect, visited=visited))
 
 
 def _alike(shop: Workshop, trial: Trial) -> list[Trial]:

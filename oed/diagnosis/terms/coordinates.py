@@ -70,7 +70,7 @@ class Coordinate:
 
         From rest, each less its value there.
         """
-        splines = self._splines(self._values(state))
+        splines = self._splines(self.values(state))
         return splines - self._splines(np.zeros(1)) if self.from_rest else splines
 
     def _splines(self, values: Float[ndarray, " samples"]) -> Float[ndarray, "samples functions"]:
@@ -81,7 +81,7 @@ class Coordinate:
 
     def slopes(self, state: State) -> Float[ndarray, "samples functions"]:
         """Derivatives of the B-splines, even ones; zero beyond the covered range."""
-        values = self._values(state)
+        values = self.values(state)
         splines = BSpline(self._knots, np.eye(self.functions), DEGREE).derivative()
         covered = (values >= self.lower) & (values <= self.upper)
         return splines(np.clip(values, self.lower, self.upper)) * covered[:, None]
@@ -100,7 +100,8 @@ class Coordinate:
         """With its pieces closer together about zero, as friction changes with speed."""
         return dataclasses.replace(self, crowding=CROWDING * max(abs(self.lower), abs(self.upper)))
 
-    def _values(self, state: State) -> Float[ndarray, " samples"]:
+    def values(self, state: State) -> Float[ndarray, " samples"]:
+        """The coordinate itself."""
         if self.kind == "time":
             return np.asarray(since(state.t, self.start), dtype=float)
         return np.asarray(getattr(state, self.kind)[self.joint], dtype=float)

@@ -14,6 +14,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
+from oed.diagnosis.terms.visited import Visited
 from oed.dynamics.effects import Effect, Parameter, State
 from oed.dynamics.scalars import Scalar
 
@@ -27,6 +28,7 @@ class FreeForm(Effect):
         coordinates: One or two, of which a factor may be one.
         direction: Joint by the sign of whose velocity it is multiplied; None for none.
         mixing: Combinations of the basis functions that are its columns; None for each alone.
+        visited: Region of `places` beyond which it ends; None if it carries on as at its edge.
     """
 
     joint: int
@@ -35,6 +37,7 @@ class FreeForm(Effect):
     mixing: Float[ndarray, "functions columns"] | None = field(
         default=None, repr=False, compare=False
     )
+    visited: Visited | None = field(default=None, repr=False, compare=False)
     name = "free_form"
 
     @property
@@ -68,6 +71,12 @@ class FreeForm(Effect):
             Parameter(f"f_{self.joint + 1}[{tag}]_{k}", "N m", self.joint) for k in range(count)
         )
 
+    def places(self, state: State) -> Float[ndarray, "samples places"]:
+        """Values of the arm's coordinates that it is a function of."""
+        own = [c for c in self.coordinates if isinstance(c, Coordinate) and c.kind != "time"]
+        values = [c.values(state) for c in own]
+        return np.stack(values, axis=1) if values else np.zeros((len(state.t), 0))
+
     @property
     def depends_on(self) -> tuple[str, ...]:
         """Names of the coordinates, the directing joint's velocity among them."""
@@ -85,4 +94,6 @@ class FreeForm(Effect):
             product = product * np.asarray(state.sign(state.dq[self.direction]))[:, None]
         if self.mixing is not None:
             product = product @ self.mixing
+        if self.visited is not None:
+            product = product * self.visited.weight(self.places(state))[:, None]
         return [{self.joint: product[:, k]} for k in range(product.shape[1])]
