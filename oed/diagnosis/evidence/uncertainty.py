@@ -19,6 +19,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.diagnosis.evidence.both_motions import narrowed
 from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of, left_by, profiled_deviation, widened
 from oed.diagnosis.fit.linear_fit import Projection
@@ -93,6 +94,9 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
             linear.projection,
         )
         covariance = covariance + np.outer(bias, bias)
+    for k, trial in enumerate(found.chosen):
+        if trial.decided:
+            covariance = _with_unseen(shop, found, steps, covariance, k)
     return dataclasses.replace(found, covariances=tuple(covariance[p, p] for p in places))
 
 
@@ -128,6 +132,34 @@ def _profiled(
             wide = profiled_deviation(partial(squares, k), axis, deviation, noise)
             covariance = widened(covariance, at, wide / deviation)
     return covariance
+
+
+def _with_unseen(
+    shop: Workshop,
+    found: Augmented,
+    steps: Sequence[Float[ndarray, " shapes"]],
+    covariance: Float[ndarray, "columns columns"],
+    number: int,
+) -> Float[ndarray, "columns columns"]:
+    """The covariance with what the validation recordings tell of the shapes of one addition."""
+    unseen, seen = shop.unseen_by(found.chosen), shop.layout_for(found.chosen)
+    if unseen.rows is None:
+        return covariance
+    nuisances = np.zeros((*unseen.white.shape[:2], seen.nuisances.shape[2]))
+    layout = Layout(unseen.rows, unseen.white, nuisances, unseen.rows.torque())
+    misfit = np.maximum(unseen.left(found) / unseen.counted, 1.0)
+    place = _places(found, seen)[number]
+    own = slice(place.stop - len(found.chosen[number].values), place.stop)
+    narrow, steps = covariance, list(steps)
+    for _ in range(MOST_ROUNDS):
+        columns, _ = _columns(shop, found, layout, steps)
+        slopes = columns.reshape(-1, columns.shape[2])
+        narrow = narrowed(covariance, own, slopes, np.repeat(misfit, columns.shape[1]))
+        wanted = np.clip(np.sqrt(np.diag(narrow)[own]), *STEPS)
+        if np.all(np.abs(np.log(wanted / steps[number])) < np.log(ALIKE)):
+            break
+        steps[number] = wanted
+    return narrow
 
 
 def _linearised(

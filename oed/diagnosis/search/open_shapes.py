@@ -49,7 +49,9 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     starts = [found, score(moved(usual, fit.rows, shop.context), fit)]
     plausible = [s for s in starts if s is found or implausible(s, shop.context) is None]
     best = max((refine(s, fit, shop.context, told) for s in plausible), key=told)
-    return best if _errs_less(shop, others, best.trial, trial) else found
+    if not _errs_less(shop, others, best.trial, trial):
+        return found
+    return dataclasses.replace(best, trial=dataclasses.replace(best.trial, decided=True))
 
 
 def _errs_less(shop: Workshop, others: Sequence[Trial], one: Trial, other: Trial) -> bool:

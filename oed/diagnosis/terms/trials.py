@@ -35,6 +35,8 @@ class Trial:
         fixed: Whether its coefficient is one by construction.
         shapes: Number of nonlinear parameters.
         contrast: Whether its columns are their differences between repetitions alone.
+        decided: Whether its shapes are those that estimation and validation recordings want
+            together.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Trial:
     fixed: bool
     shapes: int
     contrast: bool = False
+    decided: bool = False
 
     @property
     def key(self) -> tuple[str, object]:
