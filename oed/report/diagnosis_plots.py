@@ -17,6 +17,7 @@ from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
 MOST_PANELS = 9  # strongest dependences that a reader looks at
 FLOOR = "noise floor"
+UNVISITED = "#D8D8D8"  # no colour of a map
 SINCE = (("before", VERMILION), ("after", BLUE))
 
 
@@ -162,6 +163,8 @@ def _draw_curve(panel: Axes, shown: CurvePanel) -> None:
 
 def _draw_map(figure: Figure, panel: Axes, shown: MapPanel) -> None:
     largest = float(np.nanmax(np.abs(shown.given), initial=0.0)) or 1.0
+    panel.set_facecolor(UNVISITED)
+    panel.grid(visible=False)
     drawn = panel.pcolormesh(
         *shown.edges, shown.given.T, cmap="RdBu_r", vmin=-largest, vmax=largest, rasterized=True
     )
