@@ -8,7 +8,10 @@ import pytest
 
 from oed.diagnosis.evidence.final_model import fit_final, install, lost_when_repeated
 from oed.diagnosis.evidence.verdict import doubtful_name
+from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.review import review_names
 from oed.diagnosis.search.scan import at_rest, implausible, scan, score
+from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.turning import HEAVIEST, moment_fault
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
@@ -147,3 +150,29 @@ def test_rivals_act_on_the_same_joint():
     assert ("stribeck", 0) in targets
     assert ("time_delay", None) in targets
     assert ("stribeck", 1) not in targets
+
+
+def test_an_offset_of_a_tether_is_not_named_beside_the_tether():
+    """A free form found beside an offset leaves it its part, which it does as well by itself."""
+
+    def tether(q, dq, ddq):
+        stretch = q[:, 1] + 1.1 * q[:, 0] + 0.4
+        pull = 0.15 * (stretch + np.sqrt(stretch**2 + 0.03**2))
+        return np.stack([np.zeros(len(q)), pull], axis=1)
+
+    shop = shop_of(data_set(5, extra=tether))
+    offset = Accepted(trial_of(shop, "torque_offset", 1), 1.0, 0.0)
+    tether_term = next_free_form(shop, [offset], [])
+    assert tether_term is not None
+    assert tether_term.trial.effect.depends_on == ("q_1", "q_2")
+    assert tether_term.stands_in
+    layout = shop.mean
+    both, alone = (
+        shop.fit(chosen, layout).fit.squares
+        for chosen in ([offset.trial, tether_term.trial], [tether_term.trial])
+    )
+    # As it is, it could not do without the offset.
+    assert alone > both + 1000
+    refused = []
+    assert review_names(shop, [offset, tether_term], refused) == [tether_term]
+    assert [r.name for r in refused] == ["torque_offset"]

@@ -48,7 +48,7 @@ def review_names(
             bare = [a for a in kept if a is not item and all(a is not t for t in terms)]
             others = [a.trial for a in bare if a.stands_in]
             standing = [a.trial for a in terms if a.stands_in]
-            alternatives = _in_its_place(shop, others, standing)
+            alternatives = list(_in_its_place(shop, others, standing))
             if foretells_most(shop, others, item.trial, alternatives):
                 continue
             layout = shop.layout_for([a.trial for a in kept])
@@ -56,6 +56,9 @@ def review_names(
                 shop.fit([a.trial for a in chosen], layout).fit.squares
                 for chosen in (bare, [*bare, item], [a for a in kept if a is not item], kept)
             )
+            # The free form as it was determined beside the name has left to it what it does best.
+            tried = [shop.fit([*others, t], layout, bend=False) for t in alternatives]
+            without_name = min([without_name, *(f.fit.squares for f in tried)])
             together, alone = without_both - whole, without_both - without_free
             share = share_needed([a.trial for a in terms], item.trial, shop.settings)
             if alone < share * together and without_name - whole < (
