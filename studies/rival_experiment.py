@@ -30,10 +30,11 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
 from oed.experiment.simulation import Log
 from oed.robot import Robot
+from studies.bench.arm import PERIOD
 from studies.bench.case import NoiseKind
 from studies.bench.excitation import random_fourier_motion
 from studies.bench.forms import FORMS
-from studies.bench.laboratory import PERIOD, Laboratory, Noise, build_laboratory, expected_torque
+from studies.bench.laboratory import Laboratory, Noise, build_laboratory, expected_torque
 from studies.bench.robots import ROBOTS
 
 HORIZON = 10.0  # [s] of the motion at hand

@@ -18,6 +18,7 @@ from oed.experiment.friction_memory import MemoryTorque
 from oed.experiment.plant import ExtraTorque, TruePlant
 from oed.robot import Joint, JointLimits, Robot
 
+PERIOD = 0.001  # [s] of control
 Series = Float[ndarray, "samples joints runs"]
 # (signal at every control period, period [s]) -> signal as logged
 SignalChange = Callable[[Series, float], Series]
@@ -61,6 +62,7 @@ class Arm:
         peak: (n,) largest torque of the motions at hand, for what happens near it [N m].
         session: Whether all recordings were made in one session, so that the arm's clock runs
             on from one to the next; else each begins with a cold arm.
+        substeps: Runge-Kutta steps a control period that its friction needs.
     """
 
     robot: Robot
@@ -75,6 +77,7 @@ class Arm:
     position_changes: tuple[SignalChange, ...] = ()
     peak: tuple[float, ...] = ()
     session: bool = True
+    substeps: int = 4
 
     def add(self, torque: ExtraTorque) -> Arm:
         """This arm with one more hidden torque."""

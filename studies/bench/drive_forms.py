@@ -10,9 +10,18 @@ from scipy.signal import lfilter
 
 from oed.dynamics.effects import State
 from oed.dynamics.scalars import Scalar, magnitude
-from studies.bench.arm import Arm, Series, Transmission, direction, loose, mass_matrices
+from studies.bench.arm import (
+    Arm,
+    Series,
+    Transmission,
+    direction,
+    least_inertia,
+    loose,
+    mass_matrices,
+)
 from studies.bench.injection import Injected, either_sign
 
+MOST_COUPLED = 0.5  # of the root of two joints' least inertias
 ROTOR_SHARE = 0.4  # of a flexible joint's inertia
 BEARING = 0.6  # of a loose joint's friction sits on the link's side
 CONTACT = 2 * np.pi * 25.0  # [rad/s] of a link on its gear teeth
@@ -32,6 +41,9 @@ def neighbour_motor(arm: Arm, joint: int, size: float, rng: np.random.Generator)
     """The outer neighbour's motor pushes on this joint: its inertia and its friction."""
     other = joint + 1
     inertia = size * rng.uniform(0.1, 0.2) * _inertia(arm, other)
+    # No more than the mass matrix bears beside it anywhere.
+    least, _ = least_inertia(arm.robot, np.random.default_rng(0))
+    inertia = min(inertia, MOST_COUPLED * float(np.sqrt(least[joint] * least[other])))
     dry, viscous = (0.15 * size * x[other] for x in (arm.coulomb, arm.viscous))
 
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:

@@ -17,16 +17,14 @@ from oed.experiment.observer import HighGainObserver
 from oed.experiment.recording import Recording, Role
 from oed.experiment.sensors import Sensors
 from oed.experiment.simulation import Log, Setup, run
-from studies.bench.arm import Arm, Series, least_inertia
+from studies.bench.arm import PERIOD, Arm, Series, least_inertia
 from studies.bench.case import NoiseKind
 
-PERIOD = 0.001  # [s] of control
 LEAD_IN = 1.5  # [s]
 BANDWIDTH = 40.0  # [rad/s] of position control
 # A motor on a spring is lighter than the arm: the gains that it bears are lower.
 SOFT_BANDWIDTH = 18.0  # [rad/s]
 MOST_STIFFENED = 4.0  # times the least inertia that a joint's gains may be made for
-SUBSTEPS = 4
 RESOLUTIONS = tuple(2 * np.pi / 2**bits for bits in (18, 19, 20))  # [rad]
 # Without jitter the steps of an encoder would fall alike in all repetitions, and look like torque.
 JITTER = 0.4  # rms of the reading before it is rounded, in steps
@@ -163,7 +161,12 @@ class Laboratory:
             felt = Disturbance((*felt.std, 0.0), (*felt.corner, np.inf))
         # The drive counts on its motor, before the gear: fine enough to be taken for exact.
         return Setup(
-            self.arm.plant(), controller, Sensors(), felt, lead_in=LEAD_IN, substeps=SUBSTEPS
+            self.arm.plant(),
+            controller,
+            Sensors(),
+            felt,
+            lead_in=LEAD_IN,
+            substeps=self.arm.substeps,
         )
 
 

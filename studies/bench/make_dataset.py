@@ -16,13 +16,12 @@ from oed.experiment.recording import Recording, Role
 from oed.experiment.simulation import Log
 from oed.experiment.write_dataset import write_dataset
 from oed.robot import Robot
-from studies.bench.arm import Arm
+from studies.bench.arm import PERIOD, Arm
 from studies.bench.case import Case
 from studies.bench.excitation import random_fourier_motion
 from studies.bench.forms import FORMS, Form
 from studies.bench.laboratory import (
     LEAD_IN,
-    PERIOD,
     Laboratory,
     Noise,
     build_laboratory,

@@ -15,14 +15,12 @@ from numpy import ndarray
 from oed.robot import JointLimits, Robot, load_robot
 from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
 from oed.robot.inertia import parameters_from_pseudo_inertia
-from studies.bench.arm import Arm, least_inertia
+from studies.bench.arm import PERIOD, Arm, least_inertia
 from studies.data_folders import EXAMPLE_ROBOTS
 
 LINK_SPREAD = 0.05  # relative scatter of each link's true mass about the declared one
 FRICTION_SPREAD = 0.15
-# With four Runge-Kutta steps a millisecond, this many decay times of Coulomb friction's flank
-# fit into one step of the arm.
-STEP = 0.00025  # [s]
+# So many decay times of Coulomb friction's flank fit into one Runge-Kutta step of the arm.
 FLANK = 0.7
 
 
@@ -42,6 +40,8 @@ class BenchRobot:
         period: Of their motion [s].
         single: Length of a recording without repetitions [s].
         decimation: Control periods a logged sample.
+        substeps: Runge-Kutta steps a control period. Light joints with dry friction need many, or
+            a friction that turns round at speeds that a log shows.
     """
 
     key: str
@@ -55,6 +55,7 @@ class BenchRobot:
     period: float = 10.0
     single: float = 40.0
     decimation: int = 4
+    substeps: int = 4
 
     def declared(self, folder: Path) -> Robot:
         """What the data set says of the arm."""
@@ -68,12 +69,13 @@ class BenchRobot:
         factors = np.exp(FRICTION_SPREAD * rng.standard_normal((2, n)))
         coulomb = np.array(self.coulomb) * factors[0]
         least, _ = least_inertia(robot, rng)
-        width = coulomb * STEP / (FLANK * least)
+        width = coulomb * PERIOD / (self.substeps * FLANK * least)
         return Arm(
             robot,
             tuple(coulomb.tolist()),
             tuple((np.array(self.viscous) * factors[1]).tolist()),
             tuple(width.tolist()),
+            substeps=self.substeps,
         )
 
 
@@ -184,6 +186,7 @@ ROBOTS = {
             period=15.0,
             single=60.0,
             decimation=5,
+            substeps=8,
         ),
         BenchRobot(
             "panda",
@@ -197,6 +200,7 @@ ROBOTS = {
             period=15.0,
             single=60.0,
             decimation=5,
+            substeps=8,
         ),
     )
 }

@@ -7,12 +7,12 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.newton_euler import inverse_dynamics
 from oed.experiment.read_dataset import read_dataset
 from oed.robot.builtin import imi_scara
-from studies.bench.arm import Transmission, _with_spring_joint, least_inertia
+from studies.bench.arm import PERIOD, Transmission, _with_spring_joint, least_inertia
 from studies.bench.case import Case
 from studies.bench.drive_forms import _low_pass, late_torque
 from studies.bench.excitation import random_fourier_motion
 from studies.bench.forms import FORMS, OUTSIDE, forms_of
-from studies.bench.laboratory import LEAD_IN, PERIOD, Noise, build_laboratory
+from studies.bench.laboratory import LEAD_IN, Noise, build_laboratory
 from studies.bench.make_dataset import make_dataset
 from studies.bench.plan import GROUPS, plan
 from studies.bench.robots import ROBOTS

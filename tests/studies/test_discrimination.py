@@ -8,10 +8,11 @@ from scipy.stats import binom
 
 from oed.dynamics.motion import Motion
 from studies import discrimination
+from studies.bench.arm import PERIOD
 from studies.case_runner import RowFile
 from studies.discrimination import KEY, VALUES, Config
 from studies.discrimination_summary import agreement, clopper_pearson
-from studies.rival_experiment import PERIOD, at_control_period
+from studies.rival_experiment import at_control_period
 
 
 @pytest.fixture(scope="module")
