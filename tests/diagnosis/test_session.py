@@ -11,12 +11,15 @@ from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.fit.whitening import Autoregression
+from oed.diagnosis.search.crests import climbed
+from oed.diagnosis.search.scan import score
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.trials import white_group
+from oed.diagnosis.terms.trials import moved, white_group
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import ThermalDrift
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import LENGTH, PERIOD, RATE, data_set, rigid
+from tests.diagnosis.shop import shop_of
 
 MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
 TAKEN_UP = 17.0  # [s] in the second recording
@@ -132,3 +135,20 @@ def test_a_pause_of_the_log_within_a_repetition_is_no_obstacle():
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     assert found.verdict == "nothing found"
     assert np.all(found.noise_floor > 0)
+
+
+def test_a_moment_is_found_from_any_swing_of_the_arm():
+    """Every swing has a crest of its own: a simplex alone stays on that where it begins."""
+    shop = shop_of(data_set(3, extra=load_from(recording=0), roles=("estimation", "validation")))
+    trials = [t for t in shop.physical if t.name == "payload_change"]
+    layout = shop.layout(trials[0])
+    fit = shop.fit([], layout).fit
+    band = shop.estimation[0].band
+    truth = TAKEN_UP - band.edge  # since the first sample that is used
+    for offset in (-6.0, 4.0):
+        values = (truth + offset, *trials[0].values[1:])
+        begun = dataclasses.replace(trials[0], values=values)
+        there = score(moved(begun, layout.rows, shop.context), fit)
+        moment = climbed(shop, there, fit).trial.values[0]
+        # To the rows before and after it.
+        assert moment == pytest.approx(truth, abs=2 / band.analysis_rate)

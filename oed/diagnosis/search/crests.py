@@ -6,7 +6,9 @@ speed looks much like viscous friction less a higher power: far apart in shape, 
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from scipy.ndimage import maximum_filter
@@ -15,6 +17,8 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.ripening import is_late, is_unripe
 from oed.diagnosis.search.scan import Score, implausible, refine, score
 from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import moved
+from oed.dynamics.effects.catalogue import CATALOGUE
 
 MOST = 4  # crests of a grid that are climbed
 
@@ -26,7 +30,7 @@ def climbed(shop: Workshop, found: Score, fit: LinearFit) -> Score:
     """
     if not found.trial.shapes or is_unripe(found.trial) or is_late(found.trial):
         return found
-    grid = [
+    grid = _scanned_finely(shop, found, fit) or [
         score(t, fit)
         for t in shop.physical
         if t.key == found.trial.key and t.contrast == found.trial.contrast
@@ -35,6 +39,20 @@ def climbed(shop: Workshop, found: Score, fit: LinearFit) -> Score:
     plausible = [s for s in tried if implausible(s, shop.context) is None]
     # By evidence: of two that explain as much, the one that does not trade places with the model.
     return max([found, *plausible], key=lambda s: s.evidence(fit.rows.count))
+
+
+def _scanned_finely(shop: Workshop, found: Score, fit: LinearFit) -> list[Score]:
+    """A second scan of the shapes that want one, the others as they are."""
+    trial = found.trial
+    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
+    if not any(shape.fine for shape in shapes):
+        return []
+    ways = [
+        dataclasses.replace(shape, points=shape.fine).grid if shape.fine else (value,)
+        for shape, value in zip(shapes, trial.values, strict=True)
+    ]
+    there = (dataclasses.replace(trial, values=values) for values in product(*ways))
+    return [score(moved(t, fit.rows, shop.context, contrast=trial.contrast), fit) for t in there]
 
 
 def crests(scores: Sequence[Score]) -> list[Score]:

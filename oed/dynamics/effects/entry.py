@@ -35,6 +35,7 @@ class Shape:
         default: The value if nothing is known.
         usual: Values that machines are built with.
         also: Values of a first scan besides those that are evenly spaced.
+        fine: Number of trial values in a second scan, where a first one misses crests; 0 for none.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Shape:
     default: float
     usual: tuple[float, ...] = ()
     also: tuple[float, ...] = ()
+    fine: int = 0
 
     def __post_init__(self) -> None:
         if not self.lower <= self.default <= self.upper:

@@ -42,6 +42,15 @@ def test_spring_leaves_the_constant_to_an_offset_that_is_there() -> None:
     assert len(CATALOGUE["joint_spring"].build(without, 0, ()).parameters) == 2
 
 
+@pytest.mark.parametrize(("share", "is_plausible"), [(1.5, True), (2.5, False)])
+def test_a_balancer_may_carry_more_than_the_drive_shows(share: float, is_plausible: bool) -> None:
+    context = context_of(scara(), MOTION)
+    swing = float(np.ptp(context.position_range[1])) / 2
+    stiffness = share * float(context.peak_torque[1]) / swing
+    reason = CATALOGUE["joint_spring"].plausible(context, 1, (), np.array([stiffness, 0.0]))
+    assert (reason is None) is is_plausible
+
+
 @pytest.mark.parametrize("harmonic", [14.2, 17.7, 61.2, 129.0])
 def test_first_scan_comes_near_enough_to_every_ripple(harmonic: float) -> None:
     context = context_of(scara(), MOTION)

@@ -31,6 +31,8 @@ from oed.robot import JointLimits, Robot
 
 # A load's first moments matter most, then its mass, then its inertia.
 LOAD_PREFERENCE = (1, 2, 3, 0, 4, 5, 6, 7, 8, 9)
+SWING = 0.2  # [s] within which no arm goes to and fro
+MOST_MOMENTS = 400
 STATES = 60  # random states that show which of ten columns differ
 # Of Coulomb friction as it is known without the build-up: where that takes much of the motion, the
 # sign of the velocity explains but a fraction of what slides.
@@ -171,7 +173,9 @@ THERMAL_DRIFT = CatalogueEntry(
 
 def _moments(context: Context, _target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     moment, clock = _by_duration(context, shapes, 0.03, 0.97)
-    return dataclasses.replace(moment, also=context.between), clock
+    # The arm hardly shows a load where it rests or turns: every swing of it has a crest.
+    fine = min(int((moment.upper - moment.lower) / SWING), MOST_MOMENTS)
+    return dataclasses.replace(moment, also=context.between, fine=fine), clock
 
 
 def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> PayloadChange:

@@ -118,7 +118,7 @@ BACKLASH = CatalogueEntry(
     families=("reversal", "compliance"),
     scope="joint",
     shapes=(
-        Shape("gap", "rad", 1e-4, 0.01, "log", 6, 1e-3),
+        Shape("gap", "rad", 1e-4, 0.02, "log", 7, 1e-3),
         Shape("frequency", "Hz", 5.0, 80.0, "log", 3, 20.0),
         Shape("damping", "1", 0.05, 1.0, "log", 1, 0.3),
         Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4),
@@ -132,7 +132,7 @@ BACKLASH = CatalogueEntry(
         equation="τ as for joint_elasticity, with K (δ ∓ gap/2) + D δ' on a flank and nothing within "
         "the gap, and a share of the joint's friction behind it, at the links' speed q' - δ'",
         source="Nordin and Gutman 2002, Automatica 38(10), 1633-1649",
-        parameters="gap 0.1 to 8 mrad; ω/2π of the arm on a flank, and its ζ; the rotor's share of "
+        parameters="gap 0.1 to 20 mrad; ω/2π of the arm on a flank, and its ζ; the rotor's share of "
         "the inertia; the share of friction behind the gear",
         signature="a step and a blow where the load changes its sign, also at other joints",
         confused_with=("presliding_hysteresis", "joint_elasticity"),
