@@ -23,6 +23,7 @@ from oed.diagnosis.evidence.modulation import find_modulations
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors, prove
 from oed.diagnosis.evidence.verdict import (
+    CLEAR_UNSEEN,
     FoundEffect,
     Outcome,
     Unexplained,
@@ -171,6 +172,7 @@ def _conclude(
         u
         for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
         if keeps_step(shop, selection.trials, u.joint)
+        or (unseen[u.joint] > CLEAR_UNSEEN and _keeps_step_unseen(shop, selection.trials, u.joint))
     )
     return Diagnosis(
         verdict=decide(effects, unexplained),
@@ -192,6 +194,18 @@ def _conclude(
         sign_width=estimation[0].sign_noise,
         shop=shop,
     )
+
+
+def _keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> bool:
+    """Whether the validation recordings, fitted by themselves, leave what keeps step with the arm.
+
+    What is missing may show in their motion alone.
+    """
+    if not shop.validation:
+        return False
+    gears, baseline = shop.gear_ratio, shop.baseline
+    alone = Workshop(baseline, shop.validation, (), shop.settings, gear_ratio=gears)
+    return keeps_step(alone, others, joint)
 
 
 def _with_rounding(

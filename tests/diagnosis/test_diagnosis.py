@@ -29,10 +29,16 @@ def diagnosis_of(kind, seed=0):
         "hum": {"hum": lambda t, dq: np.outer(np.sin(2 * np.pi * HUM * t), [0.1, 0.0])},
         "brake": {"hum": _brake},
         "elusive": {"extra": _elusive},
+        "stop": {"extra": _stop, "repetitions": 1, "near": 0.45},
         "strange": {"extra": _strange, "repetitions": 1, "roles": ("estimation",) * 5 + SEALED},
     }
     dataset = data_set(seed, **cases[kind])
     return diagnose(dataset, TorqueModel.standard(dataset.robot), FAST)
+
+
+def _stop(q, dq, ddq):
+    """Rubber that only the motions of the validation recordings reach."""
+    return np.stack([-40.0 * np.maximum(q[:, 0] - 0.7, 0.0), 0 * q[:, 0]], axis=1)
 
 
 def _elusive(q, dq, ddq):
@@ -135,6 +141,15 @@ def test_says_that_something_keeps_its_own_time():
     # An amplitude's standard deviation is sqrt(2 S f_band / N), here about 0.004 N m.
     assert amplitude == pytest.approx(0.1, abs=0.015)
     assert frequency == pytest.approx(HUM, abs=1 / 60)
+
+
+def test_says_that_something_is_there_which_the_validation_recordings_alone_show():
+    found = diagnosis_of("stop")
+    assert found.effects == ()
+    assert found.verdict == "unexplained"
+    assert 0 in {u.joint for u in found.unexplained}
+    # The estimation recordings fit to the noise.
+    assert np.all(found.lack_after.p_value > DiagnosisSettings().level)
 
 
 def test_says_that_friction_comes_and_goes():
