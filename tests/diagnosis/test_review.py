@@ -12,7 +12,7 @@ from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.review import review_names
 from oed.diagnosis.search.scan import at_rest, implausible, scan, score
 from oed.diagnosis.search.standing_in import next_free_form
-from oed.diagnosis.search.turning import HEAVIEST, moment_fault
+from oed.diagnosis.search.turning import HEAVIER, moment_fault
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from tests.diagnosis.arm import data_set, stribeck
@@ -129,7 +129,8 @@ def test_a_tilt_of_nothing_with_a_first_moment_of_anything_is_refused():
     level = dataclasses.replace(shop.baseline, columns=np.array([9]))
     tilted = _Turned(seen, level)
     inertia = 2.5
-    heaviest = np.sqrt(HEAVIEST * inertia)
+    declared = float(shop.declared.model.robot.parameters[::10].sum())
+    heaviest = np.sqrt(HEAVIER * declared * inertia)
     for moment, refused in ((0.9 * heaviest, False), (1.1 * heaviest, True)):
         parameters = np.array([moment, 0.0, inertia])
         fit = dataclasses.replace(shop.before.fit, parameters=parameters)

@@ -35,6 +35,7 @@ MOST_STEPS = 8
 LARGEST_STEP = 0.5  # [rad]
 LEVEL = 1.001  # ratio of squares up to which two directions fit alike
 HEAVIEST = 1000.0  # [kg] of a link, beyond every arm on the market
+HEAVIER = 5.0  # times what the whole arm is declared to weigh
 CLEARLY_BETTER = 0.5  # share of the squares that a far direction may leave
 
 
@@ -79,10 +80,12 @@ def moment_fault(shop: Workshop, fit: LinearFit) -> str | None:
     large enough. But the mass is at least that moment squared over the moment of inertia.
     """
     inertial = dict(zip(shop.baseline.columns, fit.parameters, strict=False))
+    declared = float(np.sum(shop.declared.model.robot.parameters[::10]))
+    heaviest = min(HEAVIER * declared, HEAVIEST) if declared > 0 else HEAVIEST
     for column in set(shop.baseline.columns) - set(shop.declared.columns):
         link, symbol = int(column) // 10, PARAMETER_SYMBOLS[int(column) % 10]
         second = [abs(inertial.get(10 * link + k, 0.0)) for k in SECOND_MOMENTS]
-        if symbol in FIRST_MOMENTS and inertial[column] ** 2 > HEAVIEST * max(second):
+        if symbol in FIRST_MOMENTS and inertial[column] ** 2 > heaviest * max(second):
             return f"{symbol} of link {link + 1} would be {inertial[column]:.3g} kg m"
     return None
 
