@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -37,6 +37,7 @@ from oed.diagnosis.search.chance import keeps_step
 from oed.diagnosis.search.judgement import Refused
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selection import Selection, search
+from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
@@ -134,10 +135,10 @@ def diagnose(
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
     _check_signs(shop, dataset.name)
-    shop, selection = search(shop)
-    say(f"{len(selection.accepted)} additions, {len(selection.refused)} candidates refused")
-    steps = repeated_steps(dataset.estimation)
-    return _conclude(shop, selection, by_role, steps, settings)
+    result = _named(shop, by_role["validation"])
+    accepted, refused = result.selection.accepted, result.selection.refused
+    say(f"{len(accepted)} additions, {len(refused)} candidates refused")
+    return _conclude(result, by_role, repeated_steps(dataset.estimation), settings)
 
 
 def _check_signs(shop: Workshop, name: str) -> None:
@@ -148,17 +149,45 @@ def _check_signs(shop: Workshop, name: str) -> None:
     check_dissipation(friction, dq, np.concatenate([p.torque for p in prepared]), name)
 
 
-def _conclude(
+@dataclass(frozen=True)
+class _Result:
+    """What a search found and what of it has a name."""
+
+    shop: Workshop
+    selection: Selection
+    before: FinalModel
+    after: FinalModel
+    effects: tuple[FoundEffect, ...]
+
+
+def _named(
     shop: Workshop,
-    selection: Selection,
+    validation: tuple[Prepared, ...],
+    refused: Sequence[Refused] = (),
+    *,
+    upright: bool = False,
+) -> _Result:
+    """Search, and name what holds; without a tilt where that proves to be none."""
+    found, selection = search(shop, refused, upright=upright)
+    layout = found.layout_for(selection.trials)
+    before = fit_final(found.declared, layout, found.declared.model)
+    selection, after, effects = named(found, selection, validation, before)
+    if found.is_turned and all(t.name != GRAVITY for t in selection.trials):
+        # The tables stand as the tilt has turned them, and all that was added stands on them.
+        return _named(shop, validation, selection.refused, upright=True)
+    return _Result(found, selection, before, after, effects)
+
+
+def _conclude(
+    result: _Result,
     by_role: dict[str, tuple[Prepared, ...]],
     steps: Float[ndarray, " joints"],
     settings: DiagnosisSettings,
 ) -> Diagnosis:
+    shop, selection, effects = result.shop, result.selection, result.effects
+    before, after = result.before, result.after
     baseline, estimation = shop.baseline, by_role["estimation"]
     layout = shop.layout_for(selection.trials)
-    before = fit_final(shop.declared, layout, shop.declared.model)
-    selection, after, effects = named(shop, selection, by_role["validation"], before)
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
         unexplained += _unrepeated(after, by_role, baseline)

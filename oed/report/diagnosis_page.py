@@ -95,8 +95,8 @@ def _additions_section(pictures: dict[str, Path]) -> list[Section]:
     caption = (
         "What was added, each over the coordinates on which it depends. Dots: mean residual where "
         "all but this is fitted, with two standard errors. Line or map: what this gives of it, in "
-        "the joint's unit (grey: where the arm has not been); what the rest of the model can give as well is in neither, so that it "
-        "is known where the parameters below are not."
+        "the joint's unit (grey: where the arm has not been); what the rest of the model can give "
+        "as well is in neither, so that it is known where the parameters below are not."
     )
     return [Section("What each addition does", [Picture(pictures["additions"], caption)])]
 

@@ -67,10 +67,18 @@ class Selection:
         return Selection.of(shop, kept, self.refused)
 
 
-def search(shop: Workshop) -> tuple[Workshop, Selection]:
-    """Add, exchange and drop until nothing passes all tests; the tables may be made anew."""
-    refused: list[Refused] = []
-    found, accepted, p_value = _added(shop, refused, upright=False)
+def search(
+    shop: Workshop, refused: Sequence[Refused] = (), *, upright: bool = False
+) -> tuple[Workshop, Selection]:
+    """Add, exchange and drop until nothing passes all tests; the tables may be made anew.
+
+    Args:
+        shop: The laid-out data.
+        refused: What an earlier search turned down.
+        upright: Whether no tilt may be named.
+    """
+    refused = list(refused)
+    found, accepted, p_value = _added(shop, refused, upright=upright)
     tilts = []
     if found.is_turned:
         tilt = accepted_tilt(found, shop, p_value)

@@ -149,6 +149,7 @@ class _Bench:
         self._fit = shop.fit(others, self._layout)
         self._joint = next(iter(trial.group))
         self._plain = shop.validation_rms(self._fit)
+        self._visited: dict[str, Visited] = {}
 
     def tried(self, terms: Sequence[Trial], *, ending: bool = False) -> list[_Choice]:
         """Every restraint of every term, the best first.
@@ -188,10 +189,14 @@ class _Bench:
         effect = trial.effect
         if not isinstance(effect, FreeForm) or not self._shop.validation:
             return
-        states = [State.along(p.motion, 0.0) for p in self._shop.full.rows.prepared]
-        places = [effect.places(state) for state in states]
-        for fading in fadings if places[0].shape[1] > 1 else ():
-            visited = Visited.of(np.concatenate(places), fading)
+        if sum(isinstance(c, Coordinate) and c.kind != "time" for c in effect.coordinates) < 2:
+            return
+        if effect.label not in self._visited:
+            states = [State.along(p.motion, 0.0) for p in self._shop.full.rows.prepared]
+            places = np.concatenate([effect.places(state) for state in states])
+            self._visited[effect.label] = Visited.of(places, FADINGS[0])
+        for fading in fadings:
+            visited = dataclasses.replace(self._visited[effect.label], fading=fading)
             yield dataclasses.replace(trial, effect=dataclasses.replace(effect, visited=visited))
 
 
