@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.evidence import naming
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import INERTIA, data_set
 
+SETTINGS = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
 FIRST_LINK = 2.4  # [kg m] first moment of both links about the first axis, seen by no level arm
 
 
-@pytest.mark.parametrize("degrees", [3.0, 40.0])
-def test_a_tilted_base_is_named_with_its_angle(degrees):
-    tilt = np.deg2rad(degrees)
+def weight_of(tilt):
+    """Torque of both links on a base that is tilted about its y axis [rad]."""
 
     def weight(q, dq, ddq):
         _, x, y, _ = INERTIA
@@ -26,9 +27,18 @@ def test_a_tilted_base_is_named_with_its_angle(degrees):
         elbow = along * (x * np.sin(both) + y * np.cos(both))
         return np.stack([along * FIRST_LINK * np.sin(q[:, 0]) + elbow, elbow], axis=1)
 
-    dataset = data_set(11, extra=weight)
-    settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
-    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    return weight
+
+
+def diagnosis_of(tilt):
+    dataset = data_set(11, extra=weight_of(tilt))
+    return diagnose(dataset, TorqueModel.standard(dataset.robot), SETTINGS)
+
+
+@pytest.mark.parametrize("degrees", [3.0, 40.0])
+def test_a_tilted_base_is_named_with_its_angle(degrees):
+    tilt = np.deg2rad(degrees)
+    found = diagnosis_of(tilt)
     assert [effect.name for effect in found.effects] == ["gravity_direction"]
     values = {p.name: p for p in found.effects[0].parameters}
     angle = np.hypot(values["tilt_1"].value, values["tilt_2"].value)
@@ -39,6 +49,19 @@ def test_a_tilted_base_is_named_with_its_angle(degrees):
     held = next(p for p in found.proof if p.role == "validation")
     gain = 1 - np.sqrt(np.mean((held.after / held.before) ** 2))
     assert effect.validation_gain == pytest.approx(gain, abs=0.02)
-    assert all(rival.evidence > settings.decisive for rival in effect.rivals)
+    assert all(rival.evidence > SETTINGS.decisive for rival in effect.rivals)
     test = next(p for p in found.proof if p.role == "test")
     assert test.after == pytest.approx(found.noise_floor, rel=0.1)
+
+
+def test_a_tilt_that_proves_to_be_none_does_not_stay_in_the_model(monkeypatch):
+    def doubt(_shop, whole):
+        return next((t for t in whole.chosen if t.name == "gravity_direction"), None)
+
+    monkeypatch.setattr(naming, "doubtful_name", doubt)
+    found = diagnosis_of(np.deg2rad(3.0))
+    assert "gravity_direction" not in {effect.name for effect in found.effects}
+    assert "gravity_direction" in {r.name for r in found.refused}
+    declared = found.before.model.robot.gravity
+    np.testing.assert_array_equal(found.after.model.robot.gravity, declared)
+    assert not found.shop.is_turned
