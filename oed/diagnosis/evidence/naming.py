@@ -9,6 +9,7 @@ from oed.diagnosis.evidence.final_model import (
     final_with,
     lost_when_repeated,
 )
+from oed.diagnosis.evidence.impossible_load import impossible_load
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
@@ -63,10 +64,12 @@ def _sure(
             selection = selection.without(shop, lost, reason)
             continue
         found = with_uncertainty(shop, selection.found)
-        doubtful = doubtful_name(shop, found)
+        doubtful, reason = doubtful_name(shop, found), "its own interval holds zero"
+        if doubtful is None:
+            doubtful, reason = impossible_load(found), "no body has such inertial parameters"
         if doubtful is None:
             return selection, after, found
-        selection = selection.without(shop, doubtful, "its own interval holds zero")
+        selection = selection.without(shop, doubtful, reason)
 
 
 def _never_worse(

@@ -54,6 +54,14 @@ class _Linearised:
     covariance: Float[ndarray, "columns columns"]
 
 
+def at_given_shapes(
+    covariance: Float[ndarray, "parameters parameters"], count: int
+) -> Float[ndarray, "columns columns"]:
+    """Covariance of an addition's coefficients, its first parameters, with its shapes as they are."""
+    given = covariance[:count, count:] @ np.linalg.pinv(covariance[count:, count:])
+    return covariance[:count, :count] - given @ covariance[count:, :count]
+
+
 def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
     """The fit with covariances of (coefficients, shapes on their axes) that hold all of this.
 

@@ -15,6 +15,7 @@ from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated, estimates, from_declared
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of
+from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.search.judgement import is_own
 from oed.diagnosis.search.selection import Selection
 from oed.diagnosis.search.telling import foretells_most
@@ -103,8 +104,7 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
                 return trial
             continue
         count = len(coefficients)
-        given = covariance[:count, count:] @ np.linalg.pinv(covariance[count:, count:])
-        own = covariance[:count, :count] - given @ covariance[count:, :count]
+        own = at_given_shapes(covariance, count)
         values = from_declared(shop, trial, coefficients)
         wald = float(values @ np.linalg.pinv(own, hermitian=True) @ values)
         others = [t for t in whole.chosen if t is not trial]
