@@ -10,12 +10,12 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline, find_baseline
+from oed.diagnosis.data.encoder_steps import rounding_torque
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.differing import differing, left_of_single
-from oed.diagnosis.evidence.encoder_steps import repeated_steps, rounding_squares, rounding_torque
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
@@ -138,7 +138,7 @@ def diagnose(
     result = _named(shop, by_role["validation"])
     accepted, refused = result.selection.accepted, result.selection.refused
     say(f"{len(accepted)} additions, {len(refused)} candidates refused")
-    return _conclude(result, by_role, repeated_steps(dataset.estimation), settings)
+    return _conclude(result, by_role, settings)
 
 
 def _check_signs(shop: Workshop, name: str) -> None:
@@ -181,7 +181,6 @@ def _named(
 def _conclude(
     result: _Result,
     by_role: dict[str, tuple[Prepared, ...]],
-    steps: Float[ndarray, " joints"],
     settings: DiagnosisSettings,
 ) -> Diagnosis:
     shop, selection, effects = result.shop, result.selection, result.effects
@@ -191,9 +190,9 @@ def _conclude(
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
         unexplained += _unrepeated(after, by_role, baseline)
-    rounding, floor = _with_rounding(baseline, before, layout.rows, steps)
+    floor = _with_rounding(baseline, before, layout.rows)
     freedom = float(sum(p.rows for p in estimation))
-    left = lack_of_fit(after.fit, freedom, rounding)
+    left = lack_of_fit(after.fit, freedom)
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
     seen, unseen = (error_in_floors(proof, floor, role) for role in ("estimation", "validation"))
@@ -212,7 +211,7 @@ def _conclude(
         proof=proof,
         noise_floor=floor,
         noise_source=baseline.floor.source,
-        lack_before=lack_of_fit(before.fit, freedom, rounding),
+        lack_before=lack_of_fit(before.fit, freedom),
         lack_after=left,
         dependences=dependences(estimation, old),
         dependences_after=dependences(estimation, new),
@@ -237,14 +236,12 @@ def _keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) ->
     return keeps_step(alone, others, joint)
 
 
-def _with_rounding(
-    baseline: Baseline, before: FinalModel, rows: Rows, steps: Float[ndarray, " joints"]
-) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
-    """(n,) white squares of what encoder steps err, and (n,) the floor with that in it [N m]."""
-    errors = rounding_torque(before.model, before.parameters, rows.prepared, steps)
+def _with_rounding(baseline: Baseline, before: FinalModel, rows: Rows) -> Float[ndarray, " joints"]:
+    """(n,) the noise floor with what encoder steps err [N m]."""
+    errors = rounding_torque(before.model, before.parameters, rows.prepared)
     valid = [e[p.valid] for e, p in zip(errors, rows.prepared, strict=True)]
     repeated = rms(valid, baseline.certainty(rows.prepared))
-    return rounding_squares(rows, errors), np.hypot(baseline.floor.deviation, repeated)
+    return np.hypot(baseline.floor.deviation, repeated)
 
 
 def _unrepeated(

@@ -13,15 +13,25 @@ INERTIA = (3.923, 0.808, 0.328, 0.141)  # the paper's base parameters
 COULOMB = np.array([2.61, 1.46])  # [N m]
 VISCOUS = np.array([7.343, 0.787])  # [N m s/rad]
 NOISE = np.array([0.5, 0.1])  # [N m]
+TREMOR = 0.02  # [rad/s^2] of each wave
 LENGTH = 0.359  # [m] of the first link
 
 
 def data_set(
-    seed, *, extra=None, repetitions=3, colour=0.0, step=0.0, hum=None, roles=None, near=1.0
+    seed,
+    *,
+    extra=None,
+    repetitions=3,
+    colour=0.0,
+    step=0.0,
+    hum=None,
+    roles=None,
+    near=1.0,
+    shake=0.0,
 ):
     """A data set with noise of a time constant `colour` [s] and encoder steps [rad].
 
-    Motions for estimation reach `near` times as far as others. `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t, dq)`
+    The motion trembles up to `shake` [Hz]. Motions for estimation reach `near` times as far as others. `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t, dq)`
     what comes in its own time.
     """
     rng = np.random.default_rng(seed)
@@ -36,6 +46,7 @@ def data_set(
             colour=colour,
             step=step,
             hum=hum,
+            shake=shake,
             reach=near if role == "estimation" else 1.0,
         )
         for k, role in enumerate(roles)
@@ -54,9 +65,11 @@ def stribeck(size, speed=0.1, joint=0):
     return torque
 
 
-def _record(rng, name, role, *, extra, repetitions, colour, step, hum, reach):
+def _record(rng, name, role, *, extra, repetitions, colour, step, hum, shake, reach):
     t = np.arange(int(PERIOD * RATE) * repetitions) / RATE
     q, dq, ddq = (reach * x for x in _motion(rng, t))
+    if shake > 0:
+        q, dq, ddq = (x + y for x, y in zip((q, dq, ddq), _tremor(t, shake), strict=True))
     tau = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
     if extra is not None:
         tau = tau + extra(q, dq, ddq)
@@ -88,6 +101,17 @@ def _motion(rng, t):
         size = min(1.4 / np.abs(q).max(), 7 / np.abs(dq).max(), 4.8 / np.abs(ddq).max())
         columns.append((q * size, dq * size, ddq * size))
     return tuple(np.stack([column[k] for column in columns], axis=1) for k in range(3))
+
+
+def _tremor(t, highest):
+    """Small waves of all frequencies up to the highest, as a stiff drive makes them."""
+    q, dq, ddq = (np.zeros((len(t), 2)) for _ in range(3))
+    for k in range(10, round(highest * PERIOD)):
+        w = 2 * np.pi * k / PERIOD
+        size, phase = TREMOR / w**2, np.array([k**2, 1.7 * k**2])
+        wave, slope = np.sin(w * t[:, None] + phase), np.cos(w * t[:, None] + phase)
+        q, dq, ddq = q + size * wave, dq + size * w * slope, ddq - size * w**2 * wave
+    return q, dq, ddq
 
 
 def rigid(q, dq, ddq, inertia=INERTIA):

@@ -5,13 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.encoder_steps import encoder_steps, repeated_steps, rounding_torque
 from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.evidence.encoder_steps import encoder_steps, repeated_steps, rounding_torque
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
 from oed.robot.builtin import imi_scara
+from tests.diagnosis.arm import data_set
 
 RATE, PERIOD, REPETITIONS = 1000.0, 6.0, 5
 STEP = 3e-5  # [rad]
@@ -74,5 +77,21 @@ def test_torque_errs_as_much_as_rounded_positions_make_it():
     real = band.apply(
         model.torque(parameters, rounded.motion) - model.torque(parameters, clean.motion)
     )
-    (stated,) = rounding_torque(model, parameters, [rounded], np.array([STEP, STEP]))
+    (stated,) = rounding_torque(model, parameters, [rounded])
     assert stated.std(axis=0) == pytest.approx(real.std(axis=0), rel=0.15)
+
+
+def test_what_rounding_repeats_is_noise_to_the_mean_of_repetitions():
+    shaken = data_set(3, step=STEP, repetitions=4, shake=20.0)
+    assert mean_square(shaken) == pytest.approx(1.0, abs=0.15)
+    assert mean_square(shaken, steps=np.zeros(2)) > 3.0
+
+
+def mean_square(dataset, **changes):
+    """Of what a fit to the mean repetitions leaves of the first joint, in units of its noise."""
+    prepared = tuple(
+        dataclasses.replace(p, **changes) for p in prepare(dataset.estimation, DiagnosisSettings())
+    )
+    baseline = find_baseline(TorqueModel.standard(dataset.robot), prepared)
+    fit = Workshop(baseline, prepared, (), DiagnosisSettings(), gear_ratio=None).before.fit
+    return np.sum(fit.residual[0] ** 2) / fit.freedom()[0]

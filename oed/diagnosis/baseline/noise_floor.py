@@ -105,6 +105,7 @@ def floor_from_repetitions(
     series: Sequence[Float[ndarray, "_ _ joints"]],
     trusted: Sequence[Bool[ndarray, "_ _ joints"]],
     rate: float,
+    repeated: Sequence[Float[ndarray, "_ joints"]] | None = None,
 ) -> NoiseFloor:
     """Noise floor from the differences between successive repetitions.
 
@@ -112,18 +113,34 @@ def floor_from_repetitions(
         series: Residuals of the repetitions of each recording [N m].
         trusted: Which show nothing but noise.
         rate: Of the rows [Hz].
+        repeated: What errs alike in all repetitions of each recording [N m]. No difference shows
+            it; beside their mean it is louder than beside one, and it has a share in the colour.
     """
     apart = [x for folded in series for x in differences(folded)]
     # A difference is trusted where all that it is made of are.
     masks = [x for m in trusted for x in np.logical_and.reduce([own for _, own in _neighbours(m)])]
     masks = _quiet(apart, masks, round(BLOCK * rate))
     joints = series[0].shape[2]
+    heard = apart if repeated is None else _with_repeated(series, repeated)
     noise = tuple(
-        fit_autoregression([d[:, j] for d in apart], trusted=[m[:, j] for m in masks])
+        fit_autoregression([d[:, j] for d in heard], trusted=[m[:, j] for m in masks])
         for j in range(joints)
     )
     deviation = _deviation(apart, masks, np.ones(joints))
     return NoiseFloor("repetitions", noise, deviation, np.ones(joints))
+
+
+def _with_repeated(
+    series: Sequence[Float[ndarray, "_ _ joints"]], repeated: Sequence[Float[ndarray, "_ joints"]]
+) -> list[Float[ndarray, "_ joints"]]:
+    """Differences with what errs alike in all repetitions, as it stands beside their mean."""
+    heard = []
+    for folded, alike in zip(series, repeated, strict=True):
+        apart = differences(folded)
+        count, rows = apart.shape[:2]
+        errors = alike[: count * rows].reshape(apart.shape)
+        heard += list(apart + np.sqrt(len(folded)) * errors)
+    return heard
 
 
 def _neighbours(folded: Shaped[ndarray, "_ rows joints"]) -> list[tuple[float, ndarray]]:

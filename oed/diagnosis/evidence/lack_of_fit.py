@@ -27,9 +27,7 @@ class LackOfFit:
     freedom: Float[ndarray, " joints"]
 
 
-def lack_of_fit(
-    fit: LinearFit, noise_freedom: float, rounding: Float[ndarray, " joints"]
-) -> LackOfFit:
+def lack_of_fit(fit: LinearFit, noise_freedom: float) -> LackOfFit:
     """The lack-of-fit F test on whitened rows.
 
     Rows near reversals weigh less than their pure error would ask for, so the level of the
@@ -38,10 +36,8 @@ def lack_of_fit(
     Args:
         fit: On mean repetitions where there are any.
         noise_freedom: Rows that the noise was estimated from.
-        rounding: (n,) mean square of what encoder steps add to white residuals. They repeat
-            with the motion, so repetitions do not show them as pure error.
     """
     freedom = fit.freedom()
-    mean_square = np.sum(fit.residual**2, axis=1) / freedom / (1 + rounding)
+    mean_square = np.sum(fit.residual**2, axis=1) / freedom
     p_value = f_distribution.sf(mean_square, freedom, max(noise_freedom, 1.0))
     return LackOfFit(np.sqrt(mean_square), p_value, freedom)

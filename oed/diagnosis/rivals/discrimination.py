@@ -169,6 +169,7 @@ def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:
         band=pattern.band,
         repetition=np.full(len(t), -1),
         period=None,
+        steps=pattern.steps,
         sign_noise=pattern.sign_noise,
         recorded=np.ones(len(motion), dtype=bool),
     )

@@ -1,7 +1,9 @@
 """What the steps of an encoder do to the torque residual.
 
 A quantised position errs in the same way each time the same motion is run: the error is no
-lack of the model, and no pure error either.
+lack of the model, and what repetitions differ by does not show it. Torques of an acceleration
+err the more the faster the change: where an encoder is coarse, that drowns the upper part of the
+band.
 """
 
 from __future__ import annotations
@@ -14,7 +16,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
 
@@ -78,9 +79,8 @@ def rounding_torque(
     model: TorqueModel,
     parameters: Float[ndarray, " parameters"],
     prepared: Sequence[Prepared],
-    steps: Float[ndarray, " joints"],
 ) -> list[Float[ndarray, "rows joints"]]:
-    """Errors of the predicted torque as these steps make them, in the band [N m].
+    """Errors of the predicted torque as repeated encoder steps make them, in the band [N m].
 
     An error is drawn evenly over a step: which one a sample met is not to be told any more from
     positions that were smoothed after it.
@@ -88,7 +88,7 @@ def rounding_torque(
     rng = np.random.default_rng(SEED)
     errors = []
     for p in prepared:
-        rounded = steps * rng.uniform(-0.5, 0.5, p.motion.q.shape)
+        rounded = p.steps * rng.uniform(-0.5, 0.5, p.motion.q.shape)
         change, rate, acceleration = p.band.differentiate(rounded)
         there = dataclasses.replace(
             p.motion,
@@ -99,14 +99,3 @@ def rounding_torque(
         difference = model.torque(parameters, there) - model.torque(parameters, p.motion)
         errors.append(p.band.apply(difference))
     return errors
-
-
-def rounding_squares(
-    rows: Rows, errors: Sequence[Float[ndarray, "_ joints"]]
-) -> Float[ndarray, " joints"]:
-    """(n,) mean square that errors of the torque add to a row of the white residual."""
-    squares = np.zeros(rows.weights.shape[1])
-    for j in range(len(squares)):
-        white = rows.whiten([e[:, [j]] for e in errors], j)
-        squares[j] = np.sum(white**2) / max(float(np.sum(rows.weights[:, j] ** 2)), 1.0)
-    return squares
