@@ -1,9 +1,15 @@
 """What an addition may cost at one joint for what it wins at another."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search.judgement import PRICE, WORSE, costs
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
 
 FLOOR = np.array([0.5, 0.1])
 OLD = np.array([1.0, 0.2])
@@ -32,3 +38,32 @@ def test_a_loss_is_weighed_against_the_gain_in_squares_of_the_floor(share, dear)
 def test_a_rise_within_the_margin_is_chance():
     new = np.array([0.6, (WORSE - 0.001) * OLD[1]])
     assert not costs(OLD, new, FLOOR, price=0.0)
+
+
+def test_two_plain_effects_of_one_kind_are_two():
+    """Both are even in speed, and where the joint seldom rests one does most of the other's work."""
+
+    def lopsided(q, dq, ddq):
+        return np.stack([0.35 * np.abs(dq[:, 0]) + 0.4, np.zeros(len(q))], axis=1)
+
+    dataset = data_set(1, extra=lopsided)
+    settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert {(e.name, e.joint) for e in found.effects} == {
+        ("asymmetric_viscous", 0),
+        ("torque_offset", 0),
+    }
+    assert not found.unexplained
+
+
+def test_a_wrong_formula_is_not_mended_by_an_offset():
+    """What a parabola leaves of the friction that it is: a function of speed explains it best."""
+
+    def curved(q, dq, ddq):
+        extra = 0.3 * np.where(dq[:, 0] > 0, dq[:, 0], 0.0) ** 2
+        return np.stack([extra, np.zeros(len(q))], axis=1)
+
+    dataset = data_set(1, extra=curved)
+    settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert [(e.name, e.joint) for e in found.effects] == [("asymmetric_viscous", 0)]

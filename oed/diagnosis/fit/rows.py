@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 from scipy.ndimage import maximum_filter1d
 
@@ -16,6 +16,7 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.whitening import Autoregression
 
 LEAST_BLOCK = 4  # rows
+STOP = 0.1  # [s] without a direction, from which on a joint stops instead of turning
 
 
 @dataclass(frozen=True)
@@ -139,10 +140,22 @@ def _balanced(
     return np.minimum(weights, common[place[rows]])
 
 
+def _stretches(inside: Bool[ndarray, " rows"]) -> Float[ndarray, " rows"]:
+    """Rows of the stretch that each row is inside of, one for rows that are in none."""
+    edges = np.flatnonzero(np.diff(inside)) + 1
+    lengths = np.diff(edges, prepend=0, append=len(inside))
+    return np.where(inside, np.repeat(lengths, lengths), 1.0)
+
+
 def _weights_of(
     recording: Prepared, joint: int, noise: Autoregression, coulomb: float
 ) -> Float[ndarray, " rows"]:
     spread = direction_error(recording, joint, coulomb)[:: recording.band.factor]
+    # At rest friction stays as it is: all rows of a stop tell no more than one.
+    stretches = _stretches(spread > spread.max() / 2)
+    spread = spread * np.sqrt(
+        np.where(stretches > STOP * recording.band.analysis_rate, stretches, 1)
+    )
     error = np.abs(noise.whiten(spread[:, None])[:, 0])
     error = maximum_filter1d(np.maximum(error, spread / noise.deviation), 3)
     weights = 1 / np.sqrt(1 + error**2)

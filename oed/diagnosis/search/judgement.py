@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from oed.diagnosis.search.chance import p_value_of
 from oed.diagnosis.search.held_out import cross_validate
-from oed.diagnosis.search.scan import Score, implausible, score
+from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
 from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -95,12 +95,16 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
         )
         if share < shop.settings.mop_up_floor:
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
+        if share >= shop.settings.mending_share:
+            continue
+        others = [a.trial for a in accepted]
+        if _outdoes(shop, candidate, earlier, others):
+            continue
         if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
             return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
-        if share < shop.settings.mending_share:
-            mend = _mend_that_covers(shop, candidate, earlier, [a.trial for a in accepted])
-            if mend is not None:
-                return f"{mend} would mend the formula of {earlier.trial.name} as well"
+        mend = _mend_that_covers(shop, candidate, earlier, others)
+        if mend is not None:
+            return f"{mend} would mend the formula of {earlier.trial.name} as well"
     others = [a.trial for a in accepted]
     residual = shop.fit(others, shop.layout(candidate.trial)).fit.residual
     share = candidate.gain / float(np.sum(residual[list(candidate.trial.group)] ** 2))
@@ -138,24 +142,44 @@ def gain_at(
     return before - after
 
 
+def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]) -> bool:
+    """Whether a candidate without a shape to adapt explains all that is free to, but for noise.
+
+    A wrong formula leaves what a function of the coordinates explains best, its own or those of
+    what would mend it.
+    """
+    own = candidate.trial
+    if own.shapes or own.fixed or own.is_free_form or earlier.trial.is_free_form:
+        return False
+    free = [m for t in (own, earlier.trial) for m in _free_forms_of(shop, t)]
+    fit = shop.fit(others, shop.layout(own)).fit
+    noise = float(inflation_of(fit)[list(own.group)].mean())
+    found = [score(t, fit) for t in free]
+    return bool(found) and all(s.gain - s.freedom * noise < candidate.gain for s in found)
+
+
 def _mend_that_covers(
     shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
 ) -> str | None:
     """A free-form term of an earlier effect's own coordinates that covers a candidate."""
-    if earlier.trial.is_free_form or candidate.trial.is_free_form:
+    if candidate.trial.is_free_form:
         return None
     layout = shop.layout(candidate.trial)
-    for mend in shop.smooth:
-        if (
-            mend.joint == earlier.trial.joint
-            and not mend.between_repetitions
-            and is_own(mend, earlier.trial)
-        ):
-            fit = shop.fit([*others, mend], layout).fit
-            left = score(candidate.trial, fit).gain
-            if left < COVERED * candidate.gain:
-                return str(mend.key[0])
+    for mend in _free_forms_of(shop, earlier.trial):
+        fit = shop.fit([*others, mend], layout).fit
+        left = score(candidate.trial, fit).gain
+        if left < COVERED * candidate.gain:
+            return str(mend.key[0])
     return None
+
+
+def _free_forms_of(shop: Workshop, named: Trial) -> list[Trial]:
+    """Free-form terms at a named effect's joint of nothing but its coordinates."""
+    return [
+        t
+        for t in shop.smooth
+        if t.joint == named.joint and not t.between_repetitions and is_own(t, named)
+    ]
 
 
 def is_own(free: Trial, named: Trial) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
+from oed.diagnosis.search.behind_noise import quieter_beside
 from oed.diagnosis.search.exchange import decided_shapes, rested, settled
 from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms, better_free_form
 from oed.diagnosis.search.judgement import Accepted, Refused, at_home, judge, refusal
@@ -144,6 +145,7 @@ class _State:
         most, seen = self.shop.most_effects, [self._names()]
         while len(self.accepted) + self.shop.is_turned < most:
             pick = _next_physical(self.shop, self.accepted, self.refused, self._pool())
+            pick = pick or self._next_behind_noise()
             if pick is None:
                 room = most - len(self.accepted) - self.shop.is_turned
                 group = self._next_group(room) or self._next_together(room)
@@ -169,6 +171,18 @@ class _State:
 
     def _names(self) -> tuple[bool, set[tuple[str, object]]]:
         return self.shop.is_turned, {a.trial.key for a in self.accepted}
+
+    def _next_behind_noise(self) -> Accepted | None:
+        """A name that has passed for noise, in tables without it."""
+        others = [a.trial for a in self.accepted]
+        for beside, trial in quieter_beside(self.shop, self._pool(), others):
+            accepted = [at_home(beside, a) for a in self.accepted]
+            own = [t for t in beside.physical if t.key == trial.key]
+            pick = _next_physical(beside, accepted, self.refused, own)
+            if pick is not None:
+                self.shop, self.accepted = beside, accepted
+                return pick
+        return None
 
     def _next_group(self, most: int) -> list[Accepted]:
         """One kind of effect in several joints at once; every kind has one turn."""

@@ -1,0 +1,54 @@
+"""An effect that passes for slow noise, and the noise beside it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.search.behind_noise import quieter_beside
+from oed.diagnosis.search.selection import search
+from oed.dynamics.effects.entries.history import SWING
+from tests.diagnosis.arm import RATE, data_set, rigid
+from tests.diagnosis.shop import shop_of
+
+LOAD = (0.0, 0.12, 0.02, 0.05)  # base parameters that a load adds to the arm's
+TAKEN_UP = 9.0  # [s]
+SURROGATES = {"surrogates": 39, "refined": 4}
+
+
+def load_from(*moments):
+    """Torque of a load that each recording in turn holds from some moment on [s]."""
+    since = iter(moments)
+
+    def torque(q, dq, ddq):
+        held = np.arange(len(q)) / RATE > next(since)
+        return held[:, None] * rigid(q, dq, ddq, LOAD)
+
+    return torque
+
+
+def dazed_shop(extra):
+    """Recordings that nobody repeated, and noise of which hardly a row in a hundred counts."""
+    dataset = data_set(1, extra=extra, roles=("estimation", "validation"), repetitions=2)
+    bare = tuple(dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
+    shop = shop_of(dataclasses.replace(dataset, recordings=bare), **SURROGATES)
+    floor = dataclasses.replace(shop.baseline.floor, dilution=np.full(2, 300.0))
+    return shop.on(dataclasses.replace(shop.baseline, floor=floor))
+
+
+def test_a_load_that_passes_for_noise_is_named():
+    shop, selection = search(dazed_shop(load_from(TAKEN_UP, 0.0)))
+    assert [t.name for t in selection.trials] == ["payload_change"]
+    assert selection.trials[0].values[0] == pytest.approx(TAKEN_UP, abs=SWING)
+    assert np.all(shop.baseline.floor.dilution < 3.0)
+
+
+def test_noise_that_is_noise_stays_so():
+    _, selection = search(dazed_shop(None))
+    assert selection.trials == ()
+
+
+def test_noise_of_rows_that_count_is_not_suspected():
+    dataset = data_set(1, roles=("estimation", "validation"), repetitions=2)
+    shop = shop_of(dataset, **SURROGATES)
+    assert not list(quieter_beside(shop, shop.physical, ()))
