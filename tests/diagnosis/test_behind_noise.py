@@ -13,7 +13,6 @@ from tests.diagnosis.shop import shop_of
 
 LOAD = (0.0, 0.12, 0.02, 0.05)  # base parameters that a load adds to the arm's
 TAKEN_UP = 9.0  # [s]
-SURROGATES = {"surrogates": 39, "refined": 4}
 
 
 def load_from(*moments):
@@ -31,7 +30,7 @@ def dazed_shop(extra):
     """Recordings that nobody repeated, and noise of which hardly a row in a hundred counts."""
     dataset = data_set(1, extra=extra, roles=("estimation", "validation"), repetitions=2)
     bare = tuple(dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
-    shop = shop_of(dataclasses.replace(dataset, recordings=bare), **SURROGATES)
+    shop = shop_of(dataclasses.replace(dataset, recordings=bare), surrogates=39, refined=4)
     floor = dataclasses.replace(shop.baseline.floor, dilution=np.full(2, 300.0))
     return shop.on(dataclasses.replace(shop.baseline, floor=floor))
 
@@ -50,5 +49,5 @@ def test_noise_that_is_noise_stays_so():
 
 def test_noise_of_rows_that_count_is_not_suspected():
     dataset = data_set(1, roles=("estimation", "validation"), repetitions=2)
-    shop = shop_of(dataset, **SURROGATES)
+    shop = shop_of(dataset, surrogates=39, refined=4)
     assert not list(quieter_beside(shop, shop.physical, ()))

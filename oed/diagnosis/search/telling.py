@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.search.calming import calmed
 from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.scan import Score, inflation_of
 from oed.diagnosis.search.workshop import Workshop
@@ -60,7 +61,7 @@ def telling(
         left.append(float(inflation_of(found.fit)[acting].mean()))
     unit = np.maximum(np.min(errors, axis=0), 1.0)
     rows = shop.full.rows.count
-    explained = np.array([r.gain for r in rivals]) / min(left)
+    explained = np.array([r.gain - calmed(shop, r.trial) for r in rivals]) / min(left)
     costs = np.array([r.gain - r.evidence(rows) for r in rivals])
     return explained - costs + np.array(foretold) @ (1 / unit)
 
