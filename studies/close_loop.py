@@ -157,7 +157,7 @@ def _summarise(outcome: Outcome, config: Config) -> None:
         place = "arm" if effect.joint is None else f"joint {effect.joint + 1}"
         known = known_parameters(effect, found.shop.context, outcome.dataset.robot.joints)
         values = ", ".join(
-            f"{p.name} = {p.value:.4g} " + (f"± {p.std:.2g}" if p.note is None else f"({p.note})")
+            f"{p.label} = {p.value:.4g} " + (f"± {p.std:.2g}" if p.note is None else f"({p.note})")
             for p in known
         )
         _say(f"  {effect.name} ({place}): {values}; p = {effect.p_value:.1e}")

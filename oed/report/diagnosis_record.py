@@ -80,6 +80,7 @@ def _effect(effect: FoundEffect, found: Diagnosis) -> dict[str, object]:
             # A note says where the standard deviation is no measurement.
             p.name: {"value": p.value, "std": p.std, "unit": p.unit}
             | ({} if p.note is None else {"note": p.note})
+            | ({} if p.stands_for is None else {"stands_for": p.stands_for})
             for p in known
         },
         "p_value": effect.p_value,

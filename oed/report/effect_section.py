@@ -31,7 +31,7 @@ def _section(effect: FoundEffect, found: Diagnosis, labels: Sequence[str]) -> Se
     entry = CATALOGUE[effect.name]
     about = entry.page
     rows: list[Row] = [
-        {"parameter": p.name, "value": p.value, "std": p.uncertainty, "unit": p.unit}
+        {"parameter": p.label, "value": p.value, "std": p.uncertainty, "unit": p.unit}
         for p in known_parameters(effect, found.shop.context, found.before.model.robot.joints)
     ]
     blocks: list[Text | Table | Picture] = [

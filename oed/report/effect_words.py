@@ -9,6 +9,9 @@ import numpy as np
 
 from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
+from oed.dynamics.effects.effect import Effect
+from oed.dynamics.effects.entries.history import visible_load
+from oed.dynamics.effects.payload import PayloadChange
 from oed.robot.robot import Joint
 
 WHOLE_RANGE = 0.999  # of the spread of a uniform distribution: the data say no more than the range
@@ -25,6 +28,7 @@ class KnownParameter:
         std: Standard deviation; of a shape no more than that of its plausible range.
         unit: At this joint.
         note: In words why `std` is no measurement; None where it is one.
+        stands_for: Sum that the data show it as a part of; None where it is itself.
     """
 
     name: str
@@ -32,6 +36,12 @@ class KnownParameter:
     std: float
     unit: str
     note: str | None = None
+    stands_for: str | None = None
+
+    @property
+    def label(self) -> str:
+        """The name, with what it stands for if that is more."""
+        return self.name if self.stands_for is None else f"{self.name} ({self.stands_for})"
 
     @property
     def uncertainty(self) -> float | str:
@@ -61,9 +71,22 @@ def known_parameters(
         _shape_note(p.value, p.std, shape)
         for p, shape in zip(effect.parameters[coefficients:], shapes, strict=True)
     ]
+    sums = _sums(trial.effect, coefficients) + [None] * len(trial.values)
     return [
-        KnownParameter(p.name, p.value, p.std, _unit(p.unit, effect.joint, joints), note)
-        for p, note in zip(effect.parameters, notes, strict=True)
+        KnownParameter(p.name, p.value, p.std, _unit(p.unit, effect.joint, joints), note, whole)
+        for p, note, whole in zip(effect.parameters, notes, sums, strict=True)
+    ]
+
+
+def _sums(effect: Effect, coefficients: int) -> list[str | None]:
+    """What a load's parameters stand for, where that is more than their names say."""
+    if not isinstance(effect, PayloadChange):
+        return [None] * coefficients
+    names = effect.robot.parameter_names[10 * effect.link :]
+    seen = visible_load(effect.robot, effect.link)
+    return [
+        None if words == names[k] else words
+        for k, words in zip(seen.kept, seen.expressions, strict=True)
     ]
 
 

@@ -10,6 +10,7 @@ from numpy import ndarray
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.entries.history import visible_load
 from oed.dynamics.effects.payload import PayloadChange
 from oed.robot.inertia import parameters_from_pseudo_inertia
 
@@ -25,13 +26,14 @@ def impossible_load(whole: Augmented) -> Trial | None:
     ):
         if isinstance(trial.effect, PayloadChange):
             own = at_given_shapes(covariance, len(coefficients))
-            if lost_by_bodies(trial.effect.kept, coefficients, own) > LOST:
+            shown = visible_load(trial.effect.robot, trial.effect.link).regrouping
+            if lost_by_bodies(shown, coefficients, own) > LOST:
                 return trial
     return None
 
 
 def lost_by_bodies(
-    kept: tuple[int, ...],
+    regrouping: Float[ndarray, "columns 10"],
     values: Float[ndarray, " columns"],
     covariance: Float[ndarray, "columns columns"],
 ) -> float:
@@ -41,7 +43,7 @@ def lost_by_bodies(
     down (Wensing, Kim, Slotine 2018).
 
     Args:
-        kept: Which of the ten standard parameters make torque.
+        regrouping: What each estimated parameter stands for, of a body's ten.
         values: Their estimates.
         covariance: Of the estimates.
 
@@ -51,8 +53,8 @@ def lost_by_bodies(
     scale = np.sqrt(np.diag(covariance))
     root = np.linalg.cholesky(np.linalg.pinv(covariance / np.outer(scale, scale), hermitian=True))
     units = np.eye(16).reshape(16, 4, 4)
-    rows = np.array([parameters_from_pseudo_inertia(unit) for unit in units]).T[list(kept)]
-    white = root.T @ (rows / scale[:, None])
+    rows = np.array([parameters_from_pseudo_inertia(unit) for unit in units]).T
+    white = root.T @ (regrouping @ rows / scale[:, None])
     target = root.T @ (values / scale)
     left = []
     for sign in (1.0, -1.0):

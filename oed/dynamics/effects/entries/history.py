@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -29,8 +30,9 @@ from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import JointLimits, Robot
 
-# A load's first moments matter most, then its mass, then its inertia.
-LOAD_PREFERENCE = (1, 2, 3, 0, 4, 5, 6, 7, 8, 9)
+# A load's first moments matter most. Its mass comes last: where no motion tells it from a part of
+# the inertia, a few grams far out would pass for kilograms.
+LOAD_PREFERENCE = (1, 2, 3, 4, 5, 6, 7, 8, 9, 0)
 SWING = 0.2  # [s] within which no arm goes to and fro
 MOST_MOMENTS = 400
 STATES = 60  # random states that show which of ten columns differ
@@ -186,8 +188,23 @@ def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> Pa
     return PayloadChange(robot, last, values[0], kept, start, context.reference)
 
 
-def visible_load_parameters(robot: Robot, link: int) -> tuple[int, ...]:
-    """Which of a load's ten parameters make a torque of their own, most telling first kept.
+@dataclass(frozen=True)
+class VisibleLoad:
+    """What of a load an arm's torque shows.
+
+    Attributes:
+        kept: Which of its ten standard parameters make a torque of their own.
+        regrouping: (k, 10) matrix of what each of them stands for.
+        expressions: (k,) the same in words, such as "Izz_2 + 0.0025 m_2".
+    """
+
+    kept: tuple[int, ...]
+    regrouping: Float[ndarray, "kept 10"]
+    expressions: tuple[str, ...]
+
+
+def visible_load(robot: Robot, link: int) -> VisibleLoad:
+    """What of a load at a link an arm's torque shows.
 
     Unlike a link's, a load's parameters cannot be regrouped into the links before it: it
     comes and goes.
@@ -201,14 +218,19 @@ def visible_load_parameters(robot: Robot, link: int) -> tuple[int, ...]:
         whole.parameters[columns],
         preference=LOAD_PREFERENCE,
     )
-    return tuple(sorted(int(column) for column in base.columns))
+    order = np.argsort(base.columns)
+    return VisibleLoad(
+        tuple(int(column) for column in base.columns[order]),
+        base.regrouping[order],
+        tuple(base.expressions[k] for k in order),
+    )
 
 
 @lru_cache(maxsize=8)
 def _visible(context: Context) -> tuple[int, ...]:
     """Of a load at the last link."""
     robot = context.model.robot
-    return visible_load_parameters(robot, robot.outward[-1])
+    return visible_load(robot, robot.outward[-1]).kept
 
 
 def _payload_plausible(
