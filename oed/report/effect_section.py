@@ -18,8 +18,15 @@ SMALLEST_P = 1e-10  # below, the power of ten says nothing that a reader could u
 def effect_sections(found: Diagnosis, labels: Sequence[str]) -> list[Section]:
     """A section for each named effect, or one that says there is none."""
     if not found.effects:
-        return [Section("Found: nothing", [Text("The data call for no effect of the catalogue.")])]
+        return [Section(*_without_names(found))]
     return [_section(effect, found, labels) for effect in found.effects]
+
+
+def _without_names(found: Diagnosis) -> tuple[str, list[Text]]:
+    if found.unexplained:
+        text = "Something is missing, and no effect of the catalogue proved to be what it is."
+        return "Found: no name", [Text(text)]
+    return "Found: nothing", [Text("The data call for no effect of the catalogue.")]
 
 
 def p_value_text(p_value: float) -> str:

@@ -149,6 +149,14 @@ def test_says_where_nothing_was_found(found, tmp_path):
     assert "Found: nothing" in page.text
 
 
+def test_does_not_say_that_all_is_well_where_something_has_no_name(found, tmp_path):
+    strange = Unexplained(1, ("q_1", "q_2"), 0.25, "f(q_1, q_2)", stands_in=False)
+    bare = dataclasses.replace(found, verdict="unexplained", effects=(), unexplained=(strange,))
+    page = Reader(write(bare, tmp_path))
+    assert "Found: no name" in page.text
+    assert "Found: nothing" not in page.text
+
+
 @pytest.mark.parametrize("name", ["torque_offset", "time_delay", "nonlinear_viscous"])
 def test_says_what_a_name_cannot_be_told_from(name, found, tmp_path):
     html = unescape(write(renamed(found, name), tmp_path))
