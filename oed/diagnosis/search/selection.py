@@ -18,6 +18,7 @@ from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.telling import most_telling_first
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.search.turning import GRAVITY, accepted_tilt, turned
+from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -128,6 +129,7 @@ class _State:
         barred: Keys of names that fell, and may not come back.
         grouped: Names that were tried in several joints at once.
         joined: Joints in which several names were tried at once.
+        paired: Joints in which two names of any kind were.
         p_value: Of a tilt, if the tables are turned.
     """
 
@@ -138,6 +140,7 @@ class _State:
     barred: set[tuple[str, object]] = field(default_factory=set)
     grouped: set[str] = field(default_factory=set)
     joined: set[int] = field(default_factory=set)
+    paired: set[int] = field(default_factory=set)
     p_value: float = 0.0
 
     def add_names(self) -> None:
@@ -148,7 +151,7 @@ class _State:
             pick = pick or self._next_behind_noise()
             if pick is None:
                 room = most - len(self.accepted) - self.shop.is_turned
-                group = self._next_group(room) or self._next_together(room)
+                group = self._next_group(room) or self._next_together(room) or self._next_two(room)
                 if not group:
                     break
                 self.accepted += group
@@ -215,6 +218,17 @@ class _State:
             self.joined.add(joint)
             found = several_at_once(self.shop, self.accepted, free, self.refused)
             if found and as_good_as_free_forms(self.shop, self.accepted, found, joint):
+                return found
+        return []
+
+    def _next_two(self, most: int) -> list[Accepted]:
+        """Two effects of one joint at once; every joint has one turn."""
+        for joint in range(self.shop.context.n):
+            if joint in self.paired or most < 2:
+                continue
+            self.paired.add(joint)
+            found = two_at_once(self.shop, self.accepted, self._pool(), joint, self.refused)
+            if found:
                 return found
         return []
 

@@ -1,0 +1,87 @@
+"""Two effects of one joint at once: a curve that does some of both outshines each of them alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oed.diagnosis.search.judgement import Accepted, Refused
+from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.scan import inflation_of, score
+from oed.diagnosis.search.several import several_at_once
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+
+LEADERS = 3  # candidates for which a partner is looked for
+REFINED = 3  # candidates for partners
+
+
+def two_at_once(
+    shop: Workshop,
+    accepted: list[Accepted],
+    pool: Sequence[Trial],
+    joint: int,
+    refused: list[Refused],
+) -> list[Accepted]:
+    """Two effects of a joint that together leave nothing to any free-form term, or none.
+
+    Args:
+        shop: The laid-out data.
+        accepted: Additions so far.
+        pool: Candidates, over the grids of their shapes.
+        joint: Index.
+        refused: Receives what falls at the last tests.
+    """
+    others = [a.trial for a in accepted]
+    taken = {t.key for t in others}
+    own = [
+        t
+        for t in pool
+        if t.target == joint and t.key not in taken and not (t.fixed or t.between_repetitions)
+    ]
+    rows = shop.full.rows.count
+    leaders = ranked(shop, own, others, LEADERS) if own else []
+    pairs = [
+        _with_partner(shop, own, others, leader.trial)
+        for leader in leaders[:LEADERS]
+        if leader.evidence(rows) > 0
+    ]
+    if not pairs:
+        return []
+    gains = [_gain(shop, others, pair, joint) for pair in pairs]
+    best = int(np.argmax(gains))
+    if not _leaves_nothing(shop, others, joint, gains[best]):
+        return []
+    found = several_at_once(shop, accepted, pairs[best], refused)
+    return found if len(found) == len(pairs[best]) else []
+
+
+def _with_partner(
+    shop: Workshop, own: Sequence[Trial], others: Sequence[Trial], leader: Trial
+) -> list[Trial]:
+    """A candidate and the best beside it, each refined beside the other."""
+    rest = [t for t in own if t.key != leader.key]
+    partner = ranked(shop, rest, [*others, leader], REFINED)[0].trial
+    same = [t for t in own if t.key == leader.key]
+    return [ranked(shop, same, [*others, partner], 1)[0].trial, partner]
+
+
+def _gain(shop: Workshop, others: Sequence[Trial], pair: Sequence[Trial], joint: int) -> float:
+    before, after = (
+        shop.fit(chosen, shop.mean, bend=False).fit.residual[joint]
+        for chosen in (others, [*others, *pair])
+    )
+    return float(np.sum(before**2) - np.sum(after**2))
+
+
+def _leaves_nothing(shop: Workshop, others: Sequence[Trial], joint: int, gain: float) -> bool:
+    """Whether no free-form term of one or two coordinates explains more, but for noise."""
+    fit = shop.fit(others, shop.mean).fit
+    noise = float(inflation_of(fit)[joint])
+    free = (
+        score(t, fit)
+        for t in (*shop.smooth, *shop.smooth_pairs)
+        if t.joint == joint and not t.between_repetitions
+    )
+    return all(s.gain - s.freedom * noise < gain for s in free)

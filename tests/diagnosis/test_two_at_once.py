@@ -1,0 +1,41 @@
+"""Two effects of one joint, tried together against what free-form terms make of both."""
+
+import numpy as np
+
+from oed.diagnosis.search.two_at_once import two_at_once
+from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of
+
+
+def on_second_joint(torque):
+    def extra(q, dq, ddq):
+        return np.stack([np.zeros(len(q)), torque(q, dq)], axis=1)
+
+    return extra
+
+
+def pair_of(torque, seed=1):
+    shop = shop_of(data_set(seed, extra=on_second_joint(torque)), surrogates=39, refined=4)
+    return {a.trial.name for a in two_at_once(shop, [], shop.physical, 1, [])}
+
+
+def test_finds_both_effects_of_a_joint():
+    def uneven(q, dq):
+        return 0.12 * np.cos(q[:, 1] + 0.4) * np.sign(dq[:, 1]) + 0.1 * np.sin(9 * q[:, 1])
+
+    assert pair_of(uneven) == {"position_dependent_friction", "torque_ripple"}
+
+
+def test_no_two_names_make_up_what_no_name_covers():
+    def landscape(q, dq):
+        return 0.15 * np.tanh(3 * (q[:, 0] + q[:, 1])) * np.cos(2 * q[:, 1])
+
+    assert not pair_of(landscape)
+
+
+def test_one_effect_is_not_made_two():
+    assert not pair_of(lambda q, dq: 0.15 * np.sin(9 * q[:, 1]))
+
+
+def test_nothing_is_nothing():
+    assert not pair_of(lambda q, dq: np.zeros(len(q)))
