@@ -29,18 +29,33 @@ HARMFUL = 0.3  # share of the noise at which an uncertain direction spoils its e
 
 def uncertain_direction(recording: Prepared, joint: int) -> Bool[ndarray, " samples"]:
     """Fine samples at which a joint may move either way, or not at all."""
-    band, velocity = recording.band, recording.motion.dq[:, joint]
-    acceleration = recording.motion.ddq[:, joint]
-    reach = 2 * int(np.ceil(band.rate / band.smoothing)) + 1
-    leap = maximum_filter1d(acceleration, reach) - minimum_filter1d(acceleration, reach)
-    sigma = np.hypot(recording.sign_noise[joint], RIPPLE * leap / band.smoothing)
+    velocity = recording.motion.dq[:, joint]
     slow = np.abs(velocity) < SLOW * np.sqrt(np.mean(velocity**2))
-    lingers = binary_opening(slow, np.ones(int(np.ceil(LINGERING * band.rate))))
-    uncertain = (np.abs(velocity) < SIGMAS * np.maximum(sigma, 1e-12)) | lingers.astype(bool)
+    uncertain = _slower_than_noise(recording, joint) | _lasting(slow, recording)
     # The crossing itself lies somewhere between two samples.
     turns = np.flatnonzero(np.signbit(velocity[1:]) != np.signbit(velocity[:-1]))
     uncertain[turns] = uncertain[turns + 1] = True
     return uncertain
+
+
+def stopped(recording: Prepared, joint: int) -> Bool[ndarray, " samples"]:
+    """Fine samples at which a joint rests, as far as its encoder can tell; not where it turns."""
+    return _lasting(_slower_than_noise(recording, joint), recording)
+
+
+def _slower_than_noise(recording: Prepared, joint: int) -> Bool[ndarray, " samples"]:
+    band, motion = recording.band, recording.motion
+    acceleration = motion.ddq[:, joint]
+    reach = 2 * int(np.ceil(band.rate / band.smoothing)) + 1
+    leap = maximum_filter1d(acceleration, reach) - minimum_filter1d(acceleration, reach)
+    sigma = np.hypot(recording.sign_noise[joint], RIPPLE * leap / band.smoothing)
+    return np.abs(motion.dq[:, joint]) < SIGMAS * np.maximum(sigma, 1e-12)
+
+
+def _lasting(slow: Bool[ndarray, " samples"], recording: Prepared) -> Bool[ndarray, " samples"]:
+    """Only the stretches that last."""
+    least = int(np.ceil(LINGERING * recording.band.rate))
+    return binary_opening(slow, np.ones(least)).astype(bool)
 
 
 def direction_error(

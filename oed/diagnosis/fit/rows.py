@@ -11,12 +11,12 @@ from numpy import ndarray
 from scipy.ndimage import maximum_filter1d
 
 from oed.diagnosis.data.band import BLOCK
-from oed.diagnosis.data.direction import direction_error
+from oed.diagnosis.data.direction import direction_error, stopped
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.whitening import Autoregression
 
 LEAST_BLOCK = 4  # rows
-STOP = 0.1  # [s] without a direction, from which on a joint stops instead of turning
+HALF = 0.5  # of a row's window, from which on it is one of a stop
 
 
 @dataclass(frozen=True)
@@ -152,10 +152,8 @@ def _weights_of(
 ) -> Float[ndarray, " rows"]:
     spread = direction_error(recording, joint, coulomb)[:: recording.band.factor]
     # At rest friction stays as it is: all rows of a stop tell no more than one.
-    stretches = _stretches(spread > spread.max() / 2)
-    spread = spread * np.sqrt(
-        np.where(stretches > STOP * recording.band.analysis_rate, stretches, 1)
-    )
+    resting = recording.band.apply(stopped(recording, joint) * 1.0) > HALF
+    spread = spread * np.sqrt(_stretches(resting))
     error = np.abs(noise.whiten(spread[:, None])[:, 0])
     error = maximum_filter1d(np.maximum(error, spread / noise.deviation), 3)
     weights = 1 / np.sqrt(1 + error**2)

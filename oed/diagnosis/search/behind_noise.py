@@ -18,7 +18,7 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 SLOW = 8.0  # correlated rows that count as one, from which on noise is suspected to be none
-QUIETER = 0.5  # share of a mean's deviation that a candidate must leave at one joint or more
+QUIETER = 0.2  # share of it that a candidate may leave, at one joint or more
 TRIED = 3  # candidates
 
 

@@ -143,13 +143,13 @@ def gain_at(
 
 
 def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]) -> bool:
-    """Whether a candidate without a shape to adapt explains all that is free to, but for noise.
+    """Whether of two effects without a shape to adapt the later explains all that a curve could.
 
     A wrong formula leaves what a function of the coordinates explains best, its own or those of
     what would mend it.
     """
     own = candidate.trial
-    if own.shapes or own.fixed or own.is_free_form or earlier.trial.is_free_form:
+    if any(t.shapes or t.fixed or t.is_free_form for t in (own, earlier.trial)):
         return False
     free = [m for t in (own, earlier.trial) for m in _free_forms_of(shop, t)]
     fit = shop.fit(others, shop.layout(own)).fit

@@ -15,6 +15,9 @@ from oed.diagnosis.terms.trials import Trial
 
 LEADERS = 3  # candidates for which a partner is looked for
 REFINED = 3  # candidates for partners
+# Error over noise floor up to which two names may be all that a joint lacks: where more is missing,
+# two flexible effects find some of it to explain.
+NEAR = 1.3
 
 
 def two_at_once(
@@ -24,7 +27,7 @@ def two_at_once(
     joint: int,
     refused: list[Refused],
 ) -> list[Accepted]:
-    """Two effects of a joint that together leave nothing to any free-form term, or none.
+    """Two effects of a joint that together leave nothing to any free-form term nor to others, or none.
 
     Args:
         shop: The laid-out data.
@@ -53,6 +56,8 @@ def two_at_once(
     best = int(np.argmax(gains))
     if not _leaves_nothing(shop, others, joint, gains[best]):
         return []
+    if not _is_all(shop, [*others, *pairs[best]], joint):
+        return []
     found = several_at_once(shop, accepted, pairs[best], refused)
     return found if len(found) == len(pairs[best]) else []
 
@@ -73,6 +78,15 @@ def _gain(shop: Workshop, others: Sequence[Trial], pair: Sequence[Trial], joint:
         for chosen in (others, [*others, *pair])
     )
     return float(np.sum(before**2) - np.sum(after**2))
+
+
+def _is_all(shop: Workshop, chosen: Sequence[Trial], joint: int) -> bool:
+    """Whether additions bring a joint's error near its floor, on unseen recordings if there are."""
+    found = shop.fit(chosen, shop.mean, bend=False)
+    unseen = shop.validation_rms(found)
+    if unseen is None:
+        return bool(inflation_of(found.fit)[joint] < NEAR**2)
+    return bool(unseen[joint] < NEAR * shop.baseline.floor.deviation[joint])
 
 
 def _leaves_nothing(shop: Workshop, others: Sequence[Trial], joint: int, gain: float) -> bool:
