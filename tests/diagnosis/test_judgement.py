@@ -7,6 +7,7 @@ import pytest
 
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search.judgement import PRICE, WORSE, costs
+from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
@@ -67,3 +68,20 @@ def test_a_wrong_formula_is_not_mended_by_an_offset():
     settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     assert [(e.name, e.joint) for e in found.effects] == [("asymmetric_viscous", 0)]
+
+
+def test_a_name_that_foretells_less_than_nothing_goes(monkeypatch):
+    own = Workshop.validation_gain
+
+    def harmed(shop, standing, trial):
+        return -0.05 if trial.name == "torque_offset" else own(shop, standing, trial)
+
+    offset = np.array([0.8, 0.0])
+    dataset = data_set(1, extra=lambda q, dq, ddq: offset + np.zeros_like(q))
+    settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+    model = TorqueModel.standard(dataset.robot)
+    assert [e.name for e in diagnose(dataset, model, settings).effects] == ["torque_offset"]
+    monkeypatch.setattr(Workshop, "validation_gain", harmed)
+    found = diagnose(dataset, model, settings)
+    assert not found.effects
+    assert "torque_offset" in {r.name for r in found.refused}

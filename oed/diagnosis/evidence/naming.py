@@ -17,11 +17,13 @@ from oed.diagnosis.evidence.verdict import (
     doubtful_name,
     plainer_rival,
 )
-from oed.diagnosis.search.judgement import costs
+from oed.diagnosis.search.judgement import WORSE, costs
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selection import Selection
+from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
 
 
 def named(
@@ -68,8 +70,25 @@ def _sure(
         if doubtful is None:
             doubtful, reason = impossible_load(found), "no body has such inertial parameters"
         if doubtful is None:
+            doubtful = _harmful(shop, selection.trials)
+            reason = "beside all other additions it raises the validation error"
+        if doubtful is None:
             return selection, after, found
         selection = selection.without(shop, doubtful, reason)
+
+
+def _harmful(shop: Workshop, chosen: tuple[Trial, ...]) -> Trial | None:
+    """A name without which what stands foretells the validation recordings better.
+
+    It paid when it was added; free-form terms that came later may do its part, and better.
+    """
+    for trial in chosen:
+        if trial.is_free_form or (trial.name == GRAVITY and shop.is_turned):
+            continue
+        gain = shop.validation_gain(chosen, trial)
+        if gain is not None and gain < 1 - WORSE:
+            return trial
+    return None
 
 
 def _never_worse(
