@@ -89,6 +89,9 @@ def rounding_torque(
     errors = []
     for p in prepared:
         rounded = p.steps * rng.uniform(-0.5, 0.5, p.motion.q.shape)
+        if not p.steps.any():
+            errors.append(np.zeros_like(p.torque))
+            continue
         change, rate, acceleration = p.band.differentiate(rounded)
         there = dataclasses.replace(
             p.motion,

@@ -46,10 +46,18 @@ def as_good_as_free_forms(
 ) -> bool:
     """Whether additions to a joint explain together what the best free-form term does."""
     others = [a.trial for a in accepted]
-    before, after = (
-        shop.fit(chosen, shop.mean, bend=False).fit
-        for chosen in (others, [*others, *(a.trial for a in found)])
-    )
-    gain = float(np.sum(before.residual[joint] ** 2) - np.sum(after.residual[joint] ** 2))
+    before = shop.fit(others, shop.mean, bend=False).fit
+    gain = gain_together(shop, others, [a.trial for a in found], joint)
     free = (t for t in shop.smooth if t.joint == joint and not t.between_repetitions)
     return gain > shop.settings.family_share * max(score(t, before).gain for t in free)
+
+
+def gain_together(
+    shop: Workshop, others: Sequence[Trial], added: Sequence[Trial], joint: int
+) -> float:
+    """Fall of a joint's white squares by some additions at once, beside others."""
+    before, after = (
+        shop.fit(chosen, shop.mean, bend=False).fit.residual[joint]
+        for chosen in (others, [*others, *added])
+    )
+    return float(np.sum(before**2) - np.sum(after**2))

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from oed.diagnosis.search.chance import p_value_of
 from oed.diagnosis.search.held_out import cross_validate
-from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
+from oed.diagnosis.search.scan import Score, implausible, none_explains_more, score
 from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -153,9 +153,7 @@ def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequen
         return False
     free = [m for t in (own, earlier.trial) for m in _free_forms_of(shop, t)]
     fit = shop.fit(others, shop.layout(own)).fit
-    noise = float(inflation_of(fit)[list(own.group)].mean())
-    found = [score(t, fit) for t in free]
-    return bool(found) and all(s.gain - s.freedom * noise < candidate.gain for s in found)
+    return bool(free) and none_explains_more(free, fit, candidate.gain, list(own.group))
 
 
 def _mend_that_covers(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +92,22 @@ def score(trial: Trial, fit: LinearFit) -> Score:
     cancelled = own / found.gain if found.gain > 0 else 1.0
     # Its size is free as it is.
     return Score(trial, found.gain, freedom, found.coefficients, cancelled, promise=found.gain)
+
+
+def none_explains_more(
+    trials: Iterable[Trial], fit: LinearFit, gain: float, joints: Sequence[int]
+) -> bool:
+    """Whether no trial gains more beside a model, but for what its parameters gain in noise.
+
+    Args:
+        trials: Candidates.
+        fit: Beside which.
+        gain: What they are held against.
+        joints: Whose noise counts.
+    """
+    noise = float(inflation_of(fit)[list(joints)].mean())
+    found = (score(t, fit) for t in trials)
+    return all(s.gain - s.freedom * noise < gain for s in found)
 
 
 def ridge_of(trial: Trial) -> float:

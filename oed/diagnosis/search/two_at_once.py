@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from oed.diagnosis.search.free_form_rivals import gain_together
 from oed.diagnosis.search.judgement import Accepted, Refused
 from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import inflation_of, score
+from oed.diagnosis.search.scan import inflation_of, none_explains_more
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -52,7 +53,7 @@ def two_at_once(
     ]
     if not pairs:
         return []
-    gains = [_gain(shop, others, pair, joint) for pair in pairs]
+    gains = [gain_together(shop, others, pair, joint) for pair in pairs]
     best = int(np.argmax(gains))
     if not _leaves_nothing(shop, others, joint, gains[best]):
         return []
@@ -72,14 +73,6 @@ def _with_partner(
     return [ranked(shop, same, [*others, partner], 1)[0].trial, partner]
 
 
-def _gain(shop: Workshop, others: Sequence[Trial], pair: Sequence[Trial], joint: int) -> float:
-    before, after = (
-        shop.fit(chosen, shop.mean, bend=False).fit.residual[joint]
-        for chosen in (others, [*others, *pair])
-    )
-    return float(np.sum(before**2) - np.sum(after**2))
-
-
 def _is_all(shop: Workshop, chosen: Sequence[Trial], joint: int) -> bool:
     """Whether additions bring a joint's error near its floor, on unseen recordings if there are."""
     found = shop.fit(chosen, shop.mean, bend=False)
@@ -91,11 +84,9 @@ def _is_all(shop: Workshop, chosen: Sequence[Trial], joint: int) -> bool:
 
 def _leaves_nothing(shop: Workshop, others: Sequence[Trial], joint: int, gain: float) -> bool:
     """Whether no free-form term of one or two coordinates explains more, but for noise."""
-    fit = shop.fit(others, shop.mean).fit
-    noise = float(inflation_of(fit)[joint])
     free = (
-        score(t, fit)
+        t
         for t in (*shop.smooth, *shop.smooth_pairs)
         if t.joint == joint and not t.between_repetitions
     )
-    return all(s.gain - s.freedom * noise < gain for s in free)
+    return none_explains_more(free, shop.fit(others, shop.mean).fit, gain, [joint])
