@@ -84,7 +84,7 @@ def test_torque_errs_as_much_as_rounded_positions_make_it():
 def test_what_rounding_repeats_is_noise_to_the_mean_of_repetitions():
     shaken = data_set(3, step=STEP, repetitions=4, shake=20.0)
     assert mean_square(shaken) == pytest.approx(1.0, abs=0.15)
-    assert mean_square(shaken, steps=np.zeros(2)) > 3.0
+    assert mean_square(shaken, repeated_steps=np.zeros(2)) > 3.0
 
 
 def mean_square(dataset, **changes):

@@ -92,3 +92,23 @@ def test_a_gap_that_promises_most_is_searched_even_where_a_simplex_finds_nothing
     found = {s.trial.key: s for s in ranked(shop, pool, (), 3, thorough=True)}
     gap, *_ = found["backlash", 1].trial.values
     assert gap == pytest.approx(PLAY.gap, rel=0.15)
+
+
+def test_a_spring_explains_what_a_gap_with_the_same_spring_does(monkeypatch):
+    """By its own grid the spring may stop on a lesser crest, and a gap be named that adds nothing."""
+    own = ranking.ripened
+
+    def lost(shop, scores, others, fit):
+        if scores[0].trial.name == "joint_elasticity":
+            return min(scores, key=lambda s: s.gain)
+        return own(shop, scores, others, fit)
+
+    monkeypatch.setattr(ranking, "ripened", lost)
+    shop = _shop(0, SPRING)
+    gears = ("backlash", "joint_elasticity")
+    pool = [t for t in shop.physical if t.name in gears and t.target == 0]
+    found = {s.trial.name: s for s in ranked(shop, pool, (), 3, thorough=True)}
+    spring, gap = (found[name] for name in ("joint_elasticity", "backlash"))
+    assert spring.gain > 0.95 * gap.gain > 0
+    rows = shop.full.rows.count
+    assert spring.evidence(rows) > gap.evidence(rows)

@@ -79,17 +79,25 @@ def rounding_torque(
     model: TorqueModel,
     parameters: Float[ndarray, " parameters"],
     prepared: Sequence[Prepared],
+    steps: Sequence[Float[ndarray, " joints"]] | None = None,
 ) -> list[Float[ndarray, "rows joints"]]:
-    """Errors of the predicted torque as repeated encoder steps make them, in the band [N m].
+    """Errors of the predicted torque as encoder steps make them, in the band [N m].
 
     An error is drawn evenly over a step: which one a sample met is not to be told any more from
     positions that were smoothed after it.
+
+    Args:
+        model: Whose torque.
+        parameters: Of it.
+        prepared: Recordings.
+        steps: (n,) of each [rad]; those that come again in every repetition if None.
     """
     rng = np.random.default_rng(SEED)
+    steps = [p.repeated_steps for p in prepared] if steps is None else steps
     errors = []
-    for p in prepared:
-        rounded = p.steps * rng.uniform(-0.5, 0.5, p.motion.q.shape)
-        if not p.steps.any():
+    for p, step in zip(prepared, steps, strict=True):
+        rounded = step * rng.uniform(-0.5, 0.5, p.motion.q.shape)
+        if not step.any():
             errors.append(np.zeros_like(p.torque))
             continue
         change, rate, acceleration = p.band.differentiate(rounded)

@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from oed.diagnosis.data.band import EDGE, Band, choose_band, position_noise
 from oed.diagnosis.data.bridge import bridged
-from oed.diagnosis.data.encoder_steps import repeated_steps
+from oed.diagnosis.data.encoder_steps import encoder_steps, repeated_steps
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.motion import Motion, follow_one_another
@@ -146,7 +146,8 @@ def _prepare_one(
         band=band,
         repetition=_repetition(recording, rows_t),
         period=_period(recording),
-        steps=repeated_steps([recording]),
+        steps=encoder_steps([recording]),
+        repeated_steps=repeated_steps([recording]),
         sign_noise=noise,
         recorded=_recorded(recording, t[inner], band.rate, band.edge),
         laid=start is not None,

@@ -170,6 +170,7 @@ def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:
         repetition=np.full(len(t), -1),
         period=None,
         steps=pattern.steps,
+        repeated_steps=pattern.repeated_steps,
         sign_noise=pattern.sign_noise,
         recorded=np.ones(len(motion), dtype=bool),
     )

@@ -7,7 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.ripening import has_crests, is_late, is_unripe, ripened, searched
+from oed.diagnosis.search.ripening import (
+    has_crests,
+    is_late,
+    is_part_of,
+    is_unripe,
+    ripened,
+    searched,
+    where_it_ended,
+)
 from oed.diagnosis.search.scan import Score, best_shapes, refine, score
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
@@ -121,7 +129,31 @@ def _evaluated(
         # Of what a grid point promises, a simplex from there may find nothing.
         if has_crests(ripe) and (ripe.gain > CONTENDING * best or gear.promise > best):
             found[gear.trial.key] = searched(shop, ripe, others, fit)
+    for plain in _plainer(shop, grid, list(found.values()), others, fit):
+        key = plain.trial.key
+        found[key] = max(found.get(key, plain), plain, key=lambda s: s.gain)
     return list(found.values())
+
+
+def _plainer(
+    shop: Workshop,
+    grid: Sequence[Score],
+    found: Sequence[Score],
+    others: Sequence[Trial],
+    fit: LinearFit,
+) -> list[Score]:
+    """Gears that are part of those found, from where these ended.
+
+    A spring may miss by its own grid what it explains, and a gap that adds nothing to it be named.
+    """
+    gears = [s for s in found if is_unripe(s.trial) and s.gain > 0]
+    trials = {s.trial.key: s.trial for s in grid}.values()
+    return [
+        where_it_ended(shop, gear, plain, others, fit)
+        for gear in gears
+        for plain in trials
+        if is_part_of(plain, gear.trial)
+    ]
 
 
 def _by_key(scores: Sequence[Score]) -> dict[tuple[str, object], Score]:

@@ -7,6 +7,7 @@ refine in turn, and the candidate shows what it is worth.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -63,6 +64,37 @@ def ripened(
     tried = sorted(refined, key=lambda s: -s.gain)[:KEPT]
     best = max((_on_what_it_leaves(shop, s, others, fit) for s in tried), key=lambda s: s.gain)
     return _followed(shop, best, others, fit)
+
+
+def where_it_ended(
+    shop: Workshop, richer: Score, plainer: Trial, others: Sequence[Trial], fit: LinearFit
+) -> Score:
+    """A gear with fewer shapes, refined from where one that has more besides has ended.
+
+    Args:
+        shop: The laid-out data.
+        richer: A ripened gear.
+        plainer: One at the same joint whose shapes are some of its.
+        others: Additions that both stand beside.
+        fit: With these others, without either.
+    """
+    ended = dict(zip(_shape_names(richer.trial), richer.trial.values, strict=True))
+    shapes = CATALOGUE[plainer.name].shapes_for(shop.context, plainer.target)
+    values = tuple(min(max(ended[s.name], s.lower), s.upper) for s in shapes)
+    start = moved(dataclasses.replace(plainer, values=values), fit.rows, shop.context)
+    best = _on_what_it_leaves(shop, score(start, fit), others, fit)
+    return _followed(shop, best, others, fit)
+
+
+def is_part_of(plainer: Trial, richer: Trial) -> bool:
+    """Whether a gear at the joint of another has some of its shapes and no others."""
+    if plainer.target != richer.target or not (is_unripe(plainer) and is_unripe(richer)):
+        return False
+    return set(_shape_names(plainer)) < set(_shape_names(richer))
+
+
+def _shape_names(trial: Trial) -> list[str]:
+    return [shape.name for shape in CATALOGUE[trial.name].shapes]
 
 
 def has_crests(found: Score) -> bool:

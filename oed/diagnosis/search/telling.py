@@ -56,12 +56,14 @@ def telling(
             without[between] = unseen.left(shop.fit(others, layout, bend=False))
         found = shop.fit([*others, rival.trial], layout, bend=False)
         after = unseen.left(found)
-        foretold.append(without[between] - after)
+        quieter = calmed(shop, rival.trial, unseen.rows) if unseen.rows else 0.0
+        foretold.append(without[between] - after - quieter)
         errors.append(after / unseen.counted)
         left.append(float(inflation_of(found.fit)[acting].mean()))
     unit = np.maximum(np.min(errors, axis=0), 1.0)
     rows = shop.full.rows.count
-    explained = np.array([r.gain - calmed(shop, r.trial) for r in rivals]) / min(left)
+    heard = np.array([calmed(shop, r.trial, shop.mean.rows).sum() for r in rivals])
+    explained = (np.array([r.gain for r in rivals]) - heard) / min(left)
     costs = np.array([r.gain - r.evidence(rows) for r in rivals])
     return explained - costs + np.array(foretold) @ (1 / unit)
 

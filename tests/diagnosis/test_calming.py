@@ -1,0 +1,71 @@
+"""What a lag makes of the rounding of encoders, against signals that were rounded and were not."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.search.calming import calmed
+from oed.diagnosis.search.workbench import lags_of
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
+
+STEP = 1e-3  # [rad]
+LATE = 0.01  # [s]
+ROLES = ("estimation", *["validation"] * 5)
+
+
+@pytest.fixture(scope="module")
+def laid_out():
+    """A workshop of rounded recordings, and its validation recordings without rounding."""
+    rounded, exact = (
+        data_set(3, step=s, repetitions=1, roles=ROLES, shake=20.0) for s in (STEP, 0.0)
+    )
+    sharp = [dataclasses.replace(r, name=f"exact {r.name}") for r in exact.validation]
+    settings = DiagnosisSettings()
+    # One call: all go through the same band.
+    estimation, *others = prepare((*rounded.recordings, *sharp), settings)
+    validation, truth = tuple(others[: len(sharp)]), tuple(others[len(sharp) :])
+    baseline = find_baseline(TorqueModel.standard(rounded.robot), (estimation,))
+    return Workshop(baseline, (estimation,), validation, settings, gear_ratio=None), truth
+
+
+def lag_of(shop):
+    lags = [t for t in shop.physical if t.name == "filter_lag"]
+    return min(lags, key=lambda t: abs(t.values[0] - LATE))
+
+
+def heard(rows, errors):
+    """(n,) white squares of what is known to be an error."""
+    return np.array([np.sum(rows.whiten([e[:, [j]] for e in errors], j) ** 2) for j in range(2)])
+
+
+def test_a_lag_quietens_a_motion_run_once_by_what_its_rounding_errs(laid_out):
+    shop, truth = laid_out
+    lag = lag_of(shop)
+    rows = shop.unseen_by([lag]).rows
+    parameters = shop.before.fit.full_parameters()
+    squares = []
+    for model in (shop.baseline.model, shop.baseline.model.with_measurement(*lags_of([lag]))):
+        errors = [
+            p.band.apply(model.torque(parameters, p.motion) - model.torque(parameters, q.motion))
+            for p, q in zip(rows.prepared, truth, strict=True)
+        ]
+        squares.append(heard(rows, errors))
+    real = squares[0] - squares[1]
+    assert np.all(real > 0)
+    # One draw of rounding errors against another: the ratio scatters by 0.12 from seed to seed.
+    assert calmed(shop, lag, rows).sum() == pytest.approx(real.sum(), rel=0.3)
+
+
+def test_a_delay_quietens_next_to_nothing_and_other_effects_nothing(laid_out):
+    shop, _ = laid_out
+    rows = shop.unseen_by([]).rows
+    delay = next(t for t in shop.physical if t.name == "time_delay")
+    assert np.all(np.abs(calmed(shop, delay, rows)) < 0.1 * calmed(shop, lag_of(shop), rows))
+    offset = next(t for t in shop.physical if t.name == "torque_offset")
+    assert calmed(shop, offset, rows) == pytest.approx(0.0)
