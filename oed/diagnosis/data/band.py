@@ -10,16 +10,16 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.signal import firwin, welch
-from scipy.sparse import csr_array
 
 from oed.experiment.signals.differentiation import spline_derivative
 from oed.experiment.signals.lowpass import lowpass
+from oed.experiment.signals.moving_sum import moving_sum
 
 SIGNAL_TO_NOISE = 4.0  # least ratio of the acceleration's power to that of encoder noise
 NOISE_ONLY = 0.3  # of the rate, above which no arm moves and the position is noise
@@ -105,17 +105,7 @@ class Band:
 
     def apply(self, fine: Float[ndarray, " samples *columns"]) -> Float[ndarray, " rows *columns"]:
         """Filter without phase and keep every `factor`-th row, the unsettled ends cut away."""
-        flat = np.ascontiguousarray(fine.reshape(len(fine), -1))
-        return (_low_pass(self, len(fine)) @ flat).reshape(self.rows(len(fine)), *fine.shape[1:])
-
-
-@lru_cache(maxsize=8)
-def _low_pass(band: Band, samples: int) -> csr_array:
-    """The band as a matrix, which filters many columns at once."""
-    rows, taps = band.rows(samples), len(band.taps)
-    read = band.factor * np.arange(rows)[:, None] + np.arange(taps)
-    starts = taps * np.arange(rows + 1)
-    return csr_array((np.tile(band.taps, rows), read.ravel(), starts), shape=(rows, samples))
+        return moving_sum(fine, self.taps, self.factor)
 
 
 @dataclass(frozen=True)

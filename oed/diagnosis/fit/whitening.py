@@ -16,6 +16,8 @@ from numpy import ndarray
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
+from oed.experiment.signals.moving_sum import moving_sum
+
 LARGEST_ORDER = 24
 # Least power of the spectrum as a share of its mean: beyond the band's edge there is nothing,
 # and the inverse of nothing would be noise of the arithmetic.
@@ -55,7 +57,8 @@ class Autoregression:
 
     def whiten(self, x: Float[ndarray, " rows *columns"]) -> Float[ndarray, " rows *columns"]:
         """Innovations of unit variance; the first p rows lack their past and are approximate."""
-        return np.asarray(lfilter(self.coefficients, [1.0], x, axis=0)) / self.scale
+        before = np.zeros((self.order, *x.shape[1:]))
+        return moving_sum(np.concatenate([before, x]), self.coefficients[::-1]) / self.scale
 
     def with_scale(self, factor: float) -> Autoregression:
         """The same colour with its standard deviation multiplied."""
