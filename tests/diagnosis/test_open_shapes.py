@@ -1,8 +1,11 @@
 """Shapes that estimation and validation recordings decide together."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from oed.diagnosis.search import selection
 from oed.diagnosis.search.open_shapes import MISFIT, decided
 from oed.diagnosis.search.scan import inflation_of, score
 from tests.diagnosis.arm import data_set, stribeck
@@ -46,3 +49,17 @@ def test_a_shape_that_foretells_stays_as_it_is(shop):
     assert decided(shop, (), right) is right
     offset = score(trial_of(shop, "torque_offset", 0), fit)
     assert decided(shop, (), offset) is offset
+
+
+def test_what_explains_nothing_at_the_shape_decided_for_it_is_no_candidate(monkeypatch):
+    """A free form explains infinitely many times as much as that."""
+    silent = []
+
+    def decided_to_nothing(shop, candidates, others):
+        silent.extend(dataclasses.replace(c, gain=0.0) for c in candidates)
+        return silent
+
+    monkeypatch.setattr(selection, "most_telling_first", decided_to_nothing)
+    _, chosen = selection.search(shop_of(data_set(5, extra=stribeck(1.5))))
+    assert silent
+    assert all(a.trial.is_free_form for a in chosen.accepted)

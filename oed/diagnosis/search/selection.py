@@ -277,7 +277,9 @@ def _next_physical(
     rows = shop.full.rows.count
     found = ranked(shop, pool, others, shop.settings.refined, thorough=True)
     found = [c for c in found if c.evidence(rows) > 0]
-    candidates = most_telling_first(shop, found, others)
+    # At a shape that the validation recordings decide, one may explain nothing of the others.
+    telling = most_telling_first(shop, found, others)
+    candidates = [c for c in telling if c.evidence(rows) > 0]
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
         better = better_free_form(shop, candidate, rivals, others)
