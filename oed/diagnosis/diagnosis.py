@@ -10,7 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline, find_baseline
-from oed.diagnosis.data.encoder_steps import rounding_torque
+from oed.diagnosis.data.encoder_steps import encoder_torque
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contributions import Contribution, contributions
@@ -238,7 +238,7 @@ def _keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) ->
 
 def _with_rounding(baseline: Baseline, before: FinalModel, rows: Rows) -> Float[ndarray, " joints"]:
     """(n,) the noise floor with what encoder steps err [N m]."""
-    errors = rounding_torque(before.model, before.parameters, rows.prepared)
+    errors = encoder_torque(before.model, before.parameters, rows.prepared)
     valid = [e[p.valid] for e, p in zip(errors, rows.prepared, strict=True)]
     repeated = rms(valid, baseline.certainty(rows.prepared))
     return np.hypot(baseline.floor.deviation, repeated)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.encoder_steps import encoder_steps, repeated_steps, rounding_torque
+from oed.diagnosis.data.encoder_steps import encoder_steps, encoder_torque, repeated_steps
 from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects import RigidBody
@@ -77,7 +78,7 @@ def test_torque_errs_as_much_as_rounded_positions_make_it():
     real = band.apply(
         model.torque(parameters, rounded.motion) - model.torque(parameters, clean.motion)
     )
-    (stated,) = rounding_torque(model, parameters, [rounded])
+    (stated,) = encoder_torque(model, parameters, [rounded])
     assert stated.std(axis=0) == pytest.approx(real.std(axis=0), rel=0.15)
 
 
@@ -95,3 +96,13 @@ def mean_square(dataset, **changes):
     baseline = find_baseline(TorqueModel.standard(dataset.robot), prepared)
     fit = Workshop(baseline, prepared, (), DiagnosisSettings(), gear_ratio=None).before.fit
     return np.sum(fit.residual[0] ** 2) / fit.freedom()[0]
+
+
+@pytest.mark.parametrize(("apart", "share"), [(0.0, 1.0), (3.0, 1 / np.sqrt(REPETITIONS))])
+def test_a_mean_keeps_the_rounding_that_every_repetition_has(apart, share):
+    _, own = recording(apart=apart)
+    (prepared,) = prepare((own,), DiagnosisSettings())
+    mean, count = mean_of_repetitions(prepared)
+    assert count == REPETITIONS
+    assert prepared.position_noise == pytest.approx([STEP / np.sqrt(12)] * 2, rel=0.1)
+    assert mean.position_noise == pytest.approx(share * prepared.position_noise, rel=0.05)

@@ -75,13 +75,18 @@ def repeated_steps(recordings: Sequence[Recording]) -> Float[ndarray, " joints"]
     return steps * np.sqrt(share / max(compared, 1))
 
 
-def rounding_torque(
+def rounding_deviation(steps: Float[ndarray, " joints"]) -> Float[ndarray, " joints"]:
+    """(n,) standard deviation of what rounding to steps errs."""
+    return steps / np.sqrt(12)
+
+
+def encoder_torque(
     model: TorqueModel,
     parameters: Float[ndarray, " parameters"],
     prepared: Sequence[Prepared],
-    steps: Sequence[Float[ndarray, " joints"]] | None = None,
+    deviations: Sequence[Float[ndarray, " joints"]] | None = None,
 ) -> list[Float[ndarray, "rows joints"]]:
-    """Errors of the predicted torque as encoder steps make them, in the band [N m].
+    """Errors of the predicted torque as errors of the encoders make them, in the band [N m].
 
     An error is drawn evenly over a step: which one a sample met is not to be told any more from
     positions that were smoothed after it.
@@ -90,14 +95,16 @@ def rounding_torque(
         model: Whose torque.
         parameters: Of it.
         prepared: Recordings.
-        steps: (n,) of each [rad]; those that come again in every repetition if None.
+        deviations: (n,) of each one's encoders [rad]; of the rounding that comes again in every
+            repetition if None.
     """
     rng = np.random.default_rng(SEED)
-    steps = [p.repeated_steps for p in prepared] if steps is None else steps
+    if deviations is None:
+        deviations = [rounding_deviation(p.repeated_steps) for p in prepared]
     errors = []
-    for p, step in zip(prepared, steps, strict=True):
-        rounded = step * rng.uniform(-0.5, 0.5, p.motion.q.shape)
-        if not step.any():
+    for p, deviation in zip(prepared, deviations, strict=True):
+        rounded = deviation * rng.uniform(-np.sqrt(3), np.sqrt(3), p.motion.q.shape)
+        if not deviation.any():
             errors.append(np.zeros_like(p.torque))
             continue
         change, rate, acceleration = p.band.differentiate(rounded)

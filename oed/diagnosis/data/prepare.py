@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.band import EDGE, Band, choose_band, position_noise
+from oed.diagnosis.data.band import EDGE, Band, PositionNoise, choose_band, position_noise
 from oed.diagnosis.data.bridge import bridged
-from oed.diagnosis.data.encoder_steps import encoder_steps, repeated_steps
+from oed.diagnosis.data.encoder_steps import encoder_steps, repeated_steps, rounding_deviation
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.motion import Motion, follow_one_another
@@ -50,10 +50,9 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
         highest = min(highest, _motion_band(recordings, rate))
     noise = position_noise(positions, rate)
     band = choose_band(noise, rate, settings.lowest_cutoff, highest)
-    of_velocity = _velocity_noise(noise.density, band)
     starts = _starts_end_to_end(recordings)
     return tuple(
-        _prepare_one(recording, *signals, band=band, noise=of_velocity, start=start)
+        _prepare_one(recording, *signals, band=band, noise=noise, start=start)
         for recording, signals, start in zip(
             recordings, raw, starts or [None] * len(raw), strict=True
         )
@@ -123,7 +122,7 @@ def _prepare_one(
     tau: Float[ndarray, "samples joints"],
     *,
     band: Band,
-    noise: Float[ndarray, " joints"],
+    noise: PositionNoise,
     start: float | None,
 ) -> Prepared:
     smooth, dq, ddq = band.differentiate(q)
@@ -134,6 +133,7 @@ def _prepare_one(
             f"{band.cutoff:.3g} Hz"
         )
     inner = slice(cut, len(t) - cut)
+    rounding = rounding_deviation(encoder_steps([recording]))
     shift = 0.0 if start is None else start - float(recording.t[0])
     rows_t = band.instants(t[inner])
     return Prepared(
@@ -146,9 +146,10 @@ def _prepare_one(
         band=band,
         repetition=_repetition(recording, rows_t),
         period=_period(recording),
-        steps=encoder_steps([recording]),
+        # Rounding of slow motion is not white: where the noise is read off there is less of it.
+        position_noise=np.maximum(np.sqrt(noise.density * band.rate / 2), rounding),
         repeated_steps=repeated_steps([recording]),
-        sign_noise=noise,
+        sign_noise=_velocity_noise(noise.density, band),
         recorded=_recorded(recording, t[inner], band.rate, band.edge),
         laid=start is not None,
     )

@@ -29,8 +29,9 @@ class Prepared:
         band: Filter and decimation from fine samples to rows.
         repetition: (R,) repetition of each row, -1 where there is none.
         period: Of the motion, None without repetitions [s].
-        steps: (n,) of the encoders [rad].
-        repeated_steps: (n,) as far as their rounding comes again in every repetition [rad].
+        position_noise: (n,) standard deviation of what encoders err on the fine grid [rad].
+        repeated_steps: (n,) of the encoders, as far as their rounding comes again in every
+            repetition [rad].
         sign_noise: (n,) standard deviation of the velocity on the fine grid [rad/s].
         recorded: (N,) whether a fine sample lies between logged ones, not in a gap of the log.
         laid: Whether every recording started its clock anew, so that the times of `motion` lay
@@ -48,7 +49,7 @@ class Prepared:
     band: Band
     repetition: Int[ndarray, " rows"]
     period: float | None
-    steps: Float[ndarray, " joints"]
+    position_noise: Float[ndarray, " joints"]
     repeated_steps: Float[ndarray, " joints"]
     sign_noise: Float[ndarray, " joints"]
     recorded: Bool[ndarray, " samples"]

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.diagnosis.data.encoder_steps import rounding_deviation
 from oed.diagnosis.data.prepared import Prepared
 
 # Repetitions whose positions differ by more than this share of the motion are not repetitions:
@@ -70,10 +71,18 @@ def _averaged(prepared: Prepared, index: Int[ndarray, "repetitions samples"]) ->
         t=t,
         repetition=np.full(len(t), -1),
         period=None,
+        position_noise=_position_noise(prepared, count),
         sign_noise=prepared.sign_noise / np.sqrt(count),
         recorded=prepared.recorded[index].all(axis=0),
         laps=laps,
     )
+
+
+def _position_noise(prepared: Prepared, count: int) -> Float[ndarray, " joints"]:
+    """(n,) of the mean over so many repetitions [rad]: what comes again in each stays."""
+    repeated = rounding_deviation(prepared.repeated_steps) ** 2
+    rest = np.maximum(prepared.position_noise**2 - repeated, 0.0)
+    return np.sqrt(repeated + rest / count)
 
 
 def _mean(x: Float[ndarray, "samples joints"], index: ndarray) -> Float[ndarray, "_ joints"]:

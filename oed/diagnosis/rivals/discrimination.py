@@ -169,7 +169,7 @@ def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:
         band=pattern.band,
         repetition=np.full(len(t), -1),
         period=None,
-        steps=pattern.steps,
+        position_noise=pattern.position_noise,
         repeated_steps=pattern.repeated_steps,
         sign_noise=pattern.sign_noise,
         recorded=np.ones(len(motion), dtype=bool),
