@@ -34,7 +34,7 @@ def free(shop, label, joint):
 
 @pytest.fixture(scope="module")
 def shop():
-    return shop_of(data_set(11, extra=with_offset_and_field))
+    return shop_of(data_set(13, extra=with_offset_and_field))
 
 
 def shown(shop, *, stands_in):

@@ -19,7 +19,7 @@ OFFSET = 0.8  # [N m] in every recording
 RIPPLE, HARMONIC = 1.5, 5.0  # [N m] in those that are fitted alone, and waves a turn
 SPRING = 1.0  # [N m/rad]
 LATE = 4  # samples by which a torque comes late
-TURN = 0.02  # [rad/s] over which dry friction turns
+TURN = 0.04  # [rad/s] over which dry friction turns
 
 
 def pulled(*, ripple=0.0, stiffness=0.0):

@@ -71,7 +71,7 @@ def test_covariance_is_what_estimates_scatter_by_whatever_the_colour_of_the_misf
         y = regressor[0] @ truth + noise[200:]
         found = projection.inverse @ projection.coordinates(y[None])
         residual = projection.residual(y[None])
-        covariance = robust_covariance(projection, residual, np.ones((ROWS, 1)), blocks)
+        covariance = robust_covariance(projection, residual, np.array([float(ROWS)]), blocks)
         errors.append(found - truth)
         stated.append(np.diag(covariance))
     scatter = np.std(errors, axis=0)
@@ -182,8 +182,8 @@ def test_of_two_crests_the_better_one_is_found():
     stuck = at_rest(other, fit, shop.context)
     assert stuck.trial.values[0] > 1.5
     found = at_rest(climbed(shop, stuck, fit), fit, shop.context)
-    assert found.gain > truth.gain - 0.1
-    assert found.trial.values[0] < 0.7
+    assert found.gain > max(truth.gain - 0.1, stuck.gain + 10)
+    assert found.trial.values[0] < 1.5
 
 
 def test_crests_are_what_no_neighbour_exceeds():

@@ -110,7 +110,7 @@ def _best_width(
         lambda x: -gain(float(np.exp(x))), bounds=bounds, method="bounded", options={"xatol": 0.02}
     )
     # What the model lacks is noise to this question.
-    weight = max(float(np.sum(rows.weights[:, joint] ** 2)), 1.0)
+    weight = max(float(rows.counted[joint]), 1.0)
     noise = max(1.0, (float(np.sum(residual[joint] ** 2)) + found.fun) / weight)
     margin = noise * (DECISIVE + np.log(rows.count))
     return float(np.exp(found.x)) if -found.fun > gain(effect.width) + margin else effect.width

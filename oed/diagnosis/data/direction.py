@@ -30,12 +30,18 @@ HARMFUL = 0.3  # share of the noise at which an uncertain direction spoils its e
 def uncertain_direction(recording: Prepared, joint: int) -> Bool[ndarray, " samples"]:
     """Fine samples at which a joint may move either way, or not at all."""
     velocity = recording.motion.dq[:, joint]
-    slow = np.abs(velocity) < SLOW * np.sqrt(np.mean(velocity**2))
-    uncertain = _slower_than_noise(recording, joint) | _lasting(slow, recording)
+    lingers = _lasting(hardly_moves(recording, joint), recording)
+    uncertain = _slower_than_noise(recording, joint) | lingers
     # The crossing itself lies somewhere between two samples.
     turns = np.flatnonzero(np.signbit(velocity[1:]) != np.signbit(velocity[:-1]))
     uncertain[turns] = uncertain[turns + 1] = True
     return uncertain
+
+
+def hardly_moves(recording: Prepared, joint: int) -> Bool[ndarray, " samples"]:
+    """Fine samples at which a joint is slow for that recording."""
+    velocity = recording.motion.dq[:, joint]
+    return np.abs(velocity) < SLOW * np.sqrt(np.mean(velocity**2))
 
 
 def stopped(recording: Prepared, joint: int) -> Bool[ndarray, " samples"]:

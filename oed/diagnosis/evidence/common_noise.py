@@ -42,9 +42,10 @@ def noise_bias(
     gram, moment = np.zeros((len(parameters),) * 2), np.zeros(len(parameters))
     mean = shop.mean.rows
     for k, recording in enumerate(shop.estimation if shop.mean is not shop.full else ()):
-        own, scale = slice(*mean.starts[k : k + 2]), mean.scales[k : k + 1]
+        scale, hidden = mean.scales[k : k + 1], mean.hidden[k : k + 1]
+        weights = mean.weights[slice(*mean.starts[k : k + 2])]
         evaluated = [
-            evaluate(layout_of(shop.baseline, Rows((s,), mean.noise, scale, mean.weights[own])))
+            evaluate(layout_of(shop.baseline, Rows((s,), mean.noise, scale, weights, hidden)))
             for s in single_repetitions(recording)
         ]
         if len(evaluated) > 1:

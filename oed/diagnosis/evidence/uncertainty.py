@@ -177,7 +177,7 @@ def _linearised(
     columns, target = _columns(shop, found, layout, steps)
     projection = layout.span.extended(columns[:, :, _base(layout) :])
     covariance = robust_covariance(
-        projection, projection.residual(target), layout.rows.weights, layout.rows.blocks()
+        projection, projection.residual(target), layout.rows.counted, layout.rows.blocks()
     )
     return _Linearised(columns, target, projection, covariance)
 
@@ -217,7 +217,7 @@ def _places(found: Augmented, layout: Layout) -> list[slice]:
 def robust_covariance(
     projection: Projection,
     residual: Float[ndarray, "joints rows"],
-    weights: Float[ndarray, "rows joints"],
+    counted: Float[ndarray, " joints"],
     blocks: Int[ndarray, " rows"],
 ) -> Float[ndarray, "parameters parameters"]:
     """Covariance of a fit to white rows, each variance the larger of the noise's and the blocks'.
@@ -225,10 +225,10 @@ def robust_covariance(
     Args:
         projection: Of the regressor; its inverse gives the parameters of interest.
         residual: White residual, of unit variance if nothing but noise is left.
-        weights: Of the rows, whose squares add up to the rows that count.
+        counted: (n,) rows of each joint that count.
         blocks: Number of the block of each row; blocks err independently.
     """
-    freedom = max(float(np.sum(weights**2)) - projection.rank, 1.0)
+    freedom = max(float(np.sum(counted)) - projection.rank, 1.0)
     inflation = max(1.0, float(np.sum(residual**2)) / freedom)
     noise = inflation * projection.inverse @ projection.inverse.T
     scores = np.zeros((int(blocks.max()) + 1, projection.rank))

@@ -120,8 +120,7 @@ class LinearFit:
 
     def freedom(self) -> Float[ndarray, " joints"]:
         """(n,) rows of each joint that count, less its share of the fitted columns; at least one."""
-        rows = np.sum(self.rows.weights**2, axis=0)
-        return np.maximum(rows - self.projection.shares(), 1.0)
+        return np.maximum(self.rows.counted - self.projection.shares(), 1.0)
 
     def full_parameters(self) -> Float[ndarray, " all_parameters"]:
         """Parameters of every column of the model, regrouped ones at zero."""

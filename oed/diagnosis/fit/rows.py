@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -13,6 +14,7 @@ from scipy.ndimage import maximum_filter1d
 from oed.diagnosis.data.band import BLOCK
 from oed.diagnosis.data.direction import direction_error, stopped
 from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.fit.hidden import Hidden, hidden_in
 from oed.diagnosis.fit.whitening import Autoregression
 
 LEAST_BLOCK = 4  # rows
@@ -29,12 +31,21 @@ class Rows:
         scales: Standard deviation of each recording's noise, in units of the autoregression's.
         weights: (R, n) by which whitened rows are multiplied: below one where the
             direction is uncertain, zero where a row has no past.
+        hidden: What uncertain directions hide of each recording's white rows, by joint; none if
+            empty, or where the weights are for that.
     """
 
     prepared: tuple[Prepared, ...]
     noise: tuple[Autoregression, ...]
     scales: tuple[float, ...]
     weights: Float[ndarray, "rows joints"]
+    hidden: tuple[tuple[Hidden, ...], ...] = ()
+
+    @property
+    def counted(self) -> Float[ndarray, " joints"]:
+        """(n,) rows of each joint that count."""
+        lost = [[h.count for h in own] for own in self.hidden if own]
+        return np.sum(self.weights**2, axis=0) - np.sum(lost, axis=0)
 
     @property
     def count(self) -> int:
@@ -63,7 +74,17 @@ class Rows:
         white = np.concatenate(
             [noise.whiten(block) / scale for block, scale in zip(blocks, self.scales, strict=True)]
         )
-        return white * self.weights[:, joint, None]
+        return self.as_certain(white, joint)
+
+    def as_certain(
+        self, white: Float[ndarray, "rows columns"], joint: int
+    ) -> Float[ndarray, "rows columns"]:
+        """White rows of one joint, each made to count as far as it is certain."""
+        told = white * self.weights[:, joint, None]
+        for own, (a, b) in zip(self.hidden, pairwise(self.starts), strict=False):
+            if own:
+                told[a:b] = own[joint].out_of(told[a:b])
+        return told
 
     def whiten_fine(
         self, blocks: Sequence[Float[ndarray, "_ columns"]], joint: int
@@ -100,17 +121,23 @@ def weigh(
         dilution: (n,) correlated rows that count as one, where noise is not whitened.
     """
     scales = (1.0,) * len(prepared) if scales is None else scales
-    weights = []
+    weights, hidden = [], []
     for recording, scale in zip(prepared, scales, strict=True):
-        column = [
-            _weights_of(recording, joint, noise[joint].with_scale(scale), float(coulomb[joint]))
-            for joint in range(len(noise))
-        ]
+        scaled = [n.with_scale(scale) for n in noise]
+        joints = list(enumerate(zip(scaled, coulomb.tolist(), strict=True)))
+        # Whitening spreads the doubt of few rows over many; in repetitions all must count alike.
+        if recording.period is None and any(n.order for n in noise):
+            pairs = [hidden_in(recording, j, n, c) for j, (n, c) in joints]
+            hidden.append(tuple(h for h, _ in pairs))
+            weights.append(np.stack([w for _, w in pairs], axis=1))
+            continue
+        column = [_weights_of(recording, j, n, c) for j, (n, c) in joints]
+        hidden.append(())
         weights.append(_balanced(np.stack(column, axis=1), recording))
     stacked = np.concatenate(weights)
     if dilution is not None:
         stacked = stacked / np.sqrt(dilution)
-    return Rows(prepared, noise, scales, stacked)
+    return Rows(prepared, noise, scales, stacked, tuple(hidden))
 
 
 def _balanced(

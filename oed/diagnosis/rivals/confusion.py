@@ -68,7 +68,8 @@ def confusion(
         draws: Of the noise.
     """
     fit = torque_beside(shop, pair, further)
-    noise = rng.standard_normal((*fit.residual.shape, draws)) * fit.rows.weights.T[:, :, None]
+    white = rng.standard_normal((*fit.residual.shape, draws))
+    noise = np.stack([fit.rows.as_certain(own, joint) for joint, own in enumerate(white)])
     # The part of the noise within the model is lost to both.
     inside = np.einsum("jrb,jrd->bd", fit.projection.basis, noise, optimize=True)
     noise -= np.einsum("jrb,bd->jrd", fit.projection.basis, inside, optimize=True)
@@ -150,7 +151,8 @@ def _with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> L
     old, scale = layout.rows, layout.rows.scales[0]
     new = layout_of(shop.baseline, shop.baseline.rows((further,), (scale,)))
     weights = np.concatenate([old.weights, new.rows.weights])
-    rows = Rows((*old.prepared, further), old.noise, (*old.scales, scale), weights)
+    hidden = (*old.hidden, *new.rows.hidden)
+    rows = Rows((*old.prepared, further), old.noise, (*old.scales, scale), weights, hidden)
     blocks = (
         (layout.regressor, new.regressor),
         (layout.nuisances, new.nuisances),

@@ -53,7 +53,7 @@ class Unseen:
         """(n,) rows of each joint that count, at least one."""
         if self.rows is None:
             return np.ones(self.joints)
-        return np.maximum(np.sum(self.rows.weights**2, axis=0), 1.0)
+        return np.maximum(self.rows.counted, 1.0)
 
     @cached_property
     def white(self) -> Float[ndarray, "joints rows base"]:
