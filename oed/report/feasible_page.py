@@ -151,7 +151,7 @@ def _weight_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -
         (
             Text(
                 f"{text}: the largest whose held-out error is within one standard error of the best, "
-                f"over {result.settings.folds} folds of consecutive data."
+                f"over {result.curve.held_out.shape[1]} folds of consecutive data."
             ),
             Picture(
                 pictures["weight"],

@@ -69,14 +69,15 @@ def cross_validate(
         problem: Its demands and reference are kept.
         blocks: Factors of consecutive pieces of data.
         weights: To try.
-        folds: Number of parts.
+        folds: Number of parts; no more than there are blocks.
         solvers: To try, in this order.
 
     Raises:
-        ValueError: If there are fewer blocks than folds, or fewer than two folds.
+        ValueError: If there are fewer than two blocks or folds.
         SolverFailed: If no weight could be solved for in all folds.
     """
-    if not 2 <= folds <= len(blocks):
+    folds = min(folds, len(blocks))
+    if folds < 2:
         raise ValueError(f"{len(blocks)} blocks cannot be left out in {folds} folds")
     held_out, fitted = np.full((2, len(weights), folds), np.nan)
     least_squares = np.empty(folds)

@@ -49,10 +49,12 @@ def test_the_chosen_weight_is_no_smaller_than_the_best():
     assert curve.mean[curve.best] < curve.least_squares.mean()
 
 
-def test_refuses_more_folds_than_blocks():
+def test_few_blocks_are_left_out_in_as_many_folds():
     pieces, estimate, _ = blocks_and_estimate(lambda true: true, blocks=2)
-    with pytest.raises(ValueError, match="2 blocks"):
-        cross_validate(estimate.problem, pieces, folds=3)
+    curve = cross_validate(estimate.problem, pieces, weights=WEIGHTS, folds=5)
+    assert curve.held_out.shape == (3, 2)
+    with pytest.raises(ValueError, match="1 blocks"):
+        cross_validate(estimate.problem, pieces[:1], folds=5)
 
 
 def test_resamples_are_feasible_and_repeatable():
