@@ -39,7 +39,7 @@ from oed.export.round_trip import require_round_trip, torque_by_pinocchio
 from oed.export.sdf import write_sdf
 from oed.export.urdf import write_urdf
 from oed.report.feasible_report import write_feasible
-from oed.report.feasible_rows import link_rows, validation_rows
+from oed.report.feasible_rows import link_rows, solver_comparison, validation_rows
 from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table
@@ -140,7 +140,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         f"{100 * result.plain_positive_definite:.4g} %"
     )
     say("\n".join(result.estimate.solution.attempts))
-    say(f"two solvers differ by {result.disagreement} {result.second_failure}")
+    say(solver_comparison(result))
     say(f"wrote {config.out} in {time.perf_counter() - start:.1f} s")
     return 0
 

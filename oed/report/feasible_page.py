@@ -13,6 +13,7 @@ from oed.report.feasible_rows import (
     MOSTLY_DATA,
     link_rows,
     parameter_rows,
+    solver_comparison,
     validation_rows,
 )
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict
@@ -165,16 +166,11 @@ def _weight_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -
 def _proof_section(result: FeasibleCalibration, exports: Sequence[Row]) -> Section:
     lines = [*result.estimate.solution.attempts]
     lines += [] if result.second is None else result.second.attempts
-    differ = (
-        f"The second solver failed: {result.second_failure}"
-        if result.disagreement is None
-        else f"Objectives of the two solvers differ by {result.disagreement:.1e}, relatively."
-    )
     return Section(
         "Checks",
         (
             *(Text(line) for line in lines),
-            Text(differ),
+            Text(solver_comparison(result)),
             Table(exports, caption="Robot files, and their torques under the recorded motion."),
         ),
     )

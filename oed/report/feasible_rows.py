@@ -25,6 +25,17 @@ def parameter_rows(result: FeasibleCalibration) -> list[Row]:
     ]
 
 
+def solver_comparison(result: FeasibleCalibration) -> str:
+    """Whether another solver came to the same objective, in words."""
+    solver = result.estimate.solution.solver
+    if result.disagreement is None:
+        return (
+            f"Solved by {solver}, which passed its check; the other solver, tried for comparison, "
+            f"failed ({result.second_failure})."
+        )
+    return f"Objectives of the two solvers differ by {result.disagreement:.1e}, relatively."
+
+
 def link_rows(result: FeasibleCalibration) -> list[Row]:
     """One row a link: mass, centre and margins."""
     estimate = result.estimate

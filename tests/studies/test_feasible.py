@@ -20,11 +20,12 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Recording, Role
 from oed.experiment.write_dataset import write_dataset
+from oed.report.feasible_rows import solver_comparison
 from oed.report.table import read_csv
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
 from studies import feasibility_price
-from studies.feasible import main
+from studies.feasible import Config, main, run
 from studies.from_data_set import SIGN_WIDTH
 from tests.paths import SHARED_DATA, needs_shared_data
 
@@ -115,6 +116,16 @@ def test_a_prior_and_a_total_mass_are_obeyed(simulated: Path, tmp_path: Path) ->
     assert main([*given, *options]) == 0
     rows = {row["name"]: row for row in read_csv(tmp_path / "parameters.csv")}
     assert rows["m_1"]["value"] + rows["m_2"]["value"] == pytest.approx(20.0)
+
+
+def test_a_failed_comparison_of_solvers_does_not_read_as_a_failed_estimate(simulated: Path) -> None:
+    result = run(Config(simulated, simulated, model="standard", weight=1e-3, smoke=True))
+    assert solver_comparison(result).startswith("Objectives of the two solvers differ by")
+    alone = dataclasses.replace(result, second=None, second_failure="barrier: 60 Newton steps")
+    told = solver_comparison(alone)
+    assert told.startswith("Solved by clarabel")
+    assert "barrier: 60 Newton steps" in told
+    assert "None" not in told
 
 
 def test_bad_input_is_one_line(

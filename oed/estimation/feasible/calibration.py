@@ -192,4 +192,4 @@ def _second_opinion(estimate: FeasibleEstimate) -> tuple[FeasibleSolution | None
     try:
         return solve_problem(estimate.problem, (other,)), ""
     except SolverFailed as failure:
-        return None, str(failure)
+        return None, "; ".join(failure.attempts) or str(failure)
