@@ -10,6 +10,7 @@ import csv
 import io
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -19,6 +20,7 @@ from typing import Generic, Protocol, TypeVar
 
 from oed.report.json_file import plain_value, read_json
 from oed.report.progress import progress
+from studies.interrupt import is_interrupt
 
 
 class KeyedCase(Protocol):
@@ -137,7 +139,9 @@ def _attempt(work: Callable[[CaseT], Outcome], case: CaseT) -> Outcome:
     """The outcome of a case; what went wrong, where something did."""
     try:
         return work(case)
-    except Exception as error:  # noqa: BLE001 - whatever one case does, the others go on
+    except Exception as error:  # whatever one case does, the others go on
+        if is_interrupt(error):
+            raise KeyboardInterrupt from error
         return failure(error)
 
 
@@ -169,13 +173,19 @@ def _on_processes(
     # Started afresh: a fork would copy the threads' locks of the numerical libraries.
     context = multiprocessing.get_context("spawn")
     left = dict.fromkeys(range(len(cases)))
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+    # Ctrl-C reaches every process: the workers end without a word, this one says what it leaves.
+    quiet = {"initializer": signal.signal, "initargs": (signal.SIGINT, signal.SIG_DFL)}
+    with ProcessPoolExecutor(workers, mp_context=context, **quiet) as pool:
         futures = {pool.submit(_attempt, work, case): i for i, case in enumerate(cases)}
-        for future in as_completed(futures):
-            if isinstance(future.exception(), BrokenProcessPool):
-                continue
-            left.pop(futures[future])
-            yield cases[futures[future]], future.result()
+        try:
+            for future in as_completed(futures):
+                if isinstance(future.exception(), BrokenProcessPool):
+                    continue
+                left.pop(futures[future])
+                yield cases[futures[future]], future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
     for index in left:
         with ProcessPoolExecutor(1, mp_context=context) as pool:
             error = (alone := pool.submit(_attempt, work, cases[index])).exception()

@@ -31,6 +31,7 @@ from oed.report.effect_words import known_parameters
 from oed.report.joint_words import over_floor
 from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
+from studies.interrupt import leave
 
 SMOKE_SURROGATES = 39
 SMOKE_BOOTSTRAP = 40
@@ -211,4 +212,4 @@ def _parse(arguments: Sequence[str] | None) -> Config:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.close_loop")

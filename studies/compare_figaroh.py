@@ -34,6 +34,7 @@ from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import Robot, arm_joints, load_robot
 from studies.data_folders import EXAMPLE_ROBOTS
+from studies.interrupt import leave
 
 Row = dict[str, str | int | float]
 
@@ -226,4 +227,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    leave(main, "studies.compare_figaroh")

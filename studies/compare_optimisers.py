@@ -41,6 +41,7 @@ from oed.report.provenance import Provenance
 from oed.robot import JointLimits, Robot, arm_joints, load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.data_folders import PANDA
+from studies.interrupt import RESUMES, leave
 from studies.optimiser_summary import write_summary
 
 OPTIMISERS = {
@@ -269,4 +270,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    leave(main, "studies.compare_optimisers", RESUMES)

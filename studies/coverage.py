@@ -36,6 +36,7 @@ from oed.robot.builtin import (
     IMI_LINK_LENGTHS,
     IMI_VISCOUS,
 )
+from studies.interrupt import leave
 
 TRUTH = np.array(
     [*IMI_BASE_PARAMETERS, IMI_COULOMB[0], IMI_VISCOUS[0], IMI_COULOMB[1], IMI_VISCOUS[1]]
@@ -219,4 +220,4 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    leave(main, "studies.coverage")

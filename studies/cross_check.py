@@ -22,6 +22,7 @@ from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS
+from studies.interrupt import leave
 
 
 @dataclass(frozen=True)
@@ -127,4 +128,4 @@ def _parse(arguments: Sequence[str] | None) -> Config:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.cross_check")

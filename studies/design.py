@@ -50,6 +50,7 @@ from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.style import save_figure
 from oed.robot import Robot, arm_joints, load_robot
 from studies.design_summary import summary
+from studies.interrupt import leave
 
 CHECKED_INSTANTS = 1000  # of the clearance check
 MOST_POINTS = 1_000_000  # that a motion is written with
@@ -284,4 +285,4 @@ def _config(given: argparse.Namespace) -> Config:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.design")

@@ -27,6 +27,7 @@ from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.discrimination_summary import write_summary
+from studies.interrupt import RESUMES, leave
 from studies.rival_experiment import Duel, Table, design, lay, tune
 
 # Two forms of the bench that look alike, and the joint at which they act.
@@ -243,4 +244,4 @@ def _count(which: np.ndarray) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    leave(main, "studies.discrimination", RESUMES)

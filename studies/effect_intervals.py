@@ -38,6 +38,7 @@ from studies.bench.make_dataset import make_dataset
 from studies.bench.plan import TWO_JOINTS
 from studies.bench.truth import HiddenTruth
 from studies.case_runner import CaseRunner, RowFile
+from studies.interrupt import RESUMES, leave
 from studies.interval_summary import Interval, packed, page
 
 RUNS = "runs.csv"
@@ -191,4 +192,4 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    leave(main, "studies.effect_intervals", RESUMES)

@@ -45,6 +45,7 @@ from oed.robot import Robot
 from oed.robot.inertia import parameters_from_pseudo_inertia, pseudo_inertia
 from studies.elbow_arm import COULOMB, VISCOUS, elbow_arm
 from studies.feasibility_summary import summarise
+from studies.interrupt import leave
 
 
 @dataclass(frozen=True)
@@ -289,4 +290,4 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    leave(main, "studies.feasibility_price")

@@ -44,6 +44,7 @@ from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table
 from studies.from_data_set import DataSetConfig, add_arguments, prepare, say
+from studies.interrupt import leave
 
 ROUND_TRIP_SAMPLES = 200
 
@@ -195,4 +196,4 @@ def _parse(arguments: Sequence[str] | None) -> Config:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.feasible")

@@ -34,6 +34,7 @@ from oed.report.provenance import Provenance
 from oed.robot import load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.free_frequency_summary import write_summary
+from studies.interrupt import RESUMES, leave
 
 INSTANTS = 80  # the paper's, section 5
 
@@ -189,4 +190,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    leave(main, "studies.free_frequencies", RESUMES)

@@ -21,6 +21,7 @@ from oed.report.calibration_report import print_summary, write_calibration
 from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 from studies.from_data_set import DataSetConfig, add_arguments, prepare, say
+from studies.interrupt import leave
 
 
 @dataclass(frozen=True)
@@ -73,4 +74,4 @@ def _parse(arguments: Sequence[str] | None) -> Config:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.identify")

@@ -37,6 +37,7 @@ from oed.experiment.simulation import Setup, simulate
 from oed.report.output_folder import output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table, write_csv
+from studies.interrupt import leave
 
 PERIOD = 10.0  # [s] of every motion
 REPETITIONS = 4
@@ -233,4 +234,4 @@ def _parse(arguments: Sequence[str] | None) -> Config:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.loop")

@@ -30,6 +30,7 @@ from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import JointLimits, load_robot
+from studies.interrupt import leave
 
 INSTANTS = 80
 OPTIMISERS = {
@@ -187,4 +188,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    leave(main, "studies.optimality_bound")

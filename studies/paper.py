@@ -22,6 +22,7 @@ from pathlib import Path
 from paper_figures.writing import HERE, write_all
 from studies import close_loop, identify, scara_recordings
 from studies.data_folders import REPOSITORY, data_sets
+from studies.interrupt import leave
 from studies.paper_experiment import experiment
 
 
@@ -119,4 +120,4 @@ def _say(text: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.paper", "what its steps have left so far is there")

@@ -34,6 +34,7 @@ from oed.experiment.write_dataset import write_dataset
 from oed.report.output_folder import output_folder
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB
+from studies.interrupt import leave
 
 HIDDEN = ("cable", "stribeck", "none")
 STATIC_RISE = 0.6  # of the Coulomb friction of joint 1, towards standstill
@@ -164,4 +165,4 @@ def _thinned(recording: Recording) -> Recording:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.scara_recordings")

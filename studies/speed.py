@@ -28,6 +28,7 @@ from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
+from studies.interrupt import leave
 
 SIGN_WIDTH = 0.02  # [rad/s]
 
@@ -181,4 +182,4 @@ def main(argv: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    leave(main, "studies.speed")

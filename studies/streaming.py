@@ -30,6 +30,7 @@ from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
+from studies.interrupt import leave
 
 BLOCK = 2000  # samples taken in at once
 PINOCCHIO_SAMPLES = 5000  # enough for a rate; the comparison is per sample
@@ -126,4 +127,4 @@ def _peak_memory() -> float:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main, "studies.streaming")

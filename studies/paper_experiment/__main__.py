@@ -1,7 +1,6 @@
 """Command line: python -m studies.paper_experiment."""
 
-import sys
-
+from studies.interrupt import RESUMES, leave
 from studies.paper_experiment.experiment import main
 
-sys.exit(main())
+leave(main, "studies.paper_experiment", RESUMES)

@@ -48,7 +48,3 @@ def main(argv: Sequence[str] | None = None) -> int:
     write(run_stages(config), config)
     print(f"left in {config.out}", flush=True)
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

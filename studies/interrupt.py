@@ -1,0 +1,36 @@
+"""An interrupted study ends in one line and exit status 130, as a shell expects of Ctrl-C."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Never
+
+INTERRUPTED = 130  # 128 and the number of SIGINT
+NOTHING = "nothing was written"
+RESUMES = "what was done is kept; the same command goes on from there"
+
+
+def leave(main: Callable[[], int | None], name: str, told: str = NOTHING) -> Never:
+    """Run a study from the command line and end the process with its code.
+
+    Args:
+        main: Of the study.
+        name: Of the study, for the message.
+        told: What an interrupt leaves, in words.
+    """
+    try:
+        code = main()
+    except (KeyboardInterrupt, SystemError) as error:
+        if not is_interrupt(error):
+            raise
+        sys.stderr.write(f"\n{name}: interrupted: {told}\n")
+        code = INTERRUPTED
+    sys.exit(code)
+
+
+def is_interrupt(error: BaseException | None) -> bool:
+    """Whether it is Ctrl-C, or what compiled code makes of it: a SystemError caused by one."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None

@@ -1,0 +1,48 @@
+"""Ctrl-C ends a study in one line."""
+
+from pathlib import Path
+
+import pytest
+
+from studies.case_runner import CaseRunner, RowFile
+from studies.interrupt import leave
+
+
+def interrupted() -> int:
+    raise KeyboardInterrupt
+
+
+def interrupted_in_compiled_code() -> int:
+    try:
+        interrupted()
+    except KeyboardInterrupt as error:
+        raise SystemError("returned a result with an exception set") from error
+    return 0
+
+
+@pytest.mark.parametrize("main", [interrupted, interrupted_in_compiled_code])
+def test_an_interrupt_is_one_line_and_status_130(main, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        leave(main, "studies.test")
+    assert end.value.code == 130
+    assert capsys.readouterr().err.strip() == "studies.test: interrupted: nothing was written"
+
+
+def test_another_error_of_the_system_is_raised() -> None:
+    def broken() -> int:
+        raise SystemError("broken")
+
+    with pytest.raises(SystemError, match="broken"):
+        leave(broken, "studies.test")
+
+
+class Only:
+    key = ("a",)
+
+
+def test_a_case_that_is_interrupted_is_no_case_that_failed(tmp_path: Path) -> None:
+    rows = RowFile(tmp_path / "runs.csv", ("case",), ("status",))
+    work = CaseRunner(lambda _: {"status": str(interrupted_in_compiled_code())}, rows, "cases")
+    with pytest.raises(KeyboardInterrupt):
+        work.run([Only()])
+    assert not rows.rows()
