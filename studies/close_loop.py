@@ -29,8 +29,8 @@ from oed.experiment.read_dataset import read_dataset
 from oed.report.diagnosis_report import write_diagnosis
 from oed.report.effect_words import known_parameters
 from oed.report.joint_words import over_floor
-from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
+from oed.report.study_files import CLOSE_LOOP
 from studies.interrupt import leave
 
 SMOKE_SURROGATES = 39
@@ -126,22 +126,23 @@ def base_model(dataset: DataSet) -> str:
 
 def write(outcome: Outcome, config: Config) -> None:
     """Leave the results in the folder."""
-    write_diagnosis(
-        outcome.found,
-        outcome.following,
-        data=outcome.dataset.name,
-        joints=outcome.dataset.robot.joint_names,
-        settings=config.settings,
-        provenance=Provenance.collect(config, seed=config.seed),
-        out=config.out,
-    )
+    with CLOSE_LOOP.replaced(config.out) as out:
+        write_diagnosis(
+            outcome.found,
+            outcome.following,
+            data=outcome.dataset.name,
+            joints=outcome.dataset.robot.joint_names,
+            settings=config.settings,
+            provenance=Provenance.collect(config, seed=config.seed),
+            out=out,
+        )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
     try:
         config = _parse(arguments)
-        check_output_folder(config.out)
+        CLOSE_LOOP.check(config.out)
         outcome = run(config)
         write(outcome, config)
     except (OedError, ValueError, OSError) as error:

@@ -45,8 +45,8 @@ from oed.experiment.read_dataset import read_dataset
 from oed.report.design_plots import draw_motion
 from oed.report.json_file import write_json
 from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
-from oed.report.output_folder import check_output_folder
 from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
+from oed.report.study_files import DESIGN
 from oed.report.style import save_figure
 from oed.robot import Robot, arm_joints, load_robot
 from studies.design_summary import summary
@@ -194,7 +194,6 @@ def write(result: Result, config: Config, out: Path) -> None:
     design = result.design
     robot = design.problem.model.robot
     points = SetPoints.sample(design.problem.trajectory, design.z, robot.joint_names, config.rate)
-    out.mkdir(parents=True, exist_ok=True)
     write_csv(points, out / "motion.csv")
     write_joint_trajectory_yaml(points, out / "joint_trajectory.yaml")
     write_joint_trajectory_json(points, out / "joint_trajectory.json")
@@ -250,9 +249,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parser.parse_args(argv)
     try:
         config = _config(given)
-        check_output_folder(given.out)
+        DESIGN.check(given.out)
         result = run(config)
-        write(result, config, given.out)
+        with DESIGN.replaced(given.out) as out:
+            write(result, config, out)
     except (OedError, ValueError, OSError) as error:
         # Drake's messages have several lines.
         sys.stderr.write(f"studies.design: {' '.join(str(error).split())}\n")

@@ -40,8 +40,8 @@ from oed.export.sdf import write_sdf
 from oed.export.urdf import write_urdf
 from oed.report.feasible_report import write_feasible
 from oed.report.feasible_rows import link_rows, solver_comparison, validation_rows
-from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
+from oed.report.study_files import FEASIBLE
 from oed.report.table import Row, text_table
 from studies.from_data_set import DataSetConfig, add_arguments, prepare, say
 from studies.interrupt import leave
@@ -124,11 +124,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     config = _parse(arguments)
     start = time.perf_counter()
     try:
-        check_output_folder(config.out)
+        FEASIBLE.check(config.out)
         result = run(config)
-        config.out.mkdir(parents=True, exist_ok=True)
-        rows = export(result, config.out)
-        write_feasible(result, rows, config.out, Provenance.collect(config, seed=config.seed))
+        with FEASIBLE.replaced(config.out) as out:
+            rows = export(result, out)
+            write_feasible(result, rows, out, Provenance.collect(config, seed=config.seed))
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.feasible: {error}\n")
         return 2

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from oed.errors import OedError
 from oed.estimation.calibration import Calibration, calibrate, convergence, residual_spectrum
 from oed.report.calibration_report import print_summary, write_calibration
-from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
+from oed.report.study_files import IDENTIFY
 from studies.from_data_set import DataSetConfig, add_arguments, prepare, say
 from studies.interrupt import leave
 
@@ -47,15 +47,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     config = _parse(arguments)
     start = time.perf_counter()
     try:
-        check_output_folder(config.out)
+        IDENTIFY.check(config.out)
         calibration = run(config)
-        write_calibration(
-            calibration,
-            convergence(calibration),
-            residual_spectrum(calibration),
-            config.out,
-            Provenance.collect(config, seed=None),
-        )
+        with IDENTIFY.replaced(config.out) as out:
+            write_calibration(
+                calibration,
+                convergence(calibration),
+                residual_spectrum(calibration),
+                out,
+                Provenance.collect(config, seed=None),
+            )
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.identify: {error}\n")
         return 2
