@@ -49,14 +49,18 @@ def _efficiency_line(efficiency: DEfficiency | None) -> str:
 
 
 def _clearance_line(clearance: ClearanceCheck) -> str:
+    missing = clearance.missing_shapes
+    unchecked = f"not checked for want of the meshes of {missing} collision shapes; "
     if clearance.instants == 0:
-        return clearance.note
+        return f"{unchecked if missing else ''}{clearance.note}"
     if clearance.least is None or clearance.pair is None or clearance.time is None:
-        return f"nothing comes near at {clearance.instants} instants; {clearance.note}".rstrip("; ")
+        nothing = f"nothing comes near at {clearance.instants} instants; "
+        return f"{unchecked if missing else nothing}{clearance.note}".rstrip("; ")
     pair = " and ".join(clearance.pair)
     distance = f"{abs(clearance.least) * 1e3:.1f} mm at {clearance.time:.2f} s"
     if clearance.least > 0.0:
-        found = f"least {distance}, {pair} ({clearance.instants} instants)"
+        of_some = f"{unchecked}of the others " if missing else ""
+        found = f"{of_some}least {distance}, {pair} ({clearance.instants} instants)"
     else:
         found = f"{pair} overlap by {distance}: use --avoid-collision or narrow the limits"
     return f"{found}; {clearance.note}".rstrip("; ")

@@ -83,6 +83,7 @@ class Surroundings:
         self._ignored: frozenset[Pair] = frozenset()
         inspector = self._scene.scene_graph.model_inspector()
         self.has_shapes = inspector.NumGeometriesWithRole(Role.kProximity) > 0
+        self.missing_shapes = self._scene.missing_shapes
         # Looking names up takes Drake longer than the distances do.
         self._pairs: dict[tuple[GeometryId, GeometryId], Pair | None] = {}
         at_middle = self.distances(self.middle)

@@ -30,10 +30,12 @@ class ReadableUrdf:
     Attributes:
         text: The file, its meshes named by absolute path.
         missing: Names of the meshes that could not be found or read, and are left out.
+        missing_shapes: How many collision shapes are left out with them.
     """
 
     text: str
     missing: tuple[str, ...]
+    missing_shapes: int
 
 
 def with_readable_meshes(text: str, source: Path, scratch: Path) -> ReadableUrdf:
@@ -50,6 +52,7 @@ def with_readable_meshes(text: str, source: Path, scratch: Path) -> ReadableUrdf
     root = ElementTree.fromstring(text)  # noqa: S314  # the user's own robot file
     converted: Converted = {}
     missing: list[str] = []
+    missing_shapes = 0
     for link in root.iter("link"):
         for element in [e for kind in ELEMENTS for e in link.findall(kind)]:
             for mesh in element.iter("mesh"):
@@ -58,11 +61,13 @@ def with_readable_meshes(text: str, source: Path, scratch: Path) -> ReadableUrdf
                 readable = _readable(name, source, scratch, converted, is_hull=is_hull)
                 if readable is None:
                     missing.append(name)
+                    missing_shapes += is_hull
                     link.remove(element)
                     break
                 mesh.set("filename", str(readable))
     _define_once(root)
-    return ReadableUrdf(ElementTree.tostring(root, encoding="unicode"), tuple(missing))
+    edited = ElementTree.tostring(root, encoding="unicode")
+    return ReadableUrdf(edited, tuple(missing), missing_shapes)
 
 
 def _define_once(root: ElementTree.Element) -> None:

@@ -51,6 +51,11 @@ class Scene:
     note: str
     readable: _Readable | None = None
 
+    @property
+    def missing_shapes(self) -> int:
+        """Collision shapes that are left out for want of their meshes."""
+        return 0 if self.readable is None else self.readable.urdf.missing_shapes
+
     def positions(self, q: Float[ndarray, " joints"], rest: ndarray) -> ndarray:
         """All positions of the plant with the robot's joints at q and the others at `rest`."""
         everything = np.array(rest, dtype=float)
