@@ -37,7 +37,10 @@ def with_default_limits(robot: Robot) -> tuple[Robot, tuple[str, ...]]:
     centre = np.minimum(np.maximum(0.0, lower + half), upper - half)
     assumed = np.stack([centre - half, centre + half], axis=1)
     position = np.where(is_endless[:, None], assumed, given.position)
-    notes += _notes(robot, is_endless, "position", position)
+    is_given = np.isfinite(given.position).all(axis=1)
+    wide = "its limits are more than two turns apart"
+    notes += _notes(robot, is_endless & is_given, "position", position, why=wide)
+    notes += _notes(robot, is_endless & ~is_given, "position", position)
 
     velocity, no_speed = _both_ways(given.velocity, np.full(robot.n, VELOCITY))
     notes += _notes(robot, no_speed, "velocity", velocity)
@@ -65,9 +68,10 @@ def _notes(
     assumed: Bool[ndarray, " joints"],
     kind: str,
     bounds: Float[ndarray, "joints 2"],
+    why: str = "no limit is given",
 ) -> list[str]:
     return [
-        f"{kind} of {robot.joint_names[j]}: not limited by the robot's file, assumed within "
+        f"{kind} of {robot.joint_names[j]}: {why}, assumed within "
         f"{bounds[j, 0]:.4g} ... {bounds[j, 1]:.4g}"
         for j in np.flatnonzero(assumed)
     ]
