@@ -102,6 +102,8 @@ def run(config: Config) -> Outcome:
     dataset = read_dataset(config.data)
     for file, column in dataset.unused:
         _say(f"note: {file}: column {column!r} is not used")
+    for note in dataset.notes:
+        _say(f"note: {note}")
     name = config.model or base_model(dataset)
     _say(f"base model {name!r}")
     model = build_model(name, dataset.robot)

@@ -50,7 +50,7 @@ def prepare(config: DataSetConfig) -> tuple[DataSet, TorqueModel, ProcessingSett
     dataset = read_dataset(config.data, joints=config.joints or None)
     for file, column in dataset.unused:
         say(f"note: {file}: column {column!r} is not used")
-    for note in gap_notes(gap_record(dataset)):
+    for note in (*dataset.notes, *gap_notes(gap_record(dataset))):
         say(f"note: {note}")
     model = build_model(config.model, dataset.robot, sign_width=config.sign_width)
     settings = choose_settings(dataset)

@@ -113,5 +113,10 @@ class DataSet:
         """Pairs (file, column) of the columns that nothing reads, to be shown to the user."""
         return tuple((r.source, column) for r in self.recordings for column in r.unused_columns)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is doubtful about the recordings' numbers, to be shown to the user."""
+        return tuple(note for recording in self.recordings for note in recording.notes)
+
     def _with_role(self, role: Role) -> tuple[Recording, ...]:
         return tuple(recording for recording in self.recordings if recording.role == role)

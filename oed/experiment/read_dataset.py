@@ -15,6 +15,7 @@ from oed.errors import DataSetError, OedError
 from oed.experiment.column_names import ColumnNames, find_columns
 from oed.experiment.consistency_checks import check_repeats, check_speed, check_velocity
 from oed.experiment.dataset import DRIVE_KEYS, DataSet, Drive
+from oed.experiment.limit_checks import check_limits, torque_notes
 from oed.experiment.manifest import MANIFEST, Manifest, RecordingEntry, read_manifest
 from oed.experiment.recording import Recording
 from oed.experiment.recording_checks import (
@@ -86,7 +87,10 @@ def _load_robot(
     limits = {kind: bounds[list(kept)] for kind, bounds in manifest.limits.items()}
     try:
         robot = load_robot(source, joints=names, locked=locked, gravity=tuple(manifest.gravity))
+        check_limits(limits, robot, str(folder / MANIFEST))
         return robot.with_limits(robot.limits.with_(**limits))
+    except DataSetError:
+        raise
     except (OedError, ValueError, RuntimeError, OSError) as error:
         is_of_names = any(word in str(error) for word in ("no joint", "named twice", "mimics"))
         key = "joints" if is_of_names else "robot"
@@ -118,11 +122,13 @@ def _read_recordings(folder: Path, manifest: Manifest, robot: Robot) -> tuple[Re
             message = f"{entry.file!r} and {seen[real]!r} are the same file; list it once"
             raise DataSetError(message, file=str(folder / MANIFEST), column="recording.file")
         seen[real] = entry.file
-        recordings.append(_read_recording(path, entry, robot, manifest.drive))
+        recordings.append(_read_recording(path, entry, robot, manifest))
     return tuple(recordings)
 
 
-def _read_recording(path: Path, entry: RecordingEntry, robot: Robot, drive: Drive) -> Recording:
+def _read_recording(
+    path: Path, entry: RecordingEntry, robot: Robot, manifest: Manifest
+) -> Recording:
     file = str(path)
     read = read_columns(path, lambda header: find_columns(header, robot.n, file).all)
     names = find_columns((*read.values, *read.others), robot.n, file)
@@ -145,14 +151,16 @@ def _read_recording(path: Path, entry: RecordingEntry, robot: Robot, drive: Driv
         repetition, period = derive_repetition(t, entry.repetitions, entry.period), entry.period
     if repetition is not None:
         check_repeats(t, q, repetition, period, file)
-    factor = drive.current_to_torque
-    tau = fields.stacked("tau")
+    factor = manifest.drive.current_to_torque
+    tau = fields.stacked("tau") * (1.0 if factor is None else factor)
+    is_bare_current = manifest.torque == "current" and factor is None
+    notes = torque_notes(tau, robot, file, read.first_row, is_bare_current=is_bare_current)
     return Recording(
         name=entry.name,
         role=entry.role,
         t=t,
         q=q,
-        tau=tau if factor is None else tau * factor,
+        tau=tau,
         dq=dq,
         ddq=fields.stacked("ddq") if "ddq" in names.fields else None,
         repetition=repetition,
@@ -160,6 +168,7 @@ def _read_recording(path: Path, entry: RecordingEntry, robot: Robot, drive: Driv
         period=entry.period,
         source=file,
         unused_columns=read.others,
+        notes=notes,
     )
 
 

@@ -31,6 +31,7 @@ class Recording:
         period: Period of the motion [s].
         source: File that the recording was read from.
         unused_columns: Names of columns of that file that nothing here reads.
+        notes: What is doubtful about its numbers, a line each, to be shown to the user.
 
     Raises:
         ValueError: If shapes disagree, a number is not finite, or time does not increase.
@@ -48,6 +49,7 @@ class Recording:
     period: float | None = None
     source: str = ""
     unused_columns: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.role not in ROLES:

@@ -28,6 +28,7 @@ def estimate_record(calibration: Calibration, provenance: Provenance) -> dict[st
             role: sum(len(r) for r in recordings.get(role, ())) for role in _roles(recordings)
         },
         "gaps": gap_record(calibration.dataset),
+        "data_notes": list(calibration.dataset.notes),
         "parameters": [
             {
                 "name": row["name"],

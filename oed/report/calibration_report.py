@@ -196,6 +196,7 @@ def _origin_section(calibration: Calibration, provenance: Provenance) -> Section
         "How it was made",
         (
             *(Text(reason) for reason in calibration.settings.reasons),
+            *(Text(f"Note: {note}.") for note in dataset.notes),
             *(Text(f"Gaps: {note}.") for note in gap_notes(gap_record(dataset))),
             Text(f"Data: {dataset.source}. Licence: {dataset.licence}."),
             Table([{"package": k, "version": v} for k, v in provenance.versions.items()]),

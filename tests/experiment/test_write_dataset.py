@@ -52,7 +52,7 @@ def made_up(seed: int = 0, drive: Drive | None = None) -> DataSet:
         robot=robot.with_gravity(np.array([0.1, -9.8, 0.3])).with_limits(
             robot.limits.with_(
                 acceleration=np.array([[-4.0, 5.0], [-np.inf, np.inf]]),
-                torque=np.array([[-70.0, 70.0], [-1 / 3, 1 / 3]]),
+                torque=np.array([[-70.0, 70.0], [-70 / 3, 70 / 3]]),
             )
         ),
         torque="commanded",
