@@ -20,9 +20,12 @@ from oed.dynamics.effects import (
     TorqueOffset,
     Viscous,
 )
+from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import filled
 from oed.robot import Robot
+
+OF_BODIES = (RigidBody, PayloadChange)  # whose parameters have the same units at every joint
 
 
 @dataclass(frozen=True)
@@ -59,8 +62,17 @@ class TorqueModel:
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The p linear parameters, in column order."""
-        return tuple(p for effect in self.effects for p in effect.parameters)
+        """The p linear parameters, in column order; units are those of each joint's kind."""
+        return tuple(
+            p if isinstance(effect, OF_BODIES) or p.joint is None else self._at_joint(p, p.joint)
+            for effect in self.effects
+            for p in effect.parameters
+        )
+
+    def _at_joint(self, parameter: Parameter, joint: int) -> Parameter:
+        """Such as a viscous friction in N s/m at a prismatic joint, which effects do not know."""
+        unit = self.robot.joints[joint].unit(parameter.unit)
+        return parameter if unit == parameter.unit else dataclasses.replace(parameter, unit=unit)
 
     def with_effects(self, *effects: Effect) -> TorqueModel:
         """This model with more effects."""

@@ -22,6 +22,7 @@ from oed.report.calibration_record import (
     validation_rows,
 )
 from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
+from oed.report.joint_words import torque_label, torque_units
 from oed.report.json_file import write_json
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict, write_page
 from oed.report.parameter_plots import plot_parameter_convergence, plot_parameter_intervals
@@ -68,16 +69,24 @@ def draw_figures(
     calibration: Calibration, history: RecursiveEstimate, spectrum: Spectrum
 ) -> dict[str, Figure]:
     """Figures by file stem: torque and residual for each role, parameters, convergence."""
-    names = calibration.dataset.robot.joint_names
+    names, joints = calibration.dataset.robot.joint_names, calibration.dataset.robot.joints
+    torque, residual = torque_label(joints), torque_label(joints, "residual torque")
+    density = "residual density [(N m)²/Hz]"
+    if "N" in torque_units(joints):
+        density = density.replace("]", "; N²/Hz at prismatic joints]")
     figures: dict[str, Figure] = {}
     for role, recordings in calibration.recordings.items():
         t = _joined_time(recordings)
         measured = np.concatenate([recording.tau for recording in recordings])
         result = calibration.validation[role]
-        figures[f"torque_{role}"] = plot_torques(t, measured, measured - result.residual, names)
-        figures[f"residual_{role}"] = plot_residuals(t, result.residual, names, result.rms)
+        figures[f"torque_{role}"] = plot_torques(
+            t, measured, measured - result.residual, names, ylabel=torque
+        )
+        figures[f"residual_{role}"] = plot_residuals(
+            t, result.residual, names, result.rms, ylabel=residual
+        )
     figures["spectrum_estimation"] = plot_residual_spectrum(
-        *spectrum, names, cutoff=calibration.settings.cutoff
+        *spectrum, names, cutoff=calibration.settings.cutoff, ylabel=density
     )
     estimate = calibration.estimate
     interval = estimate.interval(0.95)

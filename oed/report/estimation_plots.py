@@ -19,6 +19,7 @@ from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
 _TORQUE = "torque [N m]"
 _RESIDUAL = "residual torque [N m]"
+_DENSITY = "residual density [(N m)²/Hz]"
 _TIME = "time [s]"
 
 
@@ -95,6 +96,7 @@ def plot_residual_spectrum(
     joint_names: Sequence[str],
     *,
     cutoff: float | None = None,
+    ylabel: str = _DENSITY,
 ) -> Figure:
     """Spectral density of the residual: flat is noise, a peak or a slope is not.
 
@@ -103,14 +105,13 @@ def plot_residual_spectrum(
         density: (F, n) [(N m)²/Hz].
         joint_names: (n,) names, in the order of the columns.
         cutoff: Cut-off of the low-pass filter, drawn where given [Hz].
+        ylabel: Another label where the joints are prismatic.
 
     Raises:
         ValueError: If there is not one name a joint.
     """
     _require_names(joint_names, density.shape[1])
-    figure, panels = joint_grid(
-        joint_names, xlabel="frequency [Hz]", ylabel="residual density [(N m)²/Hz]", sharey=True
-    )
+    figure, panels = joint_grid(joint_names, xlabel="frequency [Hz]", ylabel=ylabel, sharey=True)
     positive = frequency > 0
     for j, panel in enumerate(panels):
         panel.set_xscale("log")

@@ -21,6 +21,7 @@ from oed.report.feasible_rows import (
     parameter_rows,
     validation_rows,
 )
+from oed.report.joint_words import torque_label
 from oed.report.json_file import write_json
 from oed.report.page import write_page
 from oed.report.parameter_plots import plot_parameter_intervals
@@ -137,7 +138,10 @@ def draw_figures(result: FeasibleCalibration) -> dict[str, Figure]:
     for role in held_out:
         plain, feasible = result.plain.validation[role], result.validation[role]
         figures[f"residual_{role}"] = plot_residual_comparison(
-            names, plain.rms, feasible.rms, ylabel=f"rms residual, {role} [N m]"
+            names,
+            plain.rms,
+            feasible.rms,
+            ylabel=torque_label(estimate.robot.joints, f"rms residual torque, {role}"),
         )
     measured = estimate.from_data > MOSTLY_DATA
     if measured.any():

@@ -32,6 +32,15 @@ def torque_units(joints: Sequence[Joint]) -> list[str]:
     return [joint.unit("N m") for joint in joints]
 
 
+def torque_label(joints: Sequence[Joint], quantity: str = "torque") -> str:
+    """A quantity of torque with its unit, or with both where some joints are prismatic."""
+    units = dict.fromkeys(torque_units(joints))
+    if "N" not in units:
+        return f"{quantity} [N m]"
+    force = quantity.replace("torque", "force")
+    return f"{force} [N]" if len(units) == 1 else f"{quantity} [N m; N at prismatic joints]"
+
+
 def coordinate_label(coordinate: str, joints: Sequence[Joint]) -> str:
     """Such as "velocity of joint 2 [rad/s]" of "dq_2"; "time [s]" of "time"."""
     kind, _, number = coordinate.partition("_")

@@ -68,3 +68,17 @@ def test_an_unknown_model_is_refused_with_the_known_ones() -> None:
     with pytest.raises(ValueError, match="standard"):
         build_model("stanadrd", imi_scara())
     assert set(MODELS) == {"standard", "rotor", "offset"}
+
+
+def test_units_at_a_slide_are_those_of_a_force(tmp_path) -> None:
+    (tmp_path / "slide.urdf").write_text("""<robot name="s"><link name="a"/>
+<link name="b"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="slide" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
+<limit lower="-1" upper="1" velocity="1" effort="9"/></joint></robot>""")
+    model = build_model("rotor", load_robot(tmp_path / "slide.urdf"), sign_width=0.1)
+    units = {parameter.name: parameter.unit for parameter in model.parameters}
+    friction = {name: units[name] for name in ("Fc_1", "Fv_1", "Ia_1")}
+    assert friction == {"Fc_1": "N", "Fv_1": "N s/m", "Ia_1": "kg"}
+    assert units["Ixx_1"] == "kg m^2"
+    assert {p.unit for p in TorqueModel.standard(imi_scara()).parameters} >= {"N m", "N m s/rad"}
