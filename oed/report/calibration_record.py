@@ -10,6 +10,7 @@ import numpy as np
 from oed.estimation.calibration import Calibration
 from oed.experiment.recording import HELD_OUT, Role
 from oed.experiment.stretches import gap_record
+from oed.report.doubts import doubts
 from oed.report.provenance import Provenance
 from oed.report.table import Row
 
@@ -40,6 +41,7 @@ def estimate_record(calibration: Calibration, provenance: Provenance) -> dict[st
             }
             for row in parameter_rows(calibration)
         ],
+        "doubts": list(doubts(calibration)),
         "unidentifiable": list(estimate.unidentifiable),
         "unidentifiable_because": dict(zip(estimate.unidentifiable, estimate.reasons, strict=True)),
         "condition": condition(calibration),

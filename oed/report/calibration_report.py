@@ -21,6 +21,7 @@ from oed.report.calibration_record import (
     parameter_rows,
     validation_rows,
 )
+from oed.report.doubts import doubts
 from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
 from oed.report.joint_words import torque_label, torque_units
 from oed.report.json_file import write_json
@@ -116,6 +117,8 @@ def print_summary(calibration: Calibration) -> None:
         f"J_k = cond Lambda = {figures['J_k']:.4g}, J_d = log10 det Lambda = "
         f"{figures['J_d_log10']:.4g}, {figures['rows']} rows\n"
     )
+    for note in doubts(calibration):
+        say(f"note: {note}\n")
     if calibration.base.note:
         say(f"note: {calibration.base.note}\n")
 
@@ -168,7 +171,11 @@ def _prediction_section(calibration: Calibration, pictures: dict[str, Path]) -> 
     ]
     return Section(
         "How well it predicts",
-        (Table(validation_rows(calibration), caption=VALIDATION_CAPTION), *by_role),
+        (
+            *(Text(f"Note: {note}.") for note in doubts(calibration)),
+            Table(validation_rows(calibration), caption=VALIDATION_CAPTION),
+            *by_role,
+        ),
     )
 
 
@@ -230,7 +237,7 @@ def _verdict(calibration: Calibration) -> Verdict:
         for role in held_out
     )
     return Verdict(
-        "warning" if lost else "good",
+        "warning" if lost or doubts(calibration) else "good",
         f"{count} parameters identified; relative rms residual {shares}.",
         f"{lost} parameters could not be identified. cond Lambda (J_k) = {figures['J_k']:.3g}, "
         f"log10 det Lambda (J_d) = {figures['J_d_log10']:.4g} on {figures['rows']} rows.",

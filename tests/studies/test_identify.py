@@ -148,6 +148,25 @@ def test_a_motionless_joint_is_named_and_not_given_numbers(tmp_path: Path) -> No
     assert not {"Fc_2", "Fv_2"} & {p["name"] for p in record["parameters"]}
 
 
+def test_what_cannot_be_right_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    _simulated(tmp_path / "data", np.random.default_rng(28))
+    arguments = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
+    assert main([*arguments, "--model", "standard"]) == 0
+    assert json.loads((tmp_path / "out" / "estimate.json").read_text())["doubts"] == []
+    assert "cannot be negative" not in capsys.readouterr().out
+    for name in ("fit.csv", "held.csv"):
+        file = tmp_path / "data" / name
+        table = np.loadtxt(file, delimiter=",", skiprows=1)
+        header = file.read_text().splitlines()[0]
+        table[:, header.split(",").index("tau_2")] *= -1
+        np.savetxt(file, table, delimiter=",", header=header, comments="", fmt="%.17g")
+    assert main([*arguments, "--model", "standard"]) == 0
+    told = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
+    assert any("joint_2: the residual on validation is" in line for line in told)
+    assert any("Fv_2 = -" in line and "cannot be negative" in line for line in told)
+    assert len(json.loads((tmp_path / "out" / "estimate.json").read_text())["doubts"]) == len(told)
+
+
 def test_bad_input_is_one_line_and_leaves_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
