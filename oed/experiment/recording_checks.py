@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.errors import DataSetError
@@ -23,6 +23,11 @@ LEAST_TRAVEL = 1e-3  # [rad or m] of the joint that moves most: encoders read a 
 LARGEST_STEP = 0.2
 TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
 TURN_TOLERANCE = 0.5  # [rad] that an arm may move between two rows beside the turn
+# A leap is at least this share of a joint's travel, and so many times what nearly all rows differ
+# by, and those just before and after it: one row or two, as no arm moves.
+LEAP_SHARE = 0.1
+LEAP_RATIO = 20.0
+USUAL = 0.99  # of the rows
 PERIOD_TOLERANCE = 0.002  # of the span: clocks of motion and logger differ by far less
 
 
@@ -88,7 +93,7 @@ def check_turns(
     file: str,
     first_row: int,
 ) -> None:
-    """Refuse an angle that is folded into one turn: it leaps by a turn where the arm goes on."""
+    """Refuse positions that leap: angles folded into one turn, and encoders that lose count."""
     is_gap = np.zeros(len(t) - 1, dtype=bool)
     is_gap[find_gaps(t, np.inf)] = True
     for j, joint in enumerate(robot.joints):
@@ -101,6 +106,23 @@ def check_turns(
                 "whole turn: the angle is folded; unfold it (NumPy: unwrap)"
             )
             raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
+        leaps = np.flatnonzero(_is_leap(np.abs(leap), float(np.ptp(q[:, j]))) & ~is_gap)
+        if len(leaps):
+            row = int(leaps[0]) + 1
+            message = (
+                f"joint {joint.name!r} leaps by {leap[row - 1]:.4g} {joint.unit('rad')} from the row "
+                f"before, as no arm moves, and {len(leaps)} times in all: an encoder that wraps or "
+                "loses count, or a faulty row; unfold or remove it"
+            )
+            raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
+
+
+def _is_leap(change: Float[ndarray, " changes"], travel: float) -> Bool[ndarray, " changes"]:
+    """Which changes from row to row stand alone in a joint's travel; a faulty row makes two."""
+    beside = np.pad(change, 2, mode="edge")
+    around = np.maximum(beside[:-4], beside[4:])
+    usual = np.quantile(change, USUAL)
+    return (change > LEAP_SHARE * travel) & (change > LEAP_RATIO * np.maximum(around, usual))
 
 
 def check_signals(

@@ -14,6 +14,8 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.final_model import FinalModel
 
 PADDING = 2  # ratio of a transform's to its signal's length: a line may lie between two frequencies
+# [rad/s] Least velocity with a direction, of a joint that no encoder sees move.
+AT_REST = 1e-9
 
 
 @dataclass(frozen=True)
@@ -91,4 +93,6 @@ def _state(
 ) -> tuple[Float[ndarray, "samples joints"], Float[ndarray, "samples joints"]]:
     """Position and direction of motion in the analysis band."""
     motion, band = prepared.motion, prepared.band
-    return band.apply(motion.q), band.apply(np.tanh(motion.dq / prepared.sign_noise))
+    return band.apply(motion.q), band.apply(
+        np.tanh(motion.dq / np.maximum(prepared.sign_noise, AT_REST))
+    )
