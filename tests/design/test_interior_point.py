@@ -1,5 +1,7 @@
 """The interior-point optimiser: known optima, budgets, and always a proven design."""
 
+import signal
+
 import numpy as np
 import pytest
 
@@ -34,6 +36,24 @@ def test_finds_a_known_optimum_on_the_limit() -> None:
     assert found.is_converged
     assert objective(found.z)[0] == pytest.approx(-0.5 / np.cos(np.pi / 64) ** 2, abs=1e-4)
     assert found.z[0] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_an_interrupt_within_the_solver_ends_it() -> None:
+    limits = JointLimits.symmetric(position=(1.0,), velocity=(5.0,), acceleration=(1.0,))
+    trajectory = FourierClass(2 * np.pi, limits, harmonics=1)
+    constraints = LimitConstraints(trajectory, limits, trajectory.instants(9))
+    points = []
+
+    def objective(z: np.ndarray) -> tuple[float, np.ndarray]:
+        points.append(z)
+        if len(points) == 3:
+            signal.raise_signal(signal.SIGINT)
+        return -(z**4).sum(), -4 * z**3
+
+    with pytest.raises(KeyboardInterrupt):
+        solve_program(objective, constraints, np.array([0.2, 0.1, 0.3]), iterations=100)
+    assert len(points) == 3
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_bfgs_learns_a_quadratic() -> None:

@@ -8,6 +8,7 @@ remembered pair, and took five times longer.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import casadi
 import numpy as np
@@ -16,6 +17,7 @@ from numpy import ndarray
 
 from oed.design.constraints import LimitConstraints
 from oed.design.optimisers.bfgs import DampedBfgs
+from oed.design.optimisers.held_interrupt import HeldInterrupt, hold_interrupt
 from oed.design.optimisers.smooth_program import SINGULAR, LocalSolution, ValueAndGradient
 
 CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
@@ -43,18 +45,19 @@ def solve_program(
         is_warm: Whether the start is close to a solution, and should stay so.
         tolerance: IPOPT's, on optimality and limits, with variables scaled to the box.
     """
-    bounds = constraints.trajectory.bounds
-    scaled = _Scaled(objective, constraints, bounds.mean(axis=1), np.diff(bounds)[:, 0] / 2)
-    cost, hessian = _Objective(scaled), _Hessian(scaled)
-    limits = _Limits(scaled) if constraints.count else None
-    u = casadi.MX.sym("u", len(start))
-    program = {"x": u, "f": cost(u), "g": casadi.MX(0, 1) if limits is None else limits(u)}
-    options = {
+    options = _options(iterations, tolerance, cpu_seconds, is_warm=is_warm)
+    with hold_interrupt() as held:
+        return _solve(_Scaled(objective, constraints, held), np.array(start), options)
+
+
+def _options(
+    iterations: int, tolerance: float, cpu_seconds: float, *, is_warm: bool
+) -> dict[str, Any]:
+    options: dict[str, Any] = {
         "ipopt.print_level": 0,
         "ipopt.sb": "yes",
         "print_time": False,
         "show_eval_warnings": False,
-        "hess_lag": hessian,
         "ipopt.max_iter": iterations,
         "ipopt.tol": tolerance,
         "ipopt.acceptable_tol": 10 * tolerance,
@@ -65,14 +68,23 @@ def solve_program(
         options |= {"ipopt.bound_push": WARM_BARRIER, "ipopt.bound_frac": WARM_BARRIER}
     if np.isfinite(cpu_seconds):
         options["ipopt.max_cpu_time"] = max(cpu_seconds, 1e-3)
-    solver = casadi.nlpsol("design", "ipopt", program, options)
+    return options
+
+
+def _solve(scaled: _Scaled, start: ndarray, options: dict[str, Any]) -> LocalSolution:
+    constraints = scaled.constraints
+    cost, hessian = _Objective(scaled), _Hessian(scaled)
+    limits = _Limits(scaled) if constraints.count else None
+    u = casadi.MX.sym("u", scaled.size)
+    program = {"x": u, "f": cost(u), "g": casadi.MX(0, 1) if limits is None else limits(u)}
+    solver = casadi.nlpsol("design", "ipopt", program, {**options, "hess_lag": hessian})
     answer = solver(
         x0=scaled.inward(start), lbx=-1.0, ubx=1.0, lbg=constraints.lower, ubg=constraints.upper
     )
     status = solver.stats()["return_status"]
     point = scaled.outward(np.asarray(answer["x"]).reshape(-1))
     if not np.isfinite(point).all():
-        point = np.array(start)
+        point = start
     return LocalSolution(point, scaled.evaluations, status in CONVERGED, status)
 
 
@@ -86,9 +98,10 @@ class _Scaled:
         self,
         objective: ValueAndGradient,
         constraints: LimitConstraints,
-        middle: ndarray,
-        half: ndarray,
+        held: HeldInterrupt,
     ) -> None:
+        bounds = constraints.trajectory.bounds
+        middle, half = bounds.mean(axis=1), np.diff(bounds)[:, 0] / 2
         self.evaluations = 0
         self.constraints = constraints
         self.size = len(middle)
@@ -98,6 +111,7 @@ class _Scaled:
         # CasADi stores column by column; our entries come row by row.
         self._order = np.lexsort((constraints.rows, constraints.columns))
         self._objective, self._middle, self._half = objective, middle, half
+        self._held = held
         self._key, self._last = b"", (np.nan, np.zeros(0))
         self._jacobian: casadi.DM | None = None
 
@@ -108,6 +122,8 @@ class _Scaled:
         return self._middle + self._half * u
 
     def objective(self, u: ndarray) -> tuple[float, ndarray]:
+        if self._held.came:  # IPOPT ends, silently unlike after an exception
+            return np.nan, np.full(self.size, np.nan)
         key = u.tobytes()
         if key != self._key:
             value, gradient = self._objective(self.outward(u))
