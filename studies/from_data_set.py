@@ -15,10 +15,12 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.processing import ProcessingSettings
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
+from oed.robot.robot import PINION_RADIUS
 
 # Below this velocity the direction of a geared arm's motion is not known to the data; the
 # baselines published with the measured sets use the same figure.
 SIGN_WIDTH = 0.02  # [rad/s]
+WIDTH_HELP = f"over which friction turns [rad/s]; times {PINION_RADIUS:g} m at prismatic joints"
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class DataSetConfig:
         joints: Names of the joints to identify; all if empty.
         cutoff: Of the low-pass [Hz]; chosen from the data if None.
         model: Name of the torque model.
-        sign_width: Velocity over which the Coulomb terms change sign [rad/s].
+        sign_width: Velocity over which the Coulomb terms change sign at revolute joints [rad/s].
         smoke: Whether to keep only as few samples as carry the band.
     """
 
@@ -71,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--joints", nargs="+", default=(), help="identify only these joints")
     parser.add_argument("--cutoff", type=float, help="low-pass cut-off [Hz]")
     parser.add_argument("--model", choices=sorted(MODELS), default=DataSetConfig.model)
-    parser.add_argument("--sign-width", type=float, default=SIGN_WIDTH, help="[rad/s]")
+    parser.add_argument("--sign-width", type=float, default=SIGN_WIDTH, help=WIDTH_HELP)
 
 
 def say(text: str) -> None:

@@ -15,7 +15,7 @@ def build_model(name: str, robot: Robot, *, sign_width: float = 0.0) -> TorqueMo
     Args:
         name: A key of `MODELS`.
         robot: The machine.
-        sign_width: Width of the Coulomb terms' sign [rad/s].
+        sign_width: Width of the Coulomb terms' sign, as `TorqueModel.standard` takes it [rad/s].
 
     Raises:
         ValueError: If there is no model of that name.

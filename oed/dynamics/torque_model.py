@@ -51,13 +51,13 @@ class TorqueModel:
         Args:
             robot: The machine.
             offset: Whether to add a constant torque to every joint.
-            sign_width: Width of the Coulomb terms' sign [rad/s].
+            sign_width: Width of the Coulomb terms' sign at revolute joints [rad/s]; at prismatic
+                ones it is `Joint.speed` of that.
         """
-        joints = range(robot.n)
         friction: list[Effect] = []
-        for j in joints:
-            friction += [Coulomb(j, sign_width), Viscous(j)]
-        offsets = [TorqueOffset(j) for j in joints] if offset else []
+        for j, joint in enumerate(robot.joints):
+            friction += [Coulomb(j, joint.speed(sign_width)), Viscous(j)]
+        offsets = [TorqueOffset(j) for j in range(robot.n)] if offset else []
         return cls(robot, (RigidBody(robot), *friction, *offsets))
 
     @property

@@ -14,6 +14,10 @@ from numpy import ndarray
 from oed.robot.inertia import PARAMETER_SYMBOLS, PARAMETER_UNITS
 from oed.robot.limits import JointLimits
 
+# Radius at which a turning drive's velocity is that of a slide: pinions, pulleys and the leads of
+# fast screws lie within a factor of a few.
+PINION_RADIUS = 0.05  # [m]
+
 
 @dataclass(frozen=True)
 class Joint:
@@ -52,6 +56,13 @@ class Joint:
         if self.kind == "revolute":
             return rotary
         return rotary.replace("N m", "N").replace("kg m^2", "kg").replace("rad", "m")
+
+    def speed(self, rotary: float) -> float:
+        """The velocity at this joint that compares with `rotary` [rad/s] at a revolute one.
+
+        That of the rim of a pinion of `PINION_RADIUS` at a prismatic joint [m/s].
+        """
+        return rotary if self.kind == "revolute" else PINION_RADIUS * rotary
 
 
 @dataclass(frozen=True)

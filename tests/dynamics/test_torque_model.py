@@ -1,14 +1,17 @@
 """The torque model: one shape for all effects, numbers and symbols alike."""
 
+from pathlib import Path
+
 import casadi
 import numpy as np
 import pytest
 
-from oed.dynamics.effects import MotorCoupling, RotorInertia
+from oed.dynamics.effects import Coulomb, MotorCoupling, RotorInertia
 from oed.dynamics.models import MODELS, build_model
 from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import imi_scara, load_robot
+from oed.robot.robot import PINION_RADIUS
 from tests.paths import example_robot
 
 
@@ -70,15 +73,26 @@ def test_an_unknown_model_is_refused_with_the_known_ones() -> None:
     assert set(MODELS) == {"standard", "rotor", "offset"}
 
 
-def test_units_at_a_slide_are_those_of_a_force(tmp_path) -> None:
-    (tmp_path / "slide.urdf").write_text("""<robot name="s"><link name="a"/>
+def slide_model(folder: Path) -> TorqueModel:
+    (folder / "slide.urdf").write_text("""<robot name="s"><link name="a"/>
 <link name="b"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="slide" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
 <limit lower="-1" upper="1" velocity="1" effort="9"/></joint></robot>""")
-    model = build_model("rotor", load_robot(tmp_path / "slide.urdf"), sign_width=0.1)
+    return build_model("rotor", load_robot(folder / "slide.urdf"), sign_width=0.1)
+
+
+def test_units_at_a_slide_are_those_of_a_force(tmp_path: Path) -> None:
+    model = slide_model(tmp_path)
     units = {parameter.name: parameter.unit for parameter in model.parameters}
     friction = {name: units[name] for name in ("Fc_1", "Fv_1", "Ia_1")}
     assert friction == {"Fc_1": "N", "Fv_1": "N s/m", "Ia_1": "kg"}
     assert units["Ixx_1"] == "kg m^2"
     assert {p.unit for p in TorqueModel.standard(imi_scara()).parameters} >= {"N m", "N m s/rad"}
+
+
+def test_friction_of_a_slide_turns_over_metres_per_second_not_radians(tmp_path: Path) -> None:
+    # 0.02 m/s is a usual speed of a slide: over that width its friction was taken for viscous.
+    slide, turning = slide_model(tmp_path), build_model("rotor", imi_scara(), sign_width=0.1)
+    widths = [e.width for m in (slide, turning) for e in m.effects if isinstance(e, Coulomb)]
+    assert widths == pytest.approx([0.1 * PINION_RADIUS, 0.1, 0.1])
