@@ -39,7 +39,7 @@ from oed.design.optimisers.interior_point import optimise
 from oed.design.optimisers.result import Budget
 from oed.design.prior_experiments import prior_information
 from oed.design.problem import DesignProblem
-from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.models import MODELS, build_model
 from oed.errors import OedError, RobotError
 from oed.experiment.read_dataset import read_dataset
 from oed.report.design_plots import draw_motion
@@ -54,6 +54,10 @@ from studies.interrupt import leave
 
 CHECKED_INSTANTS = 1000  # of the clearance check
 MOST_POINTS = 1_000_000  # that a motion is written with
+ROTORS = (
+    "rotor inertias are no part of the model that this excites; studies.identify estimates them "
+    "unless told otherwise: --model rotor excites them as well"
+)
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,7 @@ class Config:
         robot: File or "builtin:NAME"; empty where a data set names it.
         data: Folder of a data set; empty where `robot` is given.
         joints: Names of the joints to move; empty for the arm proper.
+        model: Name of the torque model whose parameters the motion is to excite.
         problem: What to ask of the motion.
         prior: Design files whose experiments this one completes.
         avoid_collision: Whether the motion must be clear of self-collision, and of `box`.
@@ -77,6 +82,7 @@ class Config:
     robot: str = ""
     data: str = ""
     joints: tuple[str, ...] = ()
+    model: str = "standard"
     problem: ProblemSettings = field(default_factory=ProblemSettings)
     prior: tuple[str, ...] = ()
     avoid_collision: bool = False
@@ -125,7 +131,7 @@ class Result:
 def run(config: Config) -> Result:
     """Design a motion."""
     robot, assumed = with_default_limits(_robot(config))
-    notes = list(assumed)
+    notes = [*assumed, *([ROTORS] if config.model == "standard" else [])]
     rng = np.random.default_rng(config.seed)
     surroundings, unchecked = _surroundings(robot, config)
     room = None
@@ -136,7 +142,7 @@ def run(config: Config) -> Result:
         room = clear_limits(robot.limits, surroundings, rng)
         robot = robot.with_limits(room.limits)
         notes += _narrowed(robot, room)
-    problem, more = default_problem(TorqueModel.standard(robot), config.problem, rng)
+    problem, more = default_problem(build_model(config.model, robot), config.problem, rng)
     notes += more
     if config.prior:
         problem = _with_prior(problem, config.prior)
@@ -211,7 +217,7 @@ def write(result: Result, config: Config, out: Path) -> None:
         d_efficiency=None if result.efficiency is None else dataclasses.asdict(result.efficiency),
         notes=notes,
     )
-    more = {"prior": list(config.prior), "clearance": result.clearance}
+    more = {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
     write_json(out / "design.json", {**record, **more})
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
@@ -226,6 +232,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     source.add_argument("--data", default="", help="folder of a data set")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--joints", nargs="+", default=())
+    parser.add_argument("--model", choices=sorted(MODELS), default=Config.model)
     parser.add_argument("--horizon", type=float, default=ProblemSettings.horizon, help="[s]")
     parser.add_argument(
         "--criterion", choices=("J_k", "J_d", "A", "E"), default=ProblemSettings.criterion
@@ -267,6 +274,7 @@ def _config(given: argparse.Namespace) -> Config:
         robot=given.robot,
         data=given.data,
         joints=tuple(given.joints),
+        model=given.model,
         problem=ProblemSettings(
             horizon=given.horizon,
             instants=40 if given.smoke else ProblemSettings.instants,

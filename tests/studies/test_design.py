@@ -43,6 +43,18 @@ def designed(out: Path, *wishes: str) -> tuple[dict, pd.DataFrame]:
     return json.loads((out / "design.json").read_text()), pd.read_csv(out / "motion.csv")
 
 
+def test_rotor_inertias_are_excited_or_it_is_said_that_they_are_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scara = ("--robot", "builtin:imi_scara")
+    for model, has_rotors in (("standard", False), ("rotor", True)):
+        record, _ = designed(tmp_path / model, *scara, "--model", model)
+        assert record["model"] == model
+        assert ("Ia_2" in record["base_parameters"]) == has_rotors
+        assert ("--model rotor" in " ".join(record["notes"])) != has_rotors
+        assert ("--model rotor" in capsys.readouterr().out) != has_rotors
+
+
 def test_a_motion_at_rest_completes_an_earlier_experiment(tmp_path: Path) -> None:
     scara = ("--robot", "builtin:imi_scara")
     first, motion = designed(tmp_path / "first", *scara, "--at-rest", "--horizon", "6")
