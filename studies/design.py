@@ -195,8 +195,8 @@ def _narrowed(robot: Robot, room: ClearLimits) -> list[str]:
     ]
 
 
-def write(result: Result, config: Config, out: Path) -> None:
-    """Write motion files, `design.json`, plot, recording and provenance."""
+def write(result: Result, config: Config, out: Path) -> tuple[str, ...]:
+    """Write motion files, `design.json`, plot, recording and provenance; all notes."""
     design = result.design
     robot = design.problem.model.robot
     points = SetPoints.sample(design.problem.trajectory, design.z, robot.joint_names, config.rate)
@@ -220,6 +220,7 @@ def write(result: Result, config: Config, out: Path) -> None:
     more = {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
     write_json(out / "design.json", {**record, **more})
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
+    return notes
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -259,12 +260,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         DESIGN.check(given.out)
         result = run(config)
         with DESIGN.replaced(given.out) as out:
-            write(result, config, out)
+            notes = write(result, config, out)
     except (OedError, ValueError, OSError) as error:
         # Drake's messages have several lines.
         sys.stderr.write(f"studies.design: {' '.join(str(error).split())}\n")
         return 2
-    told = summary(result.design, result.efficiency, result.clearance, result.notes)
+    told = summary(result.design, result.efficiency, result.clearance, notes)
     sys.stdout.write(f"{told}\n  written to {given.out}\n")
     return 0
 

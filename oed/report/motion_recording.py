@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role
+from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role, SceneGraph
 
 from oed.design.scene import load_scene
 from oed.dynamics.motion import Motion
@@ -28,21 +28,23 @@ def record_motion(robot: Robot, motion: Motion, path: str | Path) -> str:
         path: Of the page.
 
     Returns:
-        A note on what could not be shown; empty where all could.
+        A note on what could not be shown; empty where all could. Where there is nothing to
+        show, no page is written.
     """
     try:
         scene = load_scene(robot)
     except OedError as error:
         return f"no recording: {error}"
+    drawn = _drawn_role(scene.scene_graph)
+    if drawn is None:
+        return f"no recording: {scene.note or 'the robot has no shapes to show'}"
     try:
         with warnings_off():  # it announces an address where nobody will listen
             meshcat = Meshcat()
     except RuntimeError as error:  # no free port, or no network at all
         return f"no recording: Meshcat cannot start: {error}"
-    drawn = scene.scene_graph.model_inspector().NumGeometriesWithRole(Role.kIllustration)
-    role = Role.kIllustration if drawn else Role.kProximity
     visualizer = MeshcatVisualizer.AddToBuilder(
-        scene.builder, scene.scene_graph, meshcat, MeshcatVisualizerParams(role=role)
+        scene.builder, scene.scene_graph, meshcat, MeshcatVisualizerParams(role=drawn)
     )
     diagram = scene.builder.Build()
     context = diagram.CreateDefaultContext()
@@ -58,3 +60,10 @@ def record_motion(robot: Robot, motion: Motion, path: str | Path) -> str:
     visualizer.PublishRecording()
     write_atomically(path, meshcat.StaticHtml())
     return scene.note
+
+
+def _drawn_role(scene_graph: SceneGraph) -> Role | None:
+    """What is meant to be seen, else what collides; None where a robot has neither."""
+    inspector = scene_graph.model_inspector()
+    roles = (Role.kIllustration, Role.kProximity)
+    return next((role for role in roles if inspector.NumGeometriesWithRole(role)), None)

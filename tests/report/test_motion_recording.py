@@ -103,6 +103,14 @@ def test_a_robot_without_a_file_is_not_recorded(tmp_path: Path) -> None:
     assert not (tmp_path / "motion.html").exists()
 
 
+def test_a_robot_without_shapes_gets_no_empty_page(tmp_path: Path) -> None:
+    page = tmp_path / "motion.html"
+    assert record_motion(planar_arm(tmp_path), motion(), page).startswith("no recording")
+    absent = '<visual><geometry><mesh filename="gone.dae"/></geometry></visual>'
+    assert "gone.dae" in record_motion(planar_arm(tmp_path, upper=absent), motion(), page)
+    assert not page.exists()
+
+
 def test_a_meshcat_that_cannot_start_is_a_note(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

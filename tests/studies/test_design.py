@@ -196,6 +196,16 @@ def test_a_file_that_is_no_arm_is_one_line(
     assert "r.urdf" in refused(capfd, tmp_path / "out", "--robot", str(tmp_path / "r.urdf"))
 
 
+def test_what_cannot_be_shown_is_told_on_screen(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    planar_arm(tmp_path)
+    record, _ = designed(tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"))
+    assert "note: no recording" in capsys.readouterr().out
+    assert "no recording" in " ".join(record["notes"])
+    assert not (tmp_path / "out" / "motion.html").exists()
+
+
 def test_collisions_cannot_be_avoided_without_shapes(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
