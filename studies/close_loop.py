@@ -26,6 +26,7 @@ from oed.dynamics.models import MODELS, build_model
 from oed.errors import OedError
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
+from oed.experiment.stretches import gap_notes, gap_record
 from oed.report.diagnosis_report import write_diagnosis
 from oed.report.effect_words import known_parameters
 from oed.report.joint_words import over_floor
@@ -87,11 +88,13 @@ class Outcome:
 
     Attributes:
         dataset: What was diagnosed.
+        notes: What is doubtful about its numbers, and where its logs paused.
         found: The diagnosis.
         following: The motion that tells rivals apart; None without rivals.
     """
 
     dataset: DataSet
+    notes: tuple[str, ...]
     found: Diagnosis
     following: NextExperiment | None
 
@@ -102,7 +105,8 @@ def run(config: Config) -> Outcome:
     dataset = read_dataset(config.data)
     for file, column in dataset.unused:
         _say(f"note: {file}: column {column!r} is not used")
-    for note in dataset.notes:
+    notes = (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0))
+    for note in notes:
         _say(f"note: {note}")
     name = config.model or base_model(dataset)
     _say(f"base model {name!r}")
@@ -118,7 +122,7 @@ def run(config: Config) -> Outcome:
             np.random.default_rng(config.seed),
             candidates=SMOKE_MOTIONS if config.smoke else MOTIONS,
         )
-    return Outcome(dataset, found, following)
+    return Outcome(dataset, notes, found, following)
 
 
 def base_model(dataset: DataSet) -> str:
@@ -134,6 +138,7 @@ def write(outcome: Outcome, config: Config) -> None:
             outcome.following,
             data=outcome.dataset.name,
             joints=outcome.dataset.robot.joint_names,
+            notes=outcome.notes,
             settings=config.settings,
             provenance=Provenance.collect(config, seed=config.seed),
             out=out,

@@ -55,12 +55,19 @@ def gap_record(dataset: DataSet) -> dict[str, dict[str, int | float]]:
     }
 
 
-def gap_notes(record: Mapping[str, Mapping[str, int | float]]) -> tuple[str, ...]:
-    """A line on each recording with gaps, from `gap_record`."""
+def gap_notes(
+    record: Mapping[str, Mapping[str, int | float]], *, shortest: float = LEAST_STRETCH
+) -> tuple[str, ...]:
+    """A line on each recording with gaps.
+
+    Args:
+        record: From `gap_record`.
+        shortest: Stretches below it are left out [s]; 0 where all are kept.
+    """
+    left_out = f", nor from stretches below {shortest:g} s" if shortest > 0 else ""
     return tuple(
         f"{name}: {gaps['gaps']:g} gap(s) in the log's time, the longest {gaps['longest_s']:.3g} s, "
-        f"{gaps['total_s']:.3g} s in all; nothing is estimated from within or next to them, nor "
-        f"from stretches below {LEAST_STRETCH:g} s"
+        f"{gaps['total_s']:.3g} s in all; nothing is estimated from within or next to them{left_out}"
         for name, gaps in record.items()
     )
 

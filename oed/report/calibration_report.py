@@ -14,7 +14,6 @@ from oed.estimation.calibration import Calibration
 from oed.estimation.recursive import RecursiveEstimate
 from oed.experiment.processing import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
-from oed.experiment.stretches import gap_notes, gap_record
 from oed.report.calibration_record import (
     condition,
     estimate_record,
@@ -25,6 +24,7 @@ from oed.report.doubts import doubts
 from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
 from oed.report.joint_words import torque_label, torque_units
 from oed.report.json_file import write_json
+from oed.report.origin_section import origin_section
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict, write_page
 from oed.report.parameter_plots import plot_parameter_convergence, plot_parameter_intervals
 from oed.report.provenance import Provenance
@@ -154,7 +154,7 @@ def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Prove
             _prediction_section(calibration, pictures),
             _parameter_section(calibration, pictures),
             _residual_section(pictures),
-            _origin_section(calibration, provenance),
+            origin_section(calibration, provenance),
         ),
     )
 
@@ -202,21 +202,6 @@ def _residual_section(pictures: dict[str, Path]) -> Section:
         (
             Text("A flat spectrum below the cut-off is noise; a slope is a missing effect."),
             Picture(pictures["spectrum_estimation"], "Spectral density of the residual."),
-        ),
-    )
-
-
-def _origin_section(calibration: Calibration, provenance: Provenance) -> Section:
-    dataset = calibration.dataset
-    return Section(
-        "How it was made",
-        (
-            *(Text(reason) for reason in calibration.settings.reasons),
-            *(Text(f"Note: {note}.") for note in dataset.notes),
-            *(Text(f"Gaps: {note}.") for note in gap_notes(gap_record(dataset))),
-            Text(f"Data: {dataset.source}. Licence: {dataset.licence}."),
-            Table([{"package": k, "version": v} for k, v in provenance.versions.items()]),
-            Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),
         ),
     )
 

@@ -38,6 +38,7 @@ def diagnosis_page(
     *,
     data: str,
     joints: Sequence[str],
+    notes: Sequence[str],
     pictures: dict[str, Path],
     provenance: Provenance,
 ) -> Page:
@@ -48,12 +49,14 @@ def diagnosis_page(
         following: The motion that tells rivals apart, if there are any.
         data: Name of the data set.
         joints: (n,) names.
+        notes: What is doubtful about its numbers.
         pictures: PNG or SVG files "proof", "dependence" and "spectrum"; "additions" if there are any.
         provenance: Of the run.
     """
     labels = joint_labels(joints)
     sections = [
         _proof_section(found, labels, pictures["proof"]),
+        *([Section("Notes on the data", [Text(f"{n}.") for n in notes])] if notes else []),
         *_additions_section(pictures),
         *effect_sections(found, labels),
         Section("There, but without a name", unexplained_blocks(found, labels)),

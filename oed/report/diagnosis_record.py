@@ -21,6 +21,7 @@ def diagnosis_record(
     *,
     data: str,
     joints: Sequence[str],
+    notes: Sequence[str],
     settings: DiagnosisSettings,
     provenance: Provenance,
 ) -> dict[str, object]:
@@ -29,6 +30,7 @@ def diagnosis_record(
         "format": FORMAT,
         "data": data,
         "joints": list(joints),
+        "data_notes": list(notes),
         "verdict": found.verdict,
         "effects": [_effect(effect, found) for effect in found.effects],
         "unexplained": [

@@ -40,6 +40,7 @@ def write_diagnosis(
     *,
     data: str,
     joints: Sequence[str],
+    notes: Sequence[str] = (),
     settings: DiagnosisSettings,
     provenance: Provenance,
     out: Path,
@@ -51,6 +52,7 @@ def write_diagnosis(
         following: The motion that tells rivals apart, if there are any.
         data: Name of the data set.
         joints: Names of its joints.
+        notes: What is doubtful about its numbers.
         settings: How it was looked for.
         provenance: Of the run.
         out: Folder, made if absent.
@@ -58,7 +60,13 @@ def write_diagnosis(
     # First: what cannot be recorded leaves nothing behind.
     record = plain_value(
         diagnosis_record(
-            found, following, data=data, joints=joints, settings=settings, provenance=provenance
+            found,
+            following,
+            data=data,
+            joints=joints,
+            notes=notes,
+            settings=settings,
+            provenance=provenance,
         )
     )
     out.mkdir(parents=True, exist_ok=True)
@@ -69,7 +77,13 @@ def write_diagnosis(
     if following is not None:
         write_next(following, joints, out / NEXT)
     page = diagnosis_page(
-        found, following, data=data, joints=joints, pictures=pictures, provenance=provenance
+        found,
+        following,
+        data=data,
+        joints=joints,
+        notes=notes,
+        pictures=pictures,
+        provenance=provenance,
     )
     write_page(out / "report.html", page)
     # Last: whoever finds this file finds the rest complete.

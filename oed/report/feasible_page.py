@@ -16,6 +16,7 @@ from oed.report.feasible_rows import (
     solver_comparison,
     validation_rows,
 )
+from oed.report.origin_section import origin_section
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
 from oed.report.table import Row
@@ -49,18 +50,7 @@ def feasible_page(
             _parameters_section(result, pictures),
             _weight_section(result, pictures),
             _proof_section(result, exports),
-            Section(
-                "How it was made",
-                (
-                    *(Text(reason) for reason in result.plain.settings.reasons),
-                    Text(
-                        f"Data: {result.plain.dataset.source}. "
-                        f"Licence: {result.plain.dataset.licence}."
-                    ),
-                    Table([{"package": k, "version": v} for k, v in provenance.versions.items()]),
-                    Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),
-                ),
-            ),
+            origin_section(result.plain, provenance),
         ),
     )
 

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from oed.estimation.feasible.calibration import FeasibleCalibration
 from oed.experiment.recording import HELD_OUT, Role
+from oed.experiment.stretches import gap_record
 from oed.report.feasibility_plots import (
     plot_link_margins,
     plot_residual_comparison,
@@ -69,6 +70,8 @@ def feasible_record(
         "format": FORMAT,
         "data": result.plain.dataset.name,
         "joints": list(result.plain.dataset.robot.joint_names),
+        "gaps": gap_record(result.plain.dataset),
+        "data_notes": list(result.plain.dataset.notes),
         "parameters": parameter_rows(result),
         "links": link_rows(result),
         "validation": validation_rows(result),

@@ -63,4 +63,6 @@ def test_says_how_many_gaps_and_how_long() -> None:
     assert record["log"]["longest_s"] == pytest.approx(1.0)
     assert record["log"]["total_s"] == pytest.approx(1.5)
     assert "2 gap(s)" in gap_notes(record)[0]
+    assert "stretches below 2 s" in gap_notes(record)[0]
+    assert "stretches" not in gap_notes(record, shortest=0.0)[0]
     assert gap_notes(gap_record(of(other))) == ()

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from html import unescape
 
 import numpy as np
 import pytest
@@ -41,6 +42,21 @@ def test_leaves_a_diagnosis_in_the_agreed_form(tmp_path):
         assert (out / following / "trajectory.csv").is_file()
         promise = json.loads((out / following / "design.json").read_text())
         assert promise["separation"] >= promise["separation_now"] > 0
+
+
+def test_a_pause_of_the_log_is_told_on_screen_on_the_page_and_in_the_record(tmp_path, capsys):
+    write_dataset(data_set(0, roles=("estimation", "test")), tmp_path / "data")
+    (file,) = (tmp_path / "data").glob("test*.csv")
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([*lines[:1001], *lines[1401:]]) + "\n")
+    out = tmp_path / "out"
+    given = ["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"]
+    assert close_loop.main([*given, "--candidates", "torque_offset"]) == 0
+    pause = "1 gap(s) in the log's time"
+    assert pause in capsys.readouterr().err
+    assert "Notes on the data" in (page := unescape((out / "report.html").read_text()))
+    assert pause in page
+    assert pause in json.loads((out / "diagnosis.json").read_text())["data_notes"][0]
 
 
 def test_says_what_is_wrong_with_a_missing_data_set(tmp_path, capsys):

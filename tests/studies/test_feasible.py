@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -126,6 +127,20 @@ def test_a_failed_comparison_of_solvers_does_not_read_as_a_failed_estimate(simul
     assert told.startswith("Solved by clarabel")
     assert "barrier: 60 Newton steps" in told
     assert "None" not in told
+
+
+def test_a_pause_of_the_log_is_on_the_page_and_in_the_record(
+    simulated: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(simulated, tmp_path / "data")
+    file = tmp_path / "data" / "held.csv"
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([*lines[:1001], *lines[1401:]]) + "\n")
+    out = tmp_path / "out"
+    given = ["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"]
+    assert main([*given, "--model", "standard", "--weight", "1e-3"]) == 0
+    assert "held: 1 gap(s)" in (out / "report.html").read_text(encoding="utf-8")
+    assert json.loads((out / "estimate.json").read_text())["gaps"]["held"]["gaps"] == 1
 
 
 def test_bad_input_is_one_line(
