@@ -21,6 +21,13 @@ from oed.report.page import Page, Picture, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
 from oed.report.table import Row
 
+AT_BOUND = (
+    "Parameters on which a demand presses, by themselves or as part of a link, are marked "
+    "`at_bound`. Estimates from resampled data stay at that bound, so that these intervals are "
+    "narrow, or without any width, whatever the data say: they show the demand, not how far the "
+    "truth may be. Those of parameters that are correlated with them are too narrow as well."
+)
+
 
 def feasible_page(
     result: FeasibleCalibration,
@@ -126,6 +133,7 @@ def _parameters_section(result: FeasibleCalibration, pictures: Mapping[str, Path
                 f"data decide; for {undecided} of {len(estimate.names)} it is below one half, and "
                 f"these are close to {reference}. Their intervals say nothing of the truth."
             ),
+            *([Text(AT_BOUND)] if estimate.active else []),
             Table(parameter_rows(result)),
             *figure,
         ),

@@ -11,6 +11,7 @@ MOSTLY_DATA = 0.5  # share from data above which a parameter counts as measured
 def parameter_rows(result: FeasibleCalibration) -> list[Row]:
     """One row for each standard parameter and each effect's."""
     estimate, interval = result.estimate, result.bootstrap.interval()
+    at_bound = estimate.at_bound
     return [
         {
             "name": name,
@@ -19,6 +20,7 @@ def parameter_rows(result: FeasibleCalibration) -> list[Row]:
             "lower95": float(interval[k, 0]),
             "upper95": float(interval[k, 1]),
             "from_data": float(estimate.from_data[k]),
+            "at_bound": bool(at_bound[k]),
             "reference": float(estimate.reference[k]) if k < len(estimate.reference) else None,
         }
         for k, name in enumerate(estimate.names)

@@ -111,6 +111,17 @@ def test_well_determined_parameters_are_the_true_ones(results: Path) -> None:
     assert written["parameters"]["joint_1"]["Fc_1"]["value"] == pytest.approx(rows["Fc_1"]["value"])
 
 
+def test_a_bound_is_marked_and_its_intervals_are_explained(simulated: Path, tmp_path: Path) -> None:
+    # This arm has no rotors: zero bounds what noise makes of them.
+    given = ["--data", str(simulated), "--out", str(tmp_path), "--smoke"]
+    assert main([*given, "--model", "rotor", "--weight", "1e-6"]) == 0
+    record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
+    marked = {row["name"] for row in record["parameters"] if row["at_bound"]}
+    assert marked == {"Ia_2"}
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "not how far the truth may be" in page
+
+
 def test_a_prior_and_a_total_mass_are_obeyed(simulated: Path, tmp_path: Path) -> None:
     options = ["--smoke", "--model", "standard", "--prior", "--weight", "1e-3"]
     given = ["--data", str(simulated), "--out", str(tmp_path), "--total-mass", "20"]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
@@ -82,25 +82,32 @@ class FeasibleEstimate:
     @property
     def active(self) -> tuple[str, ...]:
         """Demands that hold the estimate where it is: their links' intervals are one-sided."""
-        prices = self.solution.multipliers
-        size = abs(self.solution.objective) * ACTIVE
-        traces = np.trace(prices.links, axis1=1, axis2=2) * self.problem.margin
-        tight = self.relative_margins < 2 * self.problem.margin
-        links = [
-            f"consistency of {joint.link}"
-            for joint, price, near in zip(self.model.robot.joints, traces, tight, strict=True)
-            if near and price > 0
-        ]
-        rows = self.problem.inequality.names
-        slack = self.problem.slack(self.solution.x)
+        links = zip(self.model.robot.joints, self._active_links, strict=True)
+        rows = zip(self.problem.inequality.names, self._active_rows, strict=True)
         return (
-            *links,
-            *(
-                name
-                for name, price, left in zip(rows, prices.inequality, slack, strict=True)
-                if price > size and left < ACTIVE
-            ),
+            *(f"consistency of {joint.link}" for joint, is_active in links if is_active),
+            *(name for name, is_active in rows if is_active),
         )
+
+    @property
+    def at_bound(self) -> Bool[ndarray, " p"]:
+        """(p,) whether an active demand is on the parameter, or on the link that it is one of."""
+        # Unknowns come in the order of the parameters, and mix within a link only.
+        held = (self.problem.inequality.matrix[self._active_rows] != 0).any(axis=0)
+        inertial = ENTRIES * self.model.robot.n
+        links = held[:inertial].reshape(-1, ENTRIES).any(axis=1) | self._active_links
+        return np.concatenate([np.repeat(links, ENTRIES), held[inertial:]])
+
+    @property
+    def _active_links(self) -> Bool[ndarray, " links"]:
+        prices = np.trace(self.solution.multipliers.links, axis1=1, axis2=2) * self.problem.margin
+        return (self.relative_margins < 2 * self.problem.margin) & (prices > 0)
+
+    @property
+    def _active_rows(self) -> Bool[ndarray, " k"]:
+        size = abs(self.solution.objective) * ACTIVE
+        is_tight = self.problem.slack(self.solution.x) < ACTIVE
+        return (self.solution.multipliers.inequality > size) & is_tight
 
     def torque(self, motion: Motion) -> Float[ndarray, "samples joints"]:
         """Predicted torque [N m or N]."""

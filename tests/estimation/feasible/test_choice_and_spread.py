@@ -81,6 +81,40 @@ def test_intervals_cover_well_determined_parameters():
     assert np.all(estimate.from_data[viscous] > 0.99)
 
 
+def test_parameters_at_a_bound_are_marked_because_their_intervals_have_no_width():
+    rng = np.random.default_rng(22)
+    model = small_model()
+    truth = true_parameters(model, rng)
+    names = [parameter.name for parameter in model.parameters]
+    k = names.index("Fv_2")
+    truth[k] = -2.0  # such as a friction that a faulty sensor reverses
+    pieces = [data_of(model, truth, rng, samples=60, noise=0.3) for _ in range(4)]
+    estimate = estimate_feasible(
+        model, DataFactor.join(pieces), regularisation=Regularisation(1e-3)
+    )
+    # Coulomb friction goes with it: it would stand in for the viscous one's sign.
+    marked = {f"{n} >= 0" for n, held in zip(names, estimate.at_bound, strict=True) if held}
+    assert "Fv_2 >= 0" in marked
+    assert marked == set(estimate.active)
+    lower, upper = bootstrap(estimate, pieces, rng, resamples=6).interval()[k]
+    assert upper - lower < 1e-3  # although noise alone moves it by far more
+    assert estimate.from_data[k] > 0.9
+
+
+def test_every_parameter_of_a_link_at_its_bound_is_marked():
+    rng = np.random.default_rng(23)
+    model = small_model()
+    truth = true_parameters(model, rng)
+    truth[20:30] *= [1, 1, 1, 1, -1, 1, 1, -1, 1, -1]  # no body has such moments
+    estimate = estimate_feasible(
+        model, data_of(model, truth, rng), regularisation=Regularisation(1e-8)
+    )
+    assert "consistency of link_3" in estimate.active
+    assert estimate.at_bound[20:30].all()
+    rows = [f"{n} >= 0" in estimate.active for n in estimate.names[30:]]
+    assert estimate.at_bound[30:].tolist() == rows
+
+
 def test_refuses_to_resample_one_block():
     pieces, estimate, _ = blocks_and_estimate(lambda true: true)
     with pytest.raises(ValueError, match="1 block"):
