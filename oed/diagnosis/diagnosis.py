@@ -130,14 +130,16 @@ def diagnose(
     estimation = by_role["estimation"]
     say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
     baseline = find_baseline(model, estimation)
-    say(f"noise from {baseline.floor.source}: {np.round(baseline.floor.deviation, 4)} N m")
+    deviations = zip(baseline.floor.deviation, model.robot.joints, strict=True)
+    levels = ", ".join(f"{level:.3g} {joint.unit('N m')}" for level, joint in deviations)
+    say(f"noise from {baseline.floor.source}: {levels}")
     ratio = dataset.drive.gear_ratio
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
     _check_signs(shop, dataset.name)
     result = _named(shop, by_role["validation"])
     accepted, refused = result.selection.accepted, result.selection.refused
-    say(f"{len(accepted)} additions, {len(refused)} candidates refused")
+    say(f"additions, with and without a name: {len(accepted)}; refused: {len(refused)}")
     return _conclude(result, by_role, settings)
 
 

@@ -15,6 +15,7 @@ from oed.diagnosis.evidence.proof import RoleProof
 from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.diagnosis.rivals.confusion import DRAWS
 from oed.diagnosis.rivals.discrimination import NextExperiment
+from oed.experiment.recording import HELD_OUT
 from oed.report.diagnosis_record import NEXT
 from oed.report.effect_section import effect_sections, p_value_text
 from oed.report.joint_words import joint_labels, over_floor, torque_units
@@ -26,6 +27,15 @@ from oed.report.unexplained_section import unexplained_blocks
 REFUSED = 20  # strongest of them that a reader looks at
 WORSE = 1.05  # ratio of errors that is mentioned whatever its interval
 RARE = 0.05  # share of draws in which noise alone would name the wrong one
+NOT_FITTED: dict[tuple[str, ...], str] = {  # by the roles that there are besides estimation
+    (): "Every recording was fitted: none was kept to prove it on.",
+    ("validation",): "The validation recordings were not fitted; they decide what the estimation "
+    "recordings leave open of an effect's shape.",
+    ("test",): "The test recordings were not fitted, and had no part in anything.",
+    ("validation", "test"): "Neither validation nor test recordings were fitted; what the "
+    "estimation recordings leave open of an effect's shape the validation recordings decide, and "
+    "the test recordings had no part in anything.",
+}
 ANYWAY = (
     " Noise alone would seldom hide which is right: it is what none of them explains that leaves it "
     "open, and that may be another effect."
@@ -133,7 +143,7 @@ def _headline(found: Diagnosis) -> str:
         return found.verdict.capitalize() + (f": {named}" if named else "")
     if not named:
         return f"Unexplained: something without a name{where}"
-    return f"Partly explained: {named}{rest}"
+    return f"Unexplained: {named} found{rest}"
 
 
 def _possible(effect: FoundEffect) -> list[str]:
@@ -144,15 +154,14 @@ def _possible(effect: FoundEffect) -> list[str]:
 
 def _proof_section(found: Diagnosis, labels: Sequence[str], picture: Path) -> Section:
     counted = np.concatenate([p.counted for p in found.proof])
+    roles = [p.role for p in found.proof]
     return Section(
         "Does it predict better? Errors before and after",
         [
             Picture(
                 picture,
-                "Error of the base model and with what was added, 95 % block bootstrap. Neither "
-                "validation nor test recordings were fitted; what the estimation recordings leave "
-                "open of an effect's shape the validation recordings decide, and the test "
-                "recordings had no part in anything.",
+                "Error of the base model and with what was added, 95 % block bootstrap. "
+                f"{NOT_FITTED[tuple(role for role in HELD_OUT if role in roles)]}",
             ),
             Table(
                 [row for p in found.proof for row in _proof_rows(p, found, labels)],

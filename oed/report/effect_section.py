@@ -49,11 +49,12 @@ def _section(effect: FoundEffect, found: Diagnosis, labels: Sequence[str]) -> Se
         Text(_likenesses(entry.equivalent, about.confused_with)),
     ]
     if effect.rivals:
+        judges = [p.role for p in found.proof if p.role != "test"]
         blocks.append(
             Table(
                 [_rival_row(rival, effect, found, labels) for rival in effect.rivals],
                 "What else could have been named. Evidence: how much better the named effect "
-                "explains the estimation and the validation recordings (-2 log likelihood less "
+                f"explains the {' and the '.join(judges)} recordings (-2 log likelihood less "
                 "penalty, in units of the misfit); negative where the other one would explain more.",
             )
         )

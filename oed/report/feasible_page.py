@@ -73,7 +73,11 @@ def _verdict(result: FeasibleCalibration) -> Verdict:
         f"All {result.plain.dataset.robot.n} links are physically consistent; the mass matrix is "
         f"positive definite in {share:.4g} % of {result.settings.poses} poses (plain least "
         f"squares: {100 * result.plain_positive_definite:.4g} %).",
-        (f"Residual against plain least squares: {prices}. " if held_out else "")
+        (
+            f"Residual against plain least squares: {prices}. "
+            if held_out
+            else "No recording was kept for validation. "
+        )
         + (
             "A second solver agrees."
             if agreed

@@ -139,7 +139,18 @@ def test_tells_what_has_no_name_and_what_was_turned_down(found, tmp_path):
         )
     )
     assert {"f(q_1, q_2)", "25%", "joint_spring", "pays for nothing"} <= set(page.text)
-    assert "something without a name is left on joint 2" in page.text[3]
+    # Read as one of the four verdicts, as the record has it.
+    assert page.text[3].startswith("Unexplained: stribeck on joint 1")
+    assert page.text[3].endswith("found; something without a name is left on joint 2")
+
+
+@pytest.mark.parametrize("roles", [(), ("validation",), ("test",), ("validation", "test")])
+def test_speaks_of_the_recordings_that_there_are(roles, found, tmp_path):
+    kept = tuple(p for p in found.proof if p.role in ("estimation", *roles))
+    html = write(dataclasses.replace(found, proof=kept), tmp_path)
+    for role in ("validation", "test"):
+        assert (f"{role} recordings" in html) == (role in roles)
+    assert ("none was kept" in html) == (not roles)
 
 
 def test_says_where_nothing_was_found(found, tmp_path):
