@@ -63,7 +63,7 @@ class CrossCheck:
 
 
 def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck:
-    """Compare a robot's inverse dynamics with Drake's at random states.
+    """Compare the inverse dynamics of a robot's bodies with Drake's at random states.
 
     Args:
         robot: Loaded from a file that Drake can parse, with the file's inertial parameters, or
@@ -92,7 +92,10 @@ def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck
 
 
 def file_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
-    """Torque by Drake's MultibodyPlant of the robot's own file, other joints where they are held."""
+    """Torque by Drake's MultibodyPlant of the robot's own file, other joints where they are held.
+
+    Rotor inertias that the file states are left out: a robot here is its bodies alone.
+    """
     plant = load_plant(robot.source)
     plant.mutable_gravity_field().set_gravity_vector(robot.gravity)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
     context = plant.CreateDefaultContext()
@@ -101,6 +104,8 @@ def file_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"
         joint = plant.GetJointByName(name)
         is_revolute = isinstance(joint, RevoluteJoint)
         (joint.set_angle if is_revolute else joint.set_translation)(context, position)
+    for index in plant.GetJointActuatorIndices():
+        plant.get_joint_actuator(index).SetRotorInertia(context, 0.0)
     positions = np.array([joint.position_start() for joint in joints])
     velocities = np.array([joint.velocity_start() for joint in joints])
     return _inverse_dynamics(plant, context, motion, positions, velocities)

@@ -1,6 +1,7 @@
 """The recursion and its regressor against closed form, Drake and Pinocchio."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pinocchio
@@ -99,6 +100,15 @@ def test_a_prismatic_joint_lifts_its_weight() -> None:
     still = Motion(np.zeros(1), np.zeros((1, 2)), np.zeros((1, 2)), np.array([[2.0, 0.0]]))
     mass = robot.parameters[0] + robot.parameters[10]
     assert rigid_body_torque(robot, still)[0, 0] == pytest.approx(mass * (9.81 + 2.0))
+
+
+def test_a_file_with_rotor_inertias_is_compared_by_its_bodies(tmp_path: Path) -> None:
+    # Drake adds them to its inverse dynamics: the files that `studies.feasible` leaves had failed.
+    (tmp_path / "arm.xml").write_text("""<mujoco model="arm"><worldbody><body name="upper">
+<joint name="swing" type="hinge" axis="0 1 0" armature="0.4"/>
+<inertial pos="0.3 0 0" mass="2" diaginertia="0.01 0.02 0.02"/></body></worldbody>
+<actuator><motor name="swing" joint="swing" gear="1"/></actuator></mujoco>""")
+    assert cross_check(load_robot(tmp_path / "arm.xml"), states=20).agrees
 
 
 def _advanced(motion: Motion, h: float) -> Motion:
