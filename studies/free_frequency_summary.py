@@ -29,7 +29,7 @@ Designs by `oed.design.optimisers.hopping`; every line is a run of its own seed 
 
 ## The reference: |a| <= {amplitude:g} rad, T = {horizon:g} s
 
-An earlier study's best: J_k {J_k}, J_d {J_d}. Best here: **J_k {best_J_k:.3f}**, **J_d {best_J_d:.3f}**.
+An earlier study's best: J_k {J_k}, J_d {J_d}. Best of the runs at this bound: **J_k {best_J_k:.3f}**, **J_d {best_J_d:.3f}**.
 "Within 5 %" of a target means J_k at most 1.05 times it, or a determinant of at least 1 / 1.05 times its
 determinant, which is 0.02 in J_d. "expected CPU" is all time spent by all seeds per success; "per local
 solution" is the share of local solutions that ended in a success, counted until the first one of each run.
@@ -75,7 +75,10 @@ def hit_lines(rows: Sequence[Row], best: Mapping[str, float]) -> list[Line]:
         runs = [row for row in rows if row["criterion"] == criterion]
         spent = np.array([float(row["cpu_s"]) for row in runs])
         solutions = np.array([_local_solutions(row["status"]) for row in runs])
-        for source, target in (("earlier", EARLIER[criterion]), ("best here", best[criterion])):
+        for source, target in (
+            ("earlier", EARLIER[criterion]),
+            ("best at this bound", best[criterion]),
+        ):
             for loss in LOSSES:
                 hits = np.array(
                     [

@@ -43,7 +43,8 @@ any run of the cell found: within 5 % means J_k at most 1.05 times it, or a D-ef
 (det Lambda / det best)^(1/b) of at least 1 / 1.05. The figure counts, after each amount, the pairs of
 a run and one of {targets} targets, from 1 % to three times worse than the best, that had been hit. Medians are over seeds, in brackets their 95 %
 bootstrap interval. An evaluation with its gradient counts as one evaluation; what it costs shows
-in the CPU time. "Expected" is all CPU time spent by all seeds per success. Criteria are of
+in the CPU time. `hit` is the share of seeds within so many per cent at the CPU budget; "expected"
+is all CPU time spent by all seeds per success in the whole of their runs, which go on after it. Criteria are of
 80 instants, R_v = I, J_d to base 10.
 """
 

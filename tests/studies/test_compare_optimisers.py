@@ -107,6 +107,8 @@ def test_leaves_rows_summary_figure_and_provenance(finished: Path) -> None:
         "provenance.json",
     ):
         assert (finished / name).stat().st_size > 0
+    # No hit and yet a cost of hits is no contradiction, where runs go on after the budget.
+    assert "in the whole of their runs" in (finished / "summary.md").read_text()
 
 
 def test_resumes_without_losing_or_repeating_a_row(finished: Path, tmp_path: Path) -> None:
