@@ -58,11 +58,23 @@ def test_recordings_of_their_own_clocks_lie_end_to_end_as_they_are_listed():
     apart = prepare(shifted(dataset, 5.0), DiagnosisSettings())
     assert np.diff([p.motion.t[0] for p in apart]) == pytest.approx(3 * PERIOD + 5, abs=0.01)
     assert apart[0].motion.t[0] == pytest.approx(100.0, abs=0.2)
-    # And where several recordings are there for estimation, none of them repeated.
-    single = tuple(dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
-    assert {p.motion.t[0] for p in prepare(single, DiagnosisSettings())} == {starts[0]}
-    fewer = prepare(single[1:], DiagnosisSettings())
-    assert np.diff([p.motion.t[0] for p in fewer]) == pytest.approx(3 * PERIOD, abs=0.01)
+
+
+def unrepeated(dataset):
+    """The same without a word of repetitions."""
+    recordings = (dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
+    return dataclasses.replace(dataset, recordings=tuple(recordings))
+
+
+@pytest.mark.parametrize(
+    ("recordings", "gap", "ordered"),
+    [(unrepeated, None, False), (lambda d: d, None, True), (unrepeated, 5.0, True)],
+)
+def test_clocks_or_repetitions_tell_how_recordings_follow_one_another(recordings, gap, ordered):
+    dataset = recordings(data_set(0))
+    if gap is not None:
+        dataset = dataclasses.replace(dataset, recordings=shifted(dataset, gap))
+    assert shop_of(dataset).context.ordered is ordered
 
 
 @pytest.mark.parametrize("kind", ["payload", "drift"])
@@ -101,6 +113,19 @@ def test_a_load_that_is_taken_up_in_one_recording_and_stays_is_found(recording, 
     assert values["load_mx_2"] == pytest.approx(MASS * REACH, rel=0.05)
     after = next(p.after for p in found.proof if p.role == "test")
     assert np.all(after < 1.2 * found.noise_floor)
+
+
+@pytest.mark.parametrize(("taken_up", "named"), [(TAKEN_UP, True), (0.0, False)])
+def test_a_load_is_told_by_the_recording_in_which_it_is_taken_up(taken_up, named):
+    """Of recordings that nothing puts in an order, two may differ by anything."""
+    dataset = unrepeated(data_set(3, extra=load_from(taken_up)))
+    settings = DiagnosisSettings(candidates=("payload_change", "thermal_drift"))
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert [effect.name for effect in found.effects] == ["payload_change"] * named
+    if named:
+        values = {p.name: p.value for p in found.effects[0].parameters}
+        assert values["moment"] == pytest.approx(3 * PERIOD + taken_up, abs=0.02)
+        assert values["load_mx_2"] == pytest.approx(MASS * REACH, rel=0.05)
 
 
 def test_a_load_that_is_taken_up_between_two_recordings_is_found():

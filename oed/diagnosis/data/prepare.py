@@ -60,14 +60,8 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
 
 
 def _starts_end_to_end(recordings: tuple[Recording, ...]) -> list[float] | None:
-    """When each recording starts if it follows the one before [s]; None where clocks stay.
-
-    They stay where one clock timed all. They stay with several recordings for estimation and no
-    repetitions, too: what holds from one on passes there for anything in which they differ.
-    """
-    estimation = [r for r in recordings if r.role == "estimation"]
-    telling = len(estimation) == 1 or any(r.repetitions > 1 for r in estimation)
-    if not telling or follow_one_another([r.t for r in recordings]):
+    """When each recording starts if it follows the one before [s]; None where one clock timed all."""
+    if follow_one_another([r.t for r in recordings]):
         return None
     lengths = [r.duration + float(np.median(np.diff(r.t))) for r in recordings]
     return [0.0, *accumulate(lengths[:-1])]

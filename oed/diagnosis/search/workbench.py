@@ -110,6 +110,7 @@ def context_of(
         and CATALOGUE[trial.name].install is None
         and not isinstance(trial.effect, OnReference)
     )
+    several = len(rows.prepared) > 1
     return Context.of(
         found.fit.model,
         found.fit.full_parameters(),
@@ -117,6 +118,7 @@ def context_of(
         gear_ratio,
         beside,
         later=[p.motion for p in later],
+        ordered=not (several and all(p.laid and p.period is None for p in rows.prepared)),
     )
 
 

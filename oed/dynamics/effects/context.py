@@ -40,6 +40,8 @@ class Context:
             None for a single recording, or if every one starts its own clock.
         recordings: How many show the effect.
         between: When one of these ended and the next had not begun, since the session's start [s].
+        ordered: Whether a clock or repetitions tell how these follow one another. Where that is
+            only assumed, what changes between two of them passes for anything in which they differ.
         beside: Effects found so far, each with its coefficients: delay, gain and load feel
             their torque too.
     """
@@ -55,6 +57,7 @@ class Context:
     session: tuple[float, float] | None = None
     recordings: int = 1
     between: tuple[float, ...] = ()
+    ordered: bool = True
     beside: Known = ()
 
     @classmethod
@@ -67,6 +70,7 @@ class Context:
         beside: Known = (),
         *,
         later: Sequence[Motion] = (),
+        ordered: bool = True,
     ) -> Context:
         """The context of recordings, one motion each.
 
@@ -77,6 +81,7 @@ class Context:
             gear_ratio: As the attribute.
             beside: As the attribute.
             later: Of further recordings, which tell whether the clock of a single one goes on.
+            ordered: As the attribute.
         """
         if not motions:
             raise ValueError("a context needs at least one motion to say what is covered")
@@ -97,6 +102,7 @@ class Context:
             session=session,
             recordings=len(motions),
             between=() if session is None else _between(motions, session[0]),
+            ordered=ordered,
             beside=beside,
         )
 
