@@ -13,7 +13,7 @@ from numpy import ndarray
 from oed.diagnosis.search.chance import p_value_of
 from oed.diagnosis.search.held_out import cross_validate
 from oed.diagnosis.search.scan import Score, implausible, none_explains_more, score
-from oed.diagnosis.search.taken_up import differs_alone
+from oed.diagnosis.search.within import differs_alone
 from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings

@@ -96,11 +96,11 @@ CLOCK = Shape("clock", "1", 0.0, 1.0, "choice", 2, 0.0)
 
 
 def _by_duration(
-    context: Context, shapes: tuple[Shape, ...], least: float, largest: float, *, own: bool
+    context: Context, shapes: tuple[Shape, ...], least: float, largest: float
 ) -> tuple[Shape, ...]:
     shape, clock = shapes
     longest = context.duration
-    if own or context.session is None:
+    if context.session is None:
         clock = dataclasses.replace(clock, upper=0.0, points=1)
     elif context.recordings == 1:
         # Which one a single recording cannot tell: that the next goes on with it does.
@@ -126,7 +126,7 @@ def _time_constants(
     context: Context, _target: Target, shapes: tuple[Shape, ...]
 ) -> tuple[Shape, ...]:
     # Beyond a few durations the decay is a straight line, whatever its time constant.
-    return _by_duration(context, shapes, 0.05, 3.0, own=not context.ordered)
+    return _by_duration(context, shapes, 0.05, 3.0)
 
 
 def _thermal(context: Context, target: Target, values: tuple[float, ...]) -> ThermalDrift:
@@ -174,7 +174,7 @@ THERMAL_DRIFT = CatalogueEntry(
 
 
 def _moments(context: Context, _target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
-    moment, clock = _by_duration(context, shapes, 0.03, 0.97, own=False)
+    moment, clock = _by_duration(context, shapes, 0.03, 0.97)
     # The arm hardly shows a load where it rests or turns: every swing of it has a crest.
     fine = min(int((moment.upper - moment.lower) / SWING), MOST_MOMENTS)
     also = context.between if context.ordered else ()

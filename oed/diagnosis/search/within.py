@@ -1,0 +1,69 @@
+"""Whether recordings show how an arm changes in them, or only that they differ."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.fit.addition import normal_equations
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.scan import inflation_of
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial, white_group
+from oed.dynamics.effects import Effect
+from oed.dynamics.effects.payload import PayloadChange
+from oed.dynamics.effects.thermal import ThermalDrift
+
+
+def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
+    """Why nothing tells a change over the session from recordings that differ; None if they do.
+
+    Where it is only assumed in which order recordings were made, two of them may differ by
+    anything. What changes must explain more than the same effect of a size of its own in each.
+
+    Args:
+        shop: The laid-out data.
+        others: Additions beside it.
+        trial: What would be added.
+    """
+    steady = None if shop.context.ordered else _steady(trial.effect)
+    if steady is None:
+        return None
+    layout = shop.layout(trial)
+    fit = shop.fit(others, layout).fit
+    own = {
+        joint: _each_its_own(block, fit.rows.starts.tolist())
+        for joint, block in white_group(steady, layout.rows).items()
+    }
+    both = {joint: np.hstack([block, own[joint]]) for joint, block in trial.group.items()}
+    left = shop.fit([*others, trial], layout).fit
+    noise = float(inflation_of(left)[list(trial.group)].mean())
+    if _gain(both, fit) > _gain(own, fit) + shop.settings.decisive * noise:
+        return None
+    return "recordings of no known order differ, and none of them shows the change"
+
+
+def _steady(effect: Effect) -> Effect | None:
+    """An effect that changes over the session, as it would be without change; None of others."""
+    if isinstance(effect, PayloadChange) and effect.start is not None:
+        return dataclasses.replace(effect, moment=-np.inf)
+    if isinstance(effect, ThermalDrift) and effect.start is not None:
+        return dataclasses.replace(effect, time_constant=np.inf)
+    return None
+
+
+def _each_its_own(
+    block: Float[ndarray, "rows columns"], starts: Sequence[int]
+) -> Float[ndarray, "rows columns_of_all"]:
+    """Columns that act in one recording each."""
+    rows = np.arange(len(block))[:, None]
+    return np.hstack([np.where((rows >= a) & (rows < b), block, 0.0) for a, b in pairwise(starts)])
+
+
+def _gain(group: dict[int, Float[ndarray, "rows columns"]], fit: LinearFit) -> float:
+    return normal_equations(fit.projection, fit.residual, group).solved().gain
