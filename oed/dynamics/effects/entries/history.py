@@ -111,7 +111,8 @@ def _by_duration(
     upper = max(largest * longest, 2 * lower)
     middle = float(np.sqrt(lower * upper)) if shape.scale == "log" else (lower + upper) / 2
     points = shape.points
-    if shape.scale == "linear":
+    # Repetitions show a change by what they differ by, so that only a near moment explains it.
+    if shape.scale == "linear" and context.ordered:
         points = round(points * longest / context.duration)
     shape = dataclasses.replace(shape, lower=lower, upper=upper, default=middle, points=points)
     return shape, clock
