@@ -28,6 +28,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
 from oed.report.diagnosis_report import write_diagnosis
+from oed.report.effect_section import p_value_text
 from oed.report.effect_words import known_parameters
 from oed.report.joint_words import over_floor
 from oed.report.provenance import Provenance
@@ -169,7 +170,7 @@ def _summarise(outcome: Outcome, config: Config) -> None:
             f"{p.label} = {p.value:.4g} " + (f"± {p.std:.2g}" if p.note is None else f"({p.note})")
             for p in known
         )
-        _say(f"  {effect.name} ({place}): {values}; p = {effect.p_value:.1e}")
+        _say(f"  {effect.name} ({place}): {values}; by accident: {p_value_text(effect.p_value)}")
     for item in found.unexplained:
         _say(f"  unexplained on joint {item.joint + 1}: {item.label}")
     for proof in found.proof:

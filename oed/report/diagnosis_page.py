@@ -37,8 +37,9 @@ NOT_FITTED: dict[tuple[str, ...], str] = {  # by the roles that there are beside
     "the test recordings had no part in anything.",
 }
 ANYWAY = (
-    " Noise alone would seldom hide which is right: it is what none of them explains that leaves it "
-    "open, and that may be another effect."
+    " Were it the other one, its torque could still pass for the first: where λ is small, the plainer "
+    "name wins. Where it is not, what none of them explains leaves it open, and that may be another "
+    "effect."
 )
 
 
@@ -252,7 +253,7 @@ def _next_text(following: NextExperiment) -> str:
     return (
         f"To tell {'; '.join(following.pairs)}: run {NEXT}/trajectory.csv. Rivals' predictions then "
         f"differ by λ = {following.separation:.3g} (now {following.separation_now:.3g}), the squared "
-        "distance in variances of the noise; the chance of naming the wrong one is "
+        "distance in variances of the noise; where the first is true, the chance of naming the other is "
         f"{_rate(following.error_rate)} (now {_rate(following.error_rate_now)}). "
         f"Best of {following.tried} motions within the limits."
         f"{ANYWAY if following.error_rate_now < RARE else ''}"

@@ -1,6 +1,7 @@
 """The interior-point optimiser: known optima, budgets, and always a proven design."""
 
 import signal
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -38,6 +39,15 @@ def test_finds_a_known_optimum_on_the_limit() -> None:
     assert found.z[0] == pytest.approx(0.0, abs=1e-3)
 
 
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Python's own handler of Ctrl-C, which a shell's background jobs start without."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_within_the_solver_ends_it() -> None:
     limits = JointLimits.symmetric(position=(1.0,), velocity=(5.0,), acceleration=(1.0,))
     trajectory = FourierClass(2 * np.pi, limits, harmonics=1)

@@ -25,12 +25,11 @@ from oed.design.limits import fill
 from oed.design.trajectories import FourierClass
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
-from oed.diagnosis.rivals.confusion import Pair, confusion, torque_beside
-from oed.diagnosis.search.scan import refine, score
+from oed.diagnosis.rivals.confusion import Pair, best_imitation, confusion, torque_beside
+from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.secants import shape_derivatives
-from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense, grid_of, moved
-from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.motion import Motion
 
 HARMONICS = (5, 10, 15)  # more harmonics separate delays and lags, few separate slow effects
@@ -143,15 +142,7 @@ def separation(
         further: A recording besides those at hand, run as often as the first of these.
     """
     fit = torque_beside(shop, (favourite, coefficients, rival), further)
-    entry, context = CATALOGUE[rival.name], shop.context
-    shapes = entry.shapes_for(context, rival.target)
-    values = [rival.values, *grid_of(shapes)] if shapes else [rival.values]
-    tried = (catalogue_trial(entry, context, rival.target, v, fit.rows) for v in values)
-    scores = [score(trial, fit) for trial in tried]
-    # From where the rival stands, and from the best of the grid: there is more than one valley.
-    starts = {s.trial.values: s for s in (scores[0], max(scores, key=lambda s: s.gain))}
-    gain = max(refine(s, fit, context).gain for s in starts.values())
-    return max(0.0, fit.squares - gain)
+    return max(0.0, fit.squares - best_imitation(shop, rival, fit).gain)
 
 
 def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:

@@ -45,14 +45,19 @@ def positive(value: float, name: str, unit: str) -> str | None:
     """A quantity that dissipates or stores energy is not negative."""
     if value > 0:
         return None
-    return f"{name} is {value:.3g} {unit}: it must be positive"
+    return f"{name} is {_amount(value, unit)}: it must be positive"
 
 
 def at_most(value: float, bound: float, name: str, unit: str, bound_name: str) -> str | None:
     """A quantity beyond every size that was ever reported."""
     if abs(value) <= bound:
         return None
-    return f"{name} is {value:.3g} {unit}: more than {bound_name} = {bound:.3g} {unit}"
+    return f"{name} is {_amount(value, unit)}: more than {bound_name} = {_amount(bound, unit)}"
+
+
+def _amount(value: float, unit: str) -> str:
+    """A value with its unit, if it has one."""
+    return f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
 
 
 def share_of_coulomb(
