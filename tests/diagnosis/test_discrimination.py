@@ -100,6 +100,15 @@ def test_the_price_of_shapes_counts_for_the_name_alone(shop: Workshop) -> None:
     assert known - 0.1 < found.by_name < known + chance
 
 
+def test_a_rival_is_drawn_at_the_shape_that_imitates_best(shop: Workshop) -> None:
+    own = trial(shop, "position_dependent_friction", (6.1,))
+    far = trial(shop, "position_dependent_friction", (1.0,))
+    # The same effect, searched from elsewhere: noise alone decides which of both fits better.
+    pair = (own, np.array([1.5, 0.5]), far)
+    found = confusion(shop, pair, np.random.default_rng(3), draws=200)
+    assert 0.2 < found.by_fit < 0.8
+
+
 def test_a_further_motion_sets_rivals_further_apart(shop: Workshop) -> None:
     pair, _ = scaled_pair(shop, 4.0)
     pattern = shop.mean.rows.prepared[0]
