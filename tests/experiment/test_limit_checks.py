@@ -10,23 +10,25 @@ from tests.experiment.tiny_dataset import refused, with_urdf
 LIMITS = '[limits]\nposition = {}\n[[recording]]\nfile = "est'
 
 
-@pytest.mark.parametrize("position", ["[[-150, 150], [-2, 2]]", "[[-1, 1], [-90, 9]]"])
-def test_position_limits_in_degrees(tmp_path, position):
+def with_position_limits(tmp_path, position):
+    """The tiny data set with position limits of its own, besides those of its robot's file."""
     folder = with_urdf(tmp_path, 2)
     stated = LIMITS.format(position)
     manifest = folder / "dataset.toml"
     manifest.write_text(manifest.read_text().replace('[[recording]]\nfile = "est', stated))
-    error = refused(folder)
+    return folder
+
+
+@pytest.mark.parametrize("position", ["[[-150, 150], [-2, 2]]", "[[-1, 1], [-90, 9]]"])
+def test_position_limits_in_degrees(tmp_path, position):
+    error = refused(with_position_limits(tmp_path, position))
     assert error.column == "limits.position"
     assert "looks like degrees" in str(error)
 
 
 @pytest.mark.parametrize("position", ["[[-6, 6], [-2, 2]]", "[[-inf, inf], [-2, 2]]"])
 def test_position_limits_somewhat_beyond_those_of_the_file_are_believed(tmp_path, position):
-    folder = with_urdf(tmp_path, 2)
-    stated = LIMITS.format(position)
-    manifest = folder / "dataset.toml"
-    manifest.write_text(manifest.read_text().replace('[[recording]]\nfile = "est', stated))
+    folder = with_position_limits(tmp_path, position)
     assert read_dataset(folder).robot.limits.position[1].tolist() == [-2, 2]
 
 

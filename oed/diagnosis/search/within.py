@@ -11,7 +11,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.addition import normal_equations
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.scan import inflation_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, white_group
@@ -24,7 +23,8 @@ def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
     """Why nothing tells a change over the session from recordings that differ; None if they do.
 
     Where it is only assumed in which order recordings were made, two of them may differ by
-    anything. What changes must explain more than the same effect of a size of its own in each.
+    anything. What changes must explain more than the same effect of a size of its own in each, and
+    than what its columns gain in noise.
 
     Args:
         shop: The laid-out data.
@@ -43,7 +43,11 @@ def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
     both = {joint: np.hstack([block, own[joint]]) for joint, block in trial.group.items()}
     left = shop.fit([*others, trial], layout).fit
     noise = float(inflation_of(left)[list(trial.group)].mean())
-    if _gain(both, fit) > _gain(own, fit) + shop.settings.decisive * noise:
+    within, apart = (
+        normal_equations(fit.projection, fit.residual, g).solved() for g in (both, own)
+    )
+    price = shop.settings.decisive + (within.rank - apart.rank) * np.log(layout.rows.count)
+    if within.gain > apart.gain + price * noise:
         return None
     return "recordings of no known order differ, and none of them shows the change"
 
@@ -63,7 +67,3 @@ def _each_its_own(
     """Columns that act in one recording each."""
     rows = np.arange(len(block))[:, None]
     return np.hstack([np.where((rows >= a) & (rows < b), block, 0.0) for a, b in pairwise(starts)])
-
-
-def _gain(group: dict[int, Float[ndarray, "rows columns"]], fit: LinearFit) -> float:
-    return normal_equations(fit.projection, fit.residual, group).solved().gain
