@@ -92,7 +92,7 @@ def _sums(effect: Effect, coefficients: int) -> list[str | None]:
 
 def _shape_note(value: float, std: float, shape: Shape) -> str | None:
     width = shape.upper - shape.lower
-    if shape.scale == "choice" or width <= 0:
+    if not shape.is_estimated or width <= 0:
         return "chosen, not estimated"
     if std < WHOLE_RANGE * width / np.sqrt(12):
         return None

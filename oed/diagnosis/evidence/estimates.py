@@ -67,7 +67,7 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
     found = []
     for shape, value, on_axis in zip(shapes, trial.values, on_axes, strict=False):
         lead = 0.0
-        std = 0.0 if shape.scale == "choice" else float(on_axis) * axis_slope(value, shape)
+        std = float(on_axis) * axis_slope(value, shape) if shape.is_estimated else 0.0
         if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
             std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
             lead = shop.full.rows.prepared[

@@ -144,13 +144,15 @@ def gain_at(
 
 
 def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]) -> bool:
-    """Whether of two effects without a shape to adapt the later explains all that a curve could.
+    """Whether an effect without a shape to adapt explains all that a curve could beside another.
 
     A wrong formula leaves what a function of the coordinates explains best, its own or those of
-    what would mend it.
+    what would mend it. One of the same family with a shape might adapt to the other meanwhile.
     """
     own = candidate.trial
-    if any(t.shapes or t.fixed or t.is_free_form for t in (own, earlier.trial)):
+    if own.shapes or any(t.fixed or t.is_free_form for t in (own, earlier.trial)):
+        return False
+    if earlier.trial.shapes and _families(earlier) & _families(candidate):
         return False
     free = [m for t in (own, earlier.trial) for m in _free_forms_of(shop, t)]
     fit = shop.fit(others, shop.layout(own)).fit
@@ -196,8 +198,9 @@ def share_needed(free: Sequence[Trial], named: Trial, settings: DiagnosisSetting
     """Share of what free-form terms explain that a named effect must reach to keep its name."""
     if any(is_own(t, named) for t in free):
         return settings.own_family_share
-    effects = [t.effect for t in free]
-    if any(isinstance(effect, FreeForm) and effect.varies for effect in effects):
+    if any(t.is_share for t in free):  # one parameter, less than most names have
+        return 1.0
+    if any(isinstance(t.effect, FreeForm) and t.effect.varies for t in free):
         return settings.foreign_share
     return settings.family_share
 

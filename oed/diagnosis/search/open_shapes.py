@@ -16,7 +16,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.search.ripening import is_late, is_unripe
-from oed.diagnosis.search.scan import Score, implausible, inflation_of, refine, score
+from oed.diagnosis.search.scan import Score, climb, implausible, inflation_of, score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -36,7 +36,7 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
         found: At the shape that the estimation recordings prefer.
     """
     trial = found.trial
-    if trial.is_free_form or not trial.values or is_unripe(trial) or is_late(trial):
+    if trial.is_free_form or not trial.shapes or is_unripe(trial) or is_late(trial):
         return found
     if trial.between_repetitions or not shop.validation:
         return found
@@ -45,10 +45,14 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
         return found
     fit = shop.fit(others, shop.layout(trial)).fit
     shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
-    usual = dataclasses.replace(trial, values=tuple(shape.default for shape in shapes))
+    values = (
+        value if shape.scale == "formula" else shape.default
+        for value, shape in zip(trial.values, shapes, strict=True)
+    )
+    usual = dataclasses.replace(trial, values=tuple(values))
     starts = [found, score(moved(usual, fit.rows, shop.context), fit)]
     plausible = [s for s in starts if s is found or implausible(s, shop.context) is None]
-    best = max((refine(s, fit, shop.context, told) for s in plausible), key=told)
+    best = max((climb(s, fit, shop.context, told) for s in plausible), key=told)
     if not _errs_less(shop, others, best.trial, trial):
         return found
     return dataclasses.replace(best, trial=dataclasses.replace(best.trial, decided=True))

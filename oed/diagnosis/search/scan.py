@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.stats import chi2
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.terms.shape_axes import from_axis, to_axis
-from oed.diagnosis.terms.trials import Trial, catalogue_trial
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 FREE_FORM_RIDGE = 1e-3  # of a unit column's square
@@ -23,6 +24,7 @@ FREE_FORM_RIDGE = 1e-3  # of a unit column's square
 # a tenth of a standard deviation.
 AT_REST = 0.01
 MOST_ROUNDS = 12
+FORMULA = 6.0  # evidence by which a formula of more terms must exceed a plainer one
 
 
 @dataclass(frozen=True)
@@ -149,13 +151,45 @@ def _is_better(new: Score, old: Score, context: Context, *, more: bool) -> bool:
     return implausible(old, context) is not None and implausible(new, context) is None
 
 
-def refine(
+def refine(found: Score, fit: LinearFit, context: Context) -> Score:
+    """The shape of a candidate improved from the scan's best grid point, and its formula there.
+
+    A formula of more terms must explain so much more that the evidence asks for them.
+    """
+    best, rows = climb(found, fit, context), fit.rows.count
+    for start in _other_formulas(best, fit, context):
+        tried = climb(start, fit, context)
+        more = tried.evidence(rows) - best.evidence(rows)
+        margin = FORMULA if tried.freedom > best.freedom else -FORMULA
+        if more > margin and _is_better(tried, best, context, more=True):
+            best = tried
+    return best
+
+
+def _other_formulas(found: Score, fit: LinearFit, context: Context) -> Iterator[Score]:
+    """A candidate with all other terms that its equation may have."""
+    if found.trial.is_free_form:
+        return
+    shapes = CATALOGUE[found.trial.name].shapes_for(context, found.trial.target)
+    for place, shape in enumerate(shapes):
+        for value in range(round(shape.lower), round(shape.upper) + 1):
+            if shape.scale == "formula" and value != found.trial.values[place]:
+                values = (
+                    *found.trial.values[:place],
+                    float(value),
+                    *found.trial.values[place + 1 :],
+                )
+                there = dataclasses.replace(found.trial, values=values)
+                yield score(moved(there, fit.rows, context, contrast=there.contrast), fit)
+
+
+def climb(
     found: Score,
     fit: LinearFit,
     context: Context,
     worth: Callable[[Score], float] = lambda tried: tried.gain,
 ) -> Score:
-    """Improve the shape of a candidate from the scan's best grid point (Nelder and Mead).
+    """Improve the shape of a candidate, its formula as it is (Nelder and Mead).
 
     Args:
         found: Candidate.
@@ -163,31 +197,34 @@ def refine(
         context: What is known.
         worth: What is to be large.
     """
-    if found.trial.is_free_form or not found.trial.values:
+    if not found.trial.shapes:
         return found
     shapes = CATALOGUE[found.trial.name].shapes_for(context, found.trial.target)
     best, most = found, worth(found)
+    whole = np.array([to_axis(v, s) for v, s in zip(found.trial.values, shapes, strict=True)])
+    free = np.array([s.scale != "formula" for s in shapes])
     # From a plausible start on, what is not plausible explains nothing.
     guarded = implausible(found, context) is None
 
     def loss(x: Float[ndarray, " shapes"]) -> float:
         nonlocal best, most
-        tried = score_at(x, found.trial, fit, context)
+        whole[free] = x
+        tried = score_at(whole, found.trial, fit, context)
         value = worth(tried)
         if _is_better(tried, best, context, more=value > most):
             best, most = tried, value
         outside = guarded and implausible(tried, context) is not None
         return np.inf if outside else -value
 
-    start = np.array([to_axis(v, s) for v, s in zip(found.trial.values, shapes, strict=True)])
-    steps = np.array([0.6 / max(s.points - 1, 1) for s in shapes])
+    start = whole[free]
+    steps = np.array([0.6 / max(s.points - 1, 1) for s in shapes if s.scale != "formula"])
     inward = np.where(start + steps > 1, -steps, steps)
     simplex = np.vstack([start, start + np.diag(inward)])
     minimize(
         loss,
         start,
         method="Nelder-Mead",
-        options={"initial_simplex": simplex, "maxfev": 20 + 15 * len(shapes), "xatol": 1e-3},
+        options={"initial_simplex": simplex, "maxfev": 20 + 15 * len(start), "xatol": 1e-3},
     )
     return best
 
@@ -219,6 +256,9 @@ def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
     best = found
     for _ in range(MOST_ROUNDS):
         again = refine(best, fit, context)
+        if again.freedom < best.freedom:  # terms of its formula that the data do not ask for
+            best = again
+            continue
         settled = again.gain < best.gain + AT_REST
         best = again if _is_better(again, best, context, more=again.gain > best.gain) else best
         if settled:

@@ -78,17 +78,23 @@ def _least_left_first(
     """Terms that explain about as much as the best, in the order of what they leave everywhere.
 
     On one motion many pairs of coordinates trace out much the same curve: what a function of
-    the wrong ones explains there, it does not on another.
+    the wrong ones explains there, it does not on another. But one of fewer coordinates with as
+    much evidence is preferred in any case: how the other carries on beyond them is an accident.
     """
     if not candidates:
         return []
-    best = candidates[0]
+    best, rows = candidates[0], shop.full.rows.count
     rivals = [
         c
         for c in {c.trial.key: c for c in (*candidates, *_shares(shop, best, others))}.values()
         if c.trial.joint == best.trial.joint
         and c.trial.between_repetitions == best.trial.between_repetitions
         and c.gain > RIVAL_SHARE * best.gain
+    ]
+    rivals = [
+        c
+        for c in rivals
+        if not any(_is_within(r, c) and r.evidence(rows) >= c.evidence(rows) for r in rivals)
     ]
     bench = _Bench(shop, standing, best.trial)
 
@@ -99,6 +105,11 @@ def _least_left_first(
     order = sorted(rivals, key=left)
     tried = {r.trial.key for r in rivals}
     return [*order, *(c for c in candidates if c.trial.key not in tried)]
+
+
+def _is_within(one: Score, other: Score) -> bool:
+    """Whether the coordinates of one term are some of another's."""
+    return set(one.trial.effect.depends_on) < set(other.trial.effect.depends_on)
 
 
 def _shares(shop: Workshop, best: Score, others: Sequence[Trial]) -> list[Score]:

@@ -46,7 +46,7 @@ def secants(
     columns = []
     for k, (axis, step) in enumerate(zip(axes, steps, strict=True)):
         lower, upper = max(axis - step, 0.0), min(axis + step, 1.0)
-        if upper <= lower:
+        if upper <= lower or shapes[k].scale == "formula":
             columns.append(np.zeros((joints, rows.count)))
             continue
         columns.append((torque(k, upper) - torque(k, lower)) / (upper - lower))

@@ -20,7 +20,7 @@ def from_axis(position: float, shape: Shape) -> float:
     if shape.scale == "log":
         return float(shape.lower * (shape.upper / shape.lower) ** inside)
     value = shape.lower + inside * (shape.upper - shape.lower)
-    return float(round(value)) if shape.scale == "choice" else float(value)
+    return float(value) if shape.is_estimated else float(round(value))
 
 
 def axis_slope(value: float, shape: Shape) -> float:

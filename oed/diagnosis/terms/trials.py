@@ -33,7 +33,7 @@ class Trial:
         effect: As columns of a torque model; first order where the exact form is none.
         group: White columns for each joint that they act on.
         fixed: Whether its coefficient is one by construction.
-        shapes: Number of nonlinear parameters.
+        shapes: Number of nonlinear parameters; the terms of a formula are no such.
         contrast: Whether its columns are their differences between repetitions alone.
         decided: Whether its shapes are those that estimation and validation recordings want
             together.
@@ -152,7 +152,7 @@ def catalogue_trial(
         effect=effect,
         group=white_group(effect, rows, contrast=contrast),
         fixed=entry.unit_coefficient,
-        shapes=len(entry.shapes),
+        shapes=sum(shape.scale != "formula" for shape in entry.shapes),
         contrast=contrast,
     )
 

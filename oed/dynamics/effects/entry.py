@@ -30,7 +30,9 @@ class Shape:
         unit: SI unit.
         lower: Least plausible value.
         upper: Largest plausible value.
-        scale: How to space trial values, "log" or "linear"; "choice" for whole numbers.
+        scale: How to space trial values, "log" or "linear"; "choice" for whole numbers;
+            "formula" for the terms that an equation has, of which the fewest are looked for and
+            more are tried at the best place of those.
         points: Number of trial values in a first scan.
         default: The value if nothing is known.
         usual: Values that machines are built with.
@@ -42,7 +44,7 @@ class Shape:
     unit: str
     lower: float
     upper: float
-    scale: Literal["log", "linear", "choice"]
+    scale: Literal["log", "linear", "choice", "formula"]
     points: int
     default: float
     usual: tuple[float, ...] = ()
@@ -56,9 +58,14 @@ class Shape:
             raise ValueError(f"{self.name}: {self.lower=} on a logarithmic scale")
 
     @property
+    def is_estimated(self) -> bool:
+        """Whether it has a deviation: it is no whole number."""
+        return self.scale not in ("choice", "formula")
+
+    @property
     def grid(self) -> tuple[float, ...]:
         """The values of a first scan; the default alone if it has one point."""
-        if self.points == 1 and self.scale != "choice":
+        if self.scale == "formula" or (self.points == 1 and self.scale != "choice"):
             return (self.default,)
         space = np.geomspace if self.scale == "log" else np.linspace
         return (*(float(x) for x in space(self.lower, self.upper, self.points)), *self.also)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from oed.dynamics.effects.effect import Effect, Parameter, State
 from oed.dynamics.scalars import Scalar, cos, mul, sin
 
+LINEAR, PROGRESSIVE = 1, 3  # orders of a spring
+
 
 @dataclass(frozen=True)
 class TorqueRipple(Effect):
@@ -81,30 +83,36 @@ class PositionFriction(Effect):
 
 @dataclass(frozen=True)
 class JointSpring(Effect):
-    """k (q_j - q_0): cables, hoses, a balancing spring.
+    """k (q_j - q_0), with higher powers where it tightens: cables, hoses, a balancing spring.
 
-    In two columns, k (q_j - centre) and a constant: tau_c = k (centre - q_0). Wang et al. 2019
-    identify such springs on the da Vinci arms.
+    Linear in powers of q_j - centre; the constant is tau_c = k (centre - q_0) of a linear spring.
+    Wang et al. 2019 identify such springs, and polynomials for cables, on the da Vinci arms.
 
     Attributes:
         joint: Index of the joint.
         centre: Middle of the range moved in, so that the columns differ [rad].
-        constant: Whether to have the second column; False beside a `TorqueOffset`.
+        constant: Whether to have the constant; False beside a `TorqueOffset`.
+        order: Highest power, `LINEAR` or `PROGRESSIVE`.
     """
 
     joint: int
     centre: float = 0.0
     constant: bool = True
+    order: int = LINEAR
     name = "joint_spring"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """k, and the spring's torque at the centre."""
+        """k, the coefficients of higher powers, and the spring's torque at the centre."""
         tag = self.joint + 1
-        stiffness = Parameter(f"spring_{tag}", "N m/rad", self.joint)
+        powers = [Parameter(f"spring_{tag}", "N m/rad", self.joint)]
+        powers += [
+            Parameter(f"spring{k}_{tag}", f"N m/rad^{k}", self.joint)
+            for k in range(2, self.order + 1)
+        ]
         if not self.constant:
-            return (stiffness,)
-        return (stiffness, Parameter(f"spring_torque_{tag}", "N m", self.joint))
+            return tuple(powers)
+        return (*powers, Parameter(f"spring_torque_{tag}", "N m", self.joint))
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -112,9 +120,13 @@ class JointSpring(Effect):
         return (f"q_{self.joint + 1}",)
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """q_j - centre, 1."""
-        stretched = [{self.joint: state.q[self.joint] - self.centre}]
-        return [*stretched, {self.joint: 1.0}] if self.constant else stretched
+        """q_j - centre, its powers, 1."""
+        stretch = state.q[self.joint] - self.centre
+        powers = [stretch]
+        for _ in range(1, self.order):
+            powers.append(mul(powers[-1], stretch))
+        columns: list[Mapping[int, Scalar]] = [{self.joint: power} for power in powers]
+        return [*columns, {self.joint: 1.0}] if self.constant else columns
 
 
 def _waves(symbol: str, harmonics: tuple[float, ...], joint: int) -> tuple[Parameter, ...]:

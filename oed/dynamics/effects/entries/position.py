@@ -19,7 +19,13 @@ from oed.dynamics.effects.entries.plausibility import (
     share_of_coulomb,
 )
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
-from oed.dynamics.effects.position import JointSpring, PositionFriction, TorqueRipple
+from oed.dynamics.effects.position import (
+    LINEAR,
+    PROGRESSIVE,
+    JointSpring,
+    PositionFriction,
+    TorqueRipple,
+)
 
 # Harmonics closer than this over the range of motion share most of their wave: two trial
 # values a radian of phase.
@@ -31,6 +37,16 @@ LEAST_PERIODS = 2.0
 RIPPLE_SHARE = 0.1  # of the peak torque; drives are sold with 1 to 5 %
 LEAST_RANGE = 0.05  # [rad]
 MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not show
+# Whether a wave has its first overtone: teeth and poles make no pure sines.
+WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
+ORDERS = {1.0: LINEAR, 2.0: PROGRESSIVE}  # of a spring, by its formula
+PLACES = 50  # of the range, at which a spring must pull back harder the further it is stretched
+
+
+def _with_overtones(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Harmonics of a wave, by its shapes."""
+    harmonic, waves = values
+    return tuple(k * harmonic for k in range(1, round(waves) + 1))
 
 
 def _spaced_by_range(context: Context, joint: int, shape: Shape) -> Shape:
@@ -52,11 +68,11 @@ def _ripple_harmonics(
     if context.gear_ratio is not None:
         upper = max(MOTOR_HARMONICS * abs(context.gear_ratio[joint]), shape.upper)
         shape = dataclasses.replace(shape, upper=upper)
-    return (_spaced_by_range(context, joint, shape),)
+    return (_spaced_by_range(context, joint, shape), *shapes[1:])
 
 
 def _ripple(_context: Context, target: Target, values: tuple[float, ...]) -> TorqueRipple:
-    return TorqueRipple(joint_of(target), (values[0],))
+    return TorqueRipple(joint_of(target), _with_overtones(values))
 
 
 def _wave_plausible(
@@ -86,12 +102,12 @@ TORQUE_RIPPLE = CatalogueEntry(
     name="torque_ripple",
     families=("position",),
     scope="joint",
-    shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0),),
+    shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0), WAVES),
     build=_ripple,
     plausible=_ripple_plausible,
     narrow=_ripple_harmonics,
     page=EffectPage(
-        equation="a cos(n q) + b sin(n q)",
+        equation="a cos(n q) + b sin(n q), with its overtone at 2 n where the data ask for it",
         source="Holtz and Springob 1996, IEEE Trans. Industrial Electronics 43(2), 309-319; "
         "Taghirad and Bélanger 1998, J. Dynamic Systems, Measurement, and Control 120(4)",
         parameters="a, b in N m, amplitude 3 to 25 % of Coulomb friction; n periods a joint turn: "
@@ -106,26 +122,26 @@ TORQUE_RIPPLE = CatalogueEntry(
 def _friction_harmonics(
     context: Context, target: Target, shapes: tuple[Shape, ...]
 ) -> tuple[Shape, ...]:
-    return (_spaced_by_range(context, joint_of(target), shapes[0]),)
+    return (_spaced_by_range(context, joint_of(target), shapes[0]), *shapes[1:])
 
 
 def _position_friction(
     context: Context, target: Target, values: tuple[float, ...]
 ) -> PositionFriction:
     joint = joint_of(target)
-    return PositionFriction(joint, (values[0],), context.sign_width(joint))
+    return PositionFriction(joint, _with_overtones(values), context.sign_width(joint))
 
 
 POSITION_DEPENDENT_FRICTION = CatalogueEntry(
     name="position_dependent_friction",
     families=("friction over position",),
     scope="joint",
-    shapes=(Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0),),
+    shapes=(Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0), WAVES),
     build=_position_friction,
     plausible=_wave_plausible,
     narrow=_friction_harmonics,
     page=EffectPage(
-        equation="(a cos(k q) + b sin(k q)) s",
+        equation="(a cos(k q) + b sin(k q)) s, with its overtone at 2 k where the data ask for it",
         source="Armstrong 1988, IEEE Int. Conf. Robotics and Automation, 1440-1447; Popović and "
         "Goldenberg 1998, IEEE Trans. Robotics and Automation 14(1), 114-122",
         parameters="a, b in N m, amplitude 5 to 40 % of Coulomb friction; k periods a joint turn",
@@ -136,25 +152,29 @@ POSITION_DEPENDENT_FRICTION = CatalogueEntry(
 )
 
 
-def _spring(context: Context, target: Target, _values: tuple[float, ...]) -> JointSpring:
+def _spring(context: Context, target: Target, values: tuple[float, ...]) -> JointSpring:
     joint = joint_of(target)
     centre = round(float(context.position_range[joint].mean()), 6)
-    return JointSpring(joint, centre, constant=not context.has_offset(joint))
+    order = ORDERS[values[0]]
+    return JointSpring(joint, centre, constant=not context.has_offset(joint), order=order)
 
 
 def _spring_plausible(
     context: Context,
     target: Target,
-    _values: tuple[float, ...],
+    values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    joint, stiffness = joint_of(target), float(estimates[0])
-    least, largest = context.position_range[joint]
-    swing = stiffness * float(largest - least) / 2
+    joint, order = joint_of(target), ORDERS[values[0]]
+    least, largest = (float(x) for x in context.position_range[joint])
+    pulled = np.polynomial.Polynomial([0.0, *estimates[:order]])
+    reach = np.linspace(least - largest, largest - least, PLACES) / 2
+    stiffness = float(pulled.deriv()(reach).min())
+    swing = float(np.ptp(pulled(reach))) / 2
     bound = MOST_SPRING * peak_torque(context, joint)
     return first_reason(
         [
-            positive(stiffness, "stiffness", "N m/rad"),
+            positive(stiffness, "the least stiffness", "N m/rad"),
             at_most(swing, bound, "the spring's torque", "N m", "twice the peak torque"),
         ]
     )
@@ -164,16 +184,18 @@ JOINT_SPRING = CatalogueEntry(
     name="joint_spring",
     families=("position", "even in speed"),
     scope="joint",
-    shapes=(),
+    shapes=(Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0),),
     holds=("torque_offset",),
     build=_spring,
     plausible=_spring_plausible,
     equivalent=("its constant part: torque_offset",),
     page=EffectPage(
-        equation="k (q - q_0) = k (q - q_c) + τ_c, q_c the middle of the range",
+        equation="k (q - q_0) = k (q - q_c) + τ_c, q_c the middle of the range; where it tightens, "
+        "with k_2 (q - q_c)² + k_3 (q - q_c)³",
         source="Wang, Gondokaryono, Munawar, Fischer 2019, IEEE Robotics and Automation Letters "
         "4(4), 3657-3664",
-        parameters="k > 0 in N m/rad, 0.1 to 1.2 of Coulomb friction a rad; τ_c in N m",
+        parameters="k > 0 in N m/rad, 0.1 to 1.2 of Coulomb friction a rad, the slope positive all "
+        "over the range; τ_c in N m",
         signature="a torque even in velocity that rises along the range",
         confused_with=("gravity_direction", "torque_offset", "torque_ripple"),
         exposed_by="the whole range of the joint: a line where gravity is a sine",
