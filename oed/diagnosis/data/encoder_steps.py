@@ -12,8 +12,9 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from oed.diagnosis.data.prepared import Prepared
 from oed.dynamics.torque_model import TorqueModel
@@ -26,6 +27,7 @@ SEED = 0  # of the errors drawn
 # Shares of the changes among which a single step is looked for, the coarsest grid first: a joint
 # that moves fast seldom moves by as little.
 RARE = (0.02, 0.002, 0.0)
+MOVING = 0.1  # [s] within which a joint that moves does so by a step
 
 
 def encoder_steps(recordings: Sequence[Recording]) -> Float[ndarray, " joints"]:
@@ -59,25 +61,51 @@ def repeated_steps(recordings: Sequence[Recording]) -> Float[ndarray, " joints"]
 
     Each is as small as the part of its error that comes again: that of two positions d steps
     apart correlates by 1 - 6 d for small d, and d is the share of the samples that differ. Where
-    repetitions differ by more than that, and without any, the noise has it all.
+    repetitions differ by more than that, and without any, the noise has it all. A joint that
+    rests shows nothing of it.
     """
     steps = encoder_steps(recordings)
-    share = np.zeros(len(steps))
-    compared = 0
+    share, compared = np.zeros(len(steps)), np.zeros(len(steps))
     for recording in recordings:
         period = recording.period
         if period is None or recording.repetitions < 2:
             continue
-        turn = round(period / float(np.median(np.diff(recording.t))))
-        change = np.abs(recording.q[turn:] - recording.q[:-turn])
-        share += len(change) * np.clip(1 - 6 * np.mean(change > steps / 2, axis=0), 0.0, 1.0)
-        compared += len(change)
-    return steps * np.sqrt(share / max(compared, 1))
+        interval = float(np.median(np.diff(recording.t)))
+        turn = round(period / interval)
+        moves = _moves(recording.q, steps, max(round(MOVING / interval), 2))[turn:]
+        differs = moves & (np.abs(recording.q[turn:] - recording.q[:-turn]) > steps / 2)
+        count = moves.sum(axis=0)
+        share += count * np.clip(1 - 6 * differs.sum(axis=0) / np.maximum(count, 1), 0.0, 1.0)
+        compared += count
+    return steps * np.sqrt(share / np.maximum(compared, 1))
+
+
+def _moves(
+    q: Float[ndarray, "samples joints"], steps: Float[ndarray, " joints"], window: int
+) -> Bool[ndarray, "samples joints"]:
+    """Samples about which a joint moves by a step."""
+    reach = maximum_filter1d(q, window, axis=0) - minimum_filter1d(q, window, axis=0)
+    return reach > steps / 2
 
 
 def rounding_deviation(steps: Float[ndarray, " joints"]) -> Float[ndarray, " joints"]:
     """(n,) standard deviation of what rounding to steps errs."""
     return steps / np.sqrt(12)
+
+
+def _rounding(prepared: Prepared, rng: np.random.Generator) -> Float[ndarray, "samples joints"]:
+    """What rounding to steps, counted from anywhere, errs: nothing new where a joint rests.
+
+    In each repetition they are counted from elsewhere: one place alone is one of many.
+    """
+    motion, steps = prepared.motion, prepared.repeated_steps
+    turn = np.zeros(len(motion), dtype=int)
+    if prepared.period is not None:
+        turn = ((motion.t - motion.t[0]) // prepared.period).astype(int)
+    start = rng.uniform(size=(turn[-1] + 1, len(steps)))[turn]
+    safe = np.where(steps > 0, steps, 1.0)
+    counted = motion.q / safe + start
+    return np.where(steps > 0, safe * (np.round(counted) - counted), 0.0)
 
 
 def encoder_torque(
@@ -88,8 +116,8 @@ def encoder_torque(
 ) -> list[Float[ndarray, "rows joints"]]:
     """Errors of the predicted torque as errors of the encoders make them, in the band [N m].
 
-    An error is drawn evenly over a step: which one a sample met is not to be told any more from
-    positions that were smoothed after it.
+    Where the steps of an encoder lie is drawn: from positions that were smoothed it is not to be
+    told any more. Errors of a given deviation are drawn sample by sample.
 
     Args:
         model: Whose torque.
@@ -99,12 +127,13 @@ def encoder_torque(
             repetition if None.
     """
     rng = np.random.default_rng(SEED)
-    if deviations is None:
-        deviations = [rounding_deviation(p.repeated_steps) for p in prepared]
     errors = []
-    for p, deviation in zip(prepared, deviations, strict=True):
-        rounded = deviation * rng.uniform(-np.sqrt(3), np.sqrt(3), p.motion.q.shape)
-        if not deviation.any():
+    for k, p in enumerate(prepared):
+        if deviations is None:
+            rounded = _rounding(p, rng)
+        else:
+            rounded = deviations[k] * rng.uniform(-np.sqrt(3), np.sqrt(3), p.motion.q.shape)
+        if not rounded.any():
             errors.append(np.zeros_like(p.torque))
             continue
         change, rate, acceleration = p.band.differentiate(rounded)

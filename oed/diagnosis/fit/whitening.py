@@ -24,6 +24,7 @@ LARGEST_ORDER = 24
 FLOOR = 1e-3
 RESPONSE = 2000  # rows after which an innovation is forgotten
 LEAST_DEVIATION = 1e-9  # [unit of x] of noise where a model leaves nothing
+LEAST_ROWS = 20  # with a past to be trusted, of which each parameter is read off
 TAPER = 4  # lags that the tapered covariance reaches, in largest orders
 
 
@@ -72,6 +73,9 @@ def fit_autoregression(
 ) -> Autoregression:
     """Autoregression of several stretches of one noise, its order by Schwarz's criterion.
 
+    No order reaches so far back that too few rows have a past to be trusted: at the edge of a
+    gap, a filter that makes noise white makes a leap of what is missing.
+
     Args:
         series: Stretches of noise of zero mean.
         trusted: Which rows of each stretch show nothing but noise; all if None.
@@ -86,6 +90,8 @@ def fit_autoregression(
         return Autoregression(np.ones(1), np.finfo(float).tiny ** 0.5)
     best, best_value = np.ones(1), np.inf
     for order in range(longest + 1):
+        if order and sum(int(m.sum()) for m in _with_past(masks, order)) < LEAST_ROWS * (order + 1):
+            break
         lags = (
             solve_toeplitz(covariance[:order], -covariance[1 : order + 1]) if order else np.zeros(0)
         )
@@ -96,17 +102,20 @@ def fit_autoregression(
         if value < best_value:
             best, best_value = np.concatenate([[1.0], lags]), value
     # Scaled by what it leaves of the data, not by the floored spectrum's own innovation.
-    left = []
-    for x, mask in zip(series, masks, strict=True):
-        # A row is as good as all of its past that the filter reads.
-        distrusted = np.asarray(lfilter(np.ones(len(best)), [1.0], (~mask).astype(float)))
+    whole = _with_past(masks, len(best) - 1)
+    left = [np.asarray(lfilter(best, [1.0], x))[m] for x, m in zip(series, whole, strict=True)]
+    return Autoregression(best, float(np.sqrt(np.mean(np.concatenate(left) ** 2))))
+
+
+def _with_past(masks: Sequence[Bool[ndarray, " _"]], order: int) -> list[Bool[ndarray, " _"]]:
+    """Rows that are as good as all of their past that a filter reads."""
+    result = []
+    for mask in masks:
+        distrusted = np.asarray(lfilter(np.ones(order + 1), [1.0], (~mask).astype(float)))
         whole = distrusted < 0.5
-        whole[: len(best) - 1] = False
-        left.append(np.asarray(lfilter(best, [1.0], x))[whole])
-    innovations = np.concatenate(left)
-    if len(innovations) < 20 * len(best):
-        innovations = np.concatenate([lfilter(best, [1.0], x) for x in clean])
-    return Autoregression(best, float(np.sqrt(np.mean(innovations**2))))
+        whole[:order] = False
+        result.append(whole)
+    return result
 
 
 def _covariance(

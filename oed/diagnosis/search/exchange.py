@@ -17,6 +17,7 @@ from oed.diagnosis.search.ripening import is_unripe
 from oed.diagnosis.search.scan import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
 from oed.diagnosis.search.telling import may_replace, replaces
 from oed.diagnosis.search.usual import as_built
+from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -86,24 +87,27 @@ def settled(shop: Workshop, accepted: list[Accepted], pool: Sequence[Trial]) -> 
 
 def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
     """The additions that the evidence needs: two that cancel both go."""
-    layout = shop.layout_for([a.trial for a in accepted])
     penalty = np.log(shop.full.rows.count)
 
-    def cost(chosen: Sequence[Accepted]) -> float:
+    def cost(chosen: Sequence[Accepted], layout: Layout) -> float:
         found = shop.fit([a.trial for a in chosen], layout)
         return found.fit.squares + penalty * found.fit.projection.rank
 
+    def more(chosen: Sequence[Accepted]) -> float:
+        # On the rows that show what is left out: the mean of repetitions tells most of the rest.
+        left_out = [a.trial for a in best if all(a is not c for c in chosen)]
+        layout = shop.layout_for(left_out)
+        return cost(chosen, layout) - cost(best, layout)
+
     best = accepted
-    least = cost(best) if len(best) > 1 else 0.0
     while len(best) > 1:
         sizes = range(max(len(best) - AT_ONCE, 1), len(best))
         smaller = [list(c) for size in sizes for c in combinations(best, size)]
-        costs = [cost(c) for c in smaller]
+        costs = [more(c) for c in smaller]
         # A larger set must be better by a margin, since it had more chances.
-        if min(costs) > least + shop.settings.decisive:
+        if min(costs) > shop.settings.decisive:
             break
-        least = min(costs)
-        best = smaller[costs.index(least)]
+        best = smaller[costs.index(min(costs))]
     return best
 
 

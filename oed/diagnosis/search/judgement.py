@@ -213,7 +213,7 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     """Why an addition does not pay on rows that it was not fitted to; None if it does."""
     if alone := differs_alone(shop, others, trial):
         return alone
-    layout = shop.layout_for([*others, trial])
+    layout = shop.layout(trial)
     before, after = (shop.fit(chosen, layout, bend=False) for chosen in (others, [*others, trial]))
     folds = shop.settings.folds
     gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(before, folds))

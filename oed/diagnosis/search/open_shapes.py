@@ -21,6 +21,7 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 
+CRESTS = 2  # points of the grid, the best of both motions, from which a shape is looked for
 MISFIT = 1.1  # variances of the noise on unseen motion, from which on a shape is looked at again
 
 
@@ -51,7 +52,10 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     )
     usual = dataclasses.replace(trial, values=tuple(values))
     starts = [found, score(moved(usual, fit.rows, shop.context), fit)]
+    # One motion may rise to another crest than both together do.
+    starts += [score(t, fit) for t in shop.physical if t.key == trial.key]
     plausible = [s for s in starts if s is found or implausible(s, shop.context) is None]
+    plausible = [*plausible[:2], *sorted(plausible[2:], key=told)[-CRESTS:]]
     best = max((climb(s, fit, shop.context, told) for s in plausible), key=told)
     if not _errs_less(shop, others, best.trial, trial):
         return found

@@ -51,7 +51,7 @@ def review_names(
             alternatives = list(_in_its_place(shop, others, standing))
             if foretells_most(shop, others, item.trial, alternatives):
                 continue
-            layout = shop.layout_for([a.trial for a in kept])
+            layout = shop.layout_for([a.trial for a in (item, *terms)])
             without_both, without_free, without_name, whole = (
                 shop.fit([a.trial for a in chosen], layout).fit.squares
                 for chosen in (bare, [*bare, item], [a for a in kept if a is not item], kept)
@@ -92,7 +92,7 @@ def drop_superfluous(
     for item in accepted:
         if item.trial.is_free_form:
             continue
-        layout = shop.layout_for([a.trial for a in kept])
+        layout = shop.layout(item.trial)
         standing = [
             a
             for a in kept
