@@ -186,10 +186,13 @@ def _free_forms_of(shop: Workshop, named: Trial) -> list[Trial]:
 def is_own(free: Trial, named: Trial) -> bool:
     """Whether a free-form term is but a freer form of a named effect.
 
-    None of the catalogue's effects is a signal whose coefficient varies with position.
+    None of the catalogue's effects is a signal whose coefficient varies with position, and what
+    stays the same mends nothing that changes in time.
     """
     effect = free.effect
     if not isinstance(effect, FreeForm) or effect.varies or named.is_free_form:
+        return False
+    if free.between_repetitions != named.between_repetitions:
         return False
     return set(effect.depends_on) <= set(named.effect.depends_on)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -20,6 +21,7 @@ from oed.diagnosis.search.scan import Score, best_shapes, refine, score
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, moved
+from oed.dynamics.effects.catalogue import CATALOGUE
 
 OF_EACH = 2  # candidates of every joint that are refined in any case
 LATE_SHARE = 0.2  # of the best gain, from which on a late torque is worth evaluating anew
@@ -56,7 +58,8 @@ def ranked(
         if part:
             fit = shop.fit(others, shop.full if between else shop.mean).fit
             grid = [score(t, fit) for t in part]
-            refined = _leading(shop, grid, fit, most, thorough=thorough)
+            leading = _leading(shop, grid, fit, most, thorough=thorough)
+            refined = [_on_its_clock(shop, s, others, fit) for s in leading]
             found += _evaluated(shop, grid, refined, others, fit, thorough=thorough)
     rows = shop.full.rows.count
     return sorted(found, key=lambda s: -s.evidence(rows))
@@ -93,6 +96,30 @@ def _within_recordings(
     if level.gain <= found.gain + shop.settings.decisive:
         return found
     return refine(inside, fit, shop.context)
+
+
+def _on_its_clock(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
+    """A change in time by the clock that the validation recordings go by.
+
+    A single estimation recording says nothing of whether the next goes on with its clock.
+    """
+    if found.trial.is_free_form or not shop.validation:
+        return found
+    shapes = CATALOGUE[found.trial.name].shapes_for(shop.context, found.trial.target)
+    tried = [found]
+    for place, shape in enumerate(shapes):
+        if shape.scale == "choice" and shape.points == 1 and shape.lower < shape.upper:
+            other = shape.lower + shape.upper - found.trial.values[place]
+            values = (*found.trial.values[:place], other, *found.trial.values[place + 1 :])
+            there = dataclasses.replace(found.trial, values=values)
+            tried.append(score(moved(there, fit.rows, shop.context, contrast=there.contrast), fit))
+    return min(tried, key=lambda s: _unseen_error(shop, others, s.trial)) if tried[1:] else found
+
+
+def _unseen_error(shop: Workshop, others: Sequence[Trial], trial: Trial) -> float:
+    """Mean squared validation error beside additions, in squares of the noise floor."""
+    rms = shop.validation_rms(shop.fit([*others, trial], shop.layout(trial), bend=False))
+    return float(np.mean((rms / shop.baseline.floor.deviation) ** 2)) if rms is not None else 0.0
 
 
 def _evaluated(

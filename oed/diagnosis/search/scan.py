@@ -160,7 +160,7 @@ def refine(found: Score, fit: LinearFit, context: Context) -> Score:
     for start in _other_formulas(best, fit, context):
         tried = climb(start, fit, context)
         more = tried.evidence(rows) - best.evidence(rows)
-        margin = FORMULA if tried.freedom > best.freedom else -FORMULA
+        margin = -FORMULA if tried.freedom < best.freedom else FORMULA
         if more > margin and _is_better(tried, best, context, more=True):
             best = tried
     return best

@@ -163,6 +163,9 @@ class _State:
             else:
                 self.accepted.append(pick)
             self._settle()
+            if self.shop.is_turned and len(self.accepted) > 0:
+                self.shop = turned(self.shop, [a.trial for a in self.accepted])
+                self._settle()
             sharper = self.shop.sharpened([a.trial for a in self.accepted])
             if sharper is not None:
                 self.shop = sharper

@@ -99,7 +99,21 @@ def total_tilt(
 
 
 def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
-    """The tables turned to the direction that fits best beside other additions."""
+    """The tables turned to the direction that fits best beside other additions.
+
+    Where moments that only a tilt shows would have to be impossible, something else is missing
+    that they make up for: the tilt does without them until that is found.
+    """
+    found = _at_best_tilt(shop, others)
+    if not found.is_turned or moment_fault(found, found.fit(others, found.mean).fit) is None:
+        return found
+    bare = _at_best_tilt(_rebuilt(shop, shop.baseline.model, bare=True), others, bare=True)
+    full = _at_best_tilt(bare, others)
+    return bare if moment_fault(full, full.fit(others, full.mean).fit) else full
+
+
+def _at_best_tilt(shop: Workshop, others: Sequence[Trial], *, bare: bool = False) -> Workshop:
+    """Gauss and Newton's steps to the direction that fits best, without further moments if bare."""
     for _ in range(MOST_STEPS):
         trial = _gravity_trial(shop)
         coefficients = shop.fit([*others, trial], shop.mean, bend=False).coefficients[-1]
@@ -108,7 +122,7 @@ def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
         if length < SETTLED:
             break
         step = step * min(1.0, LARGEST_STEP / length)
-        shop = _rebuilt(shop, _under_tilt(shop.baseline.model, step))
+        shop = _rebuilt(shop, _under_tilt(shop.baseline.model, step), bare=bare)
     return shop
 
 
@@ -125,10 +139,10 @@ def _smaller_of_mirrored(shop: Workshop) -> Workshop:
     return _rebuilt(shop, mirrored) if same else shop
 
 
-def _rebuilt(shop: Workshop, model: TorqueModel) -> Workshop:
-    baseline = dataclasses.replace(
-        shop.baseline, model=model, columns=np.sort(base_parameters(model).columns)
-    )
+def _rebuilt(shop: Workshop, model: TorqueModel, *, bare: bool = False) -> Workshop:
+    """The tables of another model, with the declared one's base parameters if bare."""
+    columns = shop.declared.columns if bare else np.sort(base_parameters(model).columns)
+    baseline = dataclasses.replace(shop.baseline, model=model, columns=columns)
     return shop.on(baseline.with_model(model, shop.estimation))
 
 

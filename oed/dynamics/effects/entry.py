@@ -65,7 +65,7 @@ class Shape:
     @property
     def grid(self) -> tuple[float, ...]:
         """The values of a first scan; the default alone if it has one point."""
-        if self.scale == "formula" or (self.points == 1 and self.scale != "choice"):
+        if self.scale == "formula" or self.points == 1:
             return (self.default,)
         space = np.geomspace if self.scale == "log" else np.linspace
         return (*(float(x) for x in space(self.lower, self.upper, self.points)), *self.also)

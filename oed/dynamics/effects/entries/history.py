@@ -103,8 +103,8 @@ def _by_duration(
     if context.session is None:
         clock = dataclasses.replace(clock, upper=0.0, points=1)
     elif context.recordings == 1:
-        # Which one a single recording cannot tell: that the next goes on with it does.
-        clock = dataclasses.replace(clock, lower=1.0, default=1.0, points=1)
+        # Which one a single recording cannot tell: the next may go on with it, or start anew.
+        clock = dataclasses.replace(clock, default=1.0, points=1)
     else:
         longest = context.session[1] - context.session[0]
     lower = max(least * context.duration, shape.lower)
