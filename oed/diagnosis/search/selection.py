@@ -163,7 +163,7 @@ class _State:
             else:
                 self.accepted.append(pick)
             self._settle()
-            if self.shop.is_turned and len(self.accepted) > 0:
+            if self.shop.is_turned:  # what was missing may have pulled the tilt aside
                 self.shop = turned(self.shop, [a.trial for a in self.accepted])
                 self._settle()
             sharper = self.shop.sharpened([a.trial for a in self.accepted])

@@ -37,9 +37,39 @@ def test_spring_leaves_the_constant_to_an_offset_that_is_there() -> None:
     model = TorqueModel.standard(scara(), offset=True)
     parameters = np.concatenate([model.robot.parameters, np.ones(6)])
     context = Context.of(model, parameters, [MOTION])
-    assert len(CATALOGUE["joint_spring"].build(context, 0, ()).parameters) == 1
+    assert len(CATALOGUE["joint_spring"].build(context, 0, (1.0,)).parameters) == 1
     without = context_of(scara(), MOTION)
-    assert len(CATALOGUE["joint_spring"].build(without, 0, ()).parameters) == 2
+    assert len(CATALOGUE["joint_spring"].build(without, 0, (1.0,)).parameters) == 2
+
+
+def test_a_spring_that_tightens_is_a_polynomial_with_a_positive_slope() -> None:
+    linear, cubic, rest, centre = 2.0, 0.7, 0.2, 0.1
+    columns = evaluate(JointSpring(1, centre, order=3), MOTION, 2)[:, 1]
+    pull = np.polynomial.Polynomial([-rest, 1.0])  # stretch by position
+    whole = (linear * pull + cubic * pull**3)(np.polynomial.Polynomial([centre, 1.0]))
+    constant, *powers = whole.coef
+    assert columns @ np.array([*powers, constant]) == pytest.approx(
+        linear * (Q - rest) + cubic * (Q - rest) ** 3
+    )
+
+
+@pytest.mark.parametrize(("quadratic", "plausible"), [(0.5, True), (40.0, False)])
+def test_a_spring_pulls_back_harder_everywhere_it_was_stretched(
+    quadratic: float, *, plausible: bool
+) -> None:
+    context = context_of(scara(), MOTION)
+    estimates = np.array([2.0, quadratic, 0.0, 0.1])
+    reason = CATALOGUE["joint_spring"].plausible(context, 1, (2.0,), estimates)
+    assert (reason is None) == plausible
+
+
+def test_a_wave_may_have_its_overtone() -> None:
+    context = context_of(scara(), MOTION)
+    for name in ("torque_ripple", "position_dependent_friction"):
+        plain, fuller = (CATALOGUE[name].build(context, 1, (4.0, k)) for k in (1.0, 2.0))
+        own, both = (evaluate(effect, MOTION, 2)[:, 1] for effect in (plain, fuller))
+        assert fuller.harmonics == (4.0, 8.0)
+        assert both[:, :2] == pytest.approx(own)
 
 
 @pytest.mark.parametrize(("share", "is_plausible"), [(1.5, True), (2.5, False)])
@@ -47,14 +77,14 @@ def test_a_balancer_may_carry_more_than_the_drive_shows(share: float, is_plausib
     context = context_of(scara(), MOTION)
     swing = float(np.ptp(context.position_range[1])) / 2
     stiffness = share * float(context.peak_torque[1]) / swing
-    reason = CATALOGUE["joint_spring"].plausible(context, 1, (), np.array([stiffness, 0.0]))
+    reason = CATALOGUE["joint_spring"].plausible(context, 1, (1.0,), np.array([stiffness, 0.0]))
     assert (reason is None) is is_plausible
 
 
 @pytest.mark.parametrize("harmonic", [14.2, 17.7, 61.2, 129.0])
 def test_first_scan_comes_near_enough_to_every_ripple(harmonic: float) -> None:
     context = context_of(scara(), MOTION)
-    (shape,) = CATALOGUE["torque_ripple"].shapes_for(context, 1)
+    shape, _ = CATALOGUE["torque_ripple"].shapes_for(context, 1)
     truth = np.cos(harmonic * Q + 0.3)
     nearest = min(shape.grid, key=lambda n: abs(n - harmonic))
     columns = evaluate(TorqueRipple(1, (nearest,)), MOTION, 2)[:, 1]
@@ -65,13 +95,13 @@ def test_first_scan_comes_near_enough_to_every_ripple(harmonic: float) -> None:
 def test_a_known_gear_ratio_widens_the_search_to_the_motors_harmonics() -> None:
     model = TorqueModel.standard(scara())
     context = Context.of(model, parameters_of(model), [MOTION], gear_ratio=(100.0, 80.0))
-    (shape,) = CATALOGUE["torque_ripple"].shapes_for(context, 0)
+    shape, _ = CATALOGUE["torque_ripple"].shapes_for(context, 0)
     assert shape.upper == pytest.approx(420.0)
 
 
 def test_a_wave_longer_than_half_the_motion_is_no_ripple() -> None:
     context = context_of(scara(), MOTION)
-    (shape,) = CATALOGUE["torque_ripple"].shapes_for(context, 1)
+    shape, _ = CATALOGUE["torque_ripple"].shapes_for(context, 1)
     assert shape.lower * np.ptp(Q) == pytest.approx(4 * np.pi)
 
 

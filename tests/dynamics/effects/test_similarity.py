@@ -72,7 +72,7 @@ def test_angles_over_recordings_weigh_joints_by_their_noise(vertical: Context) -
     motion = smooth_motion(vertical.model.robot, step=0.01)
     halves = [motion[:500], motion[500:]]
     tilt = CATALOGUE["gravity_direction"].build(vertical, None, ())
-    spring = CATALOGUE["joint_spring"].build(vertical, 0, ())
+    spring = CATALOGUE["joint_spring"].build(vertical, 0, (1.0,))
     whole = effect_angles(vertical.model, tilt, spring, [motion], np.ones(2))
     parted = effect_angles(vertical.model, tilt, spring, halves, np.ones(2))
     assert parted.angles == pytest.approx(whole.angles, abs=1e-6)
