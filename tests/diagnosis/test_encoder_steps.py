@@ -82,6 +82,29 @@ def test_torque_errs_as_much_as_rounded_positions_make_it():
     assert stated.std(axis=0) == pytest.approx(real.std(axis=0), rel=0.15)
 
 
+def test_a_joint_that_rests_says_nothing_of_how_its_rounding_repeats():
+    """Half of each repetition at rest, where all samples agree; moving they lie steps apart."""
+    _, own = recording(apart=3.0)
+    still = (own.t % PERIOD) > PERIOD / 2
+    resting = dataclasses.replace(own, q=np.where(still[:, None], 0.0, own.q))
+    assert repeated_steps([resting]) == pytest.approx([0.0, 0.0], abs=0.05 * STEP)
+
+
+def test_rounding_errs_nothing_new_where_a_joint_rests():
+    _, own = recording()
+    still = (own.t % PERIOD) > PERIOD / 2
+    resting = dataclasses.replace(own, q=np.where(still[:, None], own.q[0], own.q))
+    robot = imi_scara()
+    (prepared,) = prepare((resting,), DiagnosisSettings())
+    (errors,) = encoder_torque(
+        TorqueModel(robot, (RigidBody(robot),)), robot.parameters, [prepared]
+    )
+    phase = prepared.t % PERIOD
+    resting, moving = phase > 0.6 * PERIOD, (phase > 0.1 * PERIOD) & (phase < 0.4 * PERIOD)
+    resting &= phase < 0.9 * PERIOD
+    assert np.all(errors[resting].std(axis=0) < 0.02 * errors[moving].std(axis=0))
+
+
 def test_what_rounding_repeats_is_noise_to_the_mean_of_repetitions():
     shaken = data_set(3, step=STEP, repetitions=4, shake=20.0)
     assert mean_square(shaken) == pytest.approx(1.0, abs=0.15)

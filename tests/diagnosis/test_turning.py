@@ -7,9 +7,11 @@ import pytest
 
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
+from oed.diagnosis.search import turning
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import INERTIA, data_set
+from tests.diagnosis.shop import shop_of
 
 SETTINGS = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
 FIRST_LINK = 2.4  # [kg m] first moment of both links about the first axis, seen by no level arm
@@ -52,6 +54,21 @@ def test_a_tilted_base_is_named_with_its_angle(degrees):
     assert all(rival.evidence > SETTINGS.decisive for rival in effect.rivals)
     test = next(p for p in found.proof if p.role == "test")
     assert test.after == pytest.approx(found.noise_floor, rel=0.1)
+
+
+def test_a_tilt_does_without_moments_that_cannot_be(monkeypatch):
+    """Beside what else is missing they may take any size: of the tilt the other links tell."""
+    tilt = np.deg2rad(3.0)
+    shop = shop_of(data_set(11, extra=weight_of(tilt)))
+    assert set(turning.turned(shop, ()).baseline.columns) > set(shop.baseline.columns)
+    own = turning.moment_fault
+    is_bare = lambda found: len(found.baseline.columns) == len(shop.baseline.columns)  # noqa: E731
+    monkeypatch.setattr(
+        turning, "moment_fault", lambda s, fit: own(s, fit) if is_bare(s) else "mx is impossible"
+    )
+    bare = turning.turned(shop, ())
+    assert bare.is_turned
+    assert is_bare(bare)
 
 
 def test_a_tilt_that_proves_to_be_none_does_not_stay_in_the_model(monkeypatch):

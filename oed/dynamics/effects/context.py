@@ -20,7 +20,7 @@ from oed.dynamics.torque_model import TorqueModel
 
 # Share of the samples up to which speed and torque count: beyond lie starts and gaps of the log.
 HIGHEST = 0.995
-Known = tuple[tuple[Effect, Float[ndarray, " columns"]], ...]
+Known = tuple[tuple[Effect, Float[ndarray, " _"]], ...]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,8 @@ from scipy.signal import TransferFunction, lfilter, lfilter_zi
 
 # Spacing that varies by less than this fraction of itself is taken as uniform.
 UNIFORM = 1e-3
+# Steps within which a part of a filter settles that the samples cannot show.
+INSTANT = 1e-3
 
 
 def respond(
@@ -52,6 +54,9 @@ def _respond_evenly(
         [c / step ** (len(poly) - 1 - k) for k, c in enumerate(poly)]
         for poly in (numerator, denominator)
     ]
+    denominators = scaled[1]
+    while len(denominators) > 2 and denominators[0] < INSTANT * denominators[1]:
+        denominators.pop(0)
     discrete = TransferFunction(*scaled).to_discrete(1.0, method="foh")
     b, a = discrete.num, discrete.den
     settled = lfilter_zi(b, a)[:, None, None] * u[:1]

@@ -80,6 +80,14 @@ def test_lag_keeps_a_constant_and_a_standing_start() -> None:
     assert respond(t, u, [1.0], [1e-4, 0.02, 1.0]) == pytest.approx(u, abs=1e-9)
 
 
+@pytest.mark.parametrize("curvature", [1e-16, 1e-10, 1e-5])
+def test_a_pole_faster_than_any_sample_shows_is_none(curvature: float) -> None:
+    t, T = np.arange(0, 1, 0.01), 3e-3
+    u = np.sin(9 * t)[:, None, None]
+    plain, bent = (respond(t, u, [1.0], [*c, T, 1.0]) for c in ([], [curvature * T**2]))
+    assert bent == pytest.approx(plain, abs=1e-4)
+
+
 def test_uneven_samples_are_filtered_like_even_ones() -> None:
     rng = np.random.default_rng(3)
     even = np.arange(0, 2, 1e-3)

@@ -1,0 +1,66 @@
+"""Formulas of more terms, where the data ask for them; and curves of no more coordinates than needed."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.search.judgement import share_needed
+from oed.diagnosis.search.scan import refine, score
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of, trial_of
+
+SETTINGS = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+
+
+def on_first(torque):
+    """Torque of the first joint's position alone."""
+    return lambda q, dq, ddq: np.stack([torque(q[:, 0]), np.zeros(len(q))], axis=1)
+
+
+def found_in(torque, **changes):
+    dataset = data_set(3, extra=on_first(torque), **changes)
+    return diagnose(dataset, TorqueModel.standard(dataset.robot), SETTINGS)
+
+
+def test_a_spring_that_tightens_and_an_uneven_ripple_of_one_joint_are_both_named():
+    found = found_in(
+        lambda q: 1.5 * (q + 1.2 * q**3) + 0.8 * np.sin(14 * q) + 0.4 * np.sin(28 * q + 1)
+    )
+    assert {(e.name, e.joint) for e in found.effects} == {("joint_spring", 0), ("torque_ripple", 0)}
+    assert found.verdict == "explained"
+    values = {p.name: p for e in found.effects for p in e.parameters}
+    assert values["harmonic"].value == pytest.approx(14, abs=0.1)
+    assert values["spring3_1"].value == pytest.approx(1.8, abs=4 * values["spring3_1"].std)
+    overtone = np.hypot(values["ripple28_cos_1"].value, values["ripple28_sin_1"].value)
+    assert overtone == pytest.approx(0.4, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("joint_spring", (1.0,)), ("torque_ripple", (9.0, 1.0))]
+)
+def test_a_plain_formula_stays_where_nothing_more_is_there(name, values):
+    torque = {"joint_spring": lambda q: 2.0 * q, "torque_ripple": lambda q: 0.6 * np.sin(9 * q)}
+    shop = shop_of(data_set(5, extra=on_first(torque[name])), held=False)
+    start = score(trial_of(shop, name, 0, values), shop.before.fit)
+    assert refine(start, shop.before.fit, shop.context).trial.values[-1] == 1.0
+    fuller = score(trial_of(shop, name, 0, (*values[:-1], 2.0)), shop.before.fit)
+    assert refine(fuller, shop.before.fit, shop.context).trial.values[-1] == 1.0
+
+
+def test_a_curve_of_one_coordinate_stands_before_one_of_two():
+    """A dent at one place of the turn; other motions reach further."""
+    found = found_in(lambda q: -6.0 * (q - 0.3) * np.exp(-(((q - 0.3) / 0.12) ** 2)), near=0.7)
+    assert [u.depends_on for u in found.unexplained if u.joint == 0] == [("q_1",)]
+
+
+def test_a_name_must_explain_what_a_share_of_another_torque_does():
+    shop = shop_of(data_set(5))
+    share = next(t for t in shop.smooth if t.is_share and t.joint == 0)
+    curve = next(t for t in shop.smooth if not t.is_share and t.joint == 0)
+    named = trial_of(shop, "rotor_inertia", 0)
+    assert share_needed([share], named, SETTINGS) == 1.0
+    assert share_needed([curve], named, SETTINGS) < 1.0
