@@ -112,7 +112,7 @@ def _profiled(
     shop: Workshop,
     found: Augmented,
     linear: _Linearised,
-    steps: Sequence[Float[ndarray, " shapes"]],
+    steps: Sequence[Float[ndarray, " _"]],
     covariance: Float[ndarray, "columns columns"],
 ) -> Float[ndarray, "columns columns"]:
     """The covariance with shapes as uncertain as a fit with all else free shows them to be.
@@ -145,7 +145,7 @@ def _profiled(
 def _with_unseen(
     shop: Workshop,
     found: Augmented,
-    steps: Sequence[Float[ndarray, " shapes"]],
+    steps: Sequence[Float[ndarray, " _"]],
     covariance: Float[ndarray, "columns columns"],
     number: int,
 ) -> Float[ndarray, "columns columns"]:
@@ -171,7 +171,7 @@ def _with_unseen(
 
 
 def _linearised(
-    shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " shapes"]]
+    shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " _"]]
 ) -> _Linearised:
     """The fit with secants over these steps."""
     columns, target = _columns(shop, found, layout, steps)
@@ -183,7 +183,7 @@ def _linearised(
 
 
 def _columns(
-    shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " shapes"]]
+    shop: Workshop, found: Augmented, layout: Layout, steps: Sequence[Float[ndarray, " _"]]
 ) -> tuple[Float[ndarray, "joints rows columns"], Float[ndarray, "joints rows"]]:
     """White columns of base model, nuisances and additions on a layout, and their target."""
     joints, count, _ = layout.regressor.shape
