@@ -144,13 +144,15 @@ def gain_at(
 
 
 def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]) -> bool:
-    """Whether an effect without a shape to adapt explains all that a curve could beside another.
+    """Whether an effect with none but a size to adapt explains all that a curve could beside another.
 
     A wrong formula leaves what a function of the coordinates explains best, its own or those of
     what would mend it. One of the same family with a shape might adapt to the other meanwhile.
     """
     own = candidate.trial
-    if own.shapes or any(t.fixed or t.is_free_form for t in (own, earlier.trial)):
+    if own.is_free_form or earlier.trial.fixed or earlier.trial.is_free_form:
+        return False
+    if own.shapes > own.fixed:  # a size in a shape of its own, as of a delay, adapts to nothing
         return False
     if earlier.trial.shapes and _families(earlier) & _families(candidate):
         return False

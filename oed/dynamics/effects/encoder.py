@@ -1,4 +1,4 @@
-"""An encoder disc that is mounted off centre: the angle is wrong by a sine of itself."""
+"""An encoder disc that is off centre or tilted: the angle is wrong by waves of itself."""
 
 from __future__ import annotations
 
@@ -19,22 +19,20 @@ STEP = 1e-4  # [rad]
 
 @dataclass(frozen=True)
 class EncoderEccentricity(MeasurementEffect):
-    """True position q + a sin(n q) + b cos(n q) = q + e sin(n q + phi), e^2 = a^2 + b^2.
+    """True position q + sum over n of a_n sin(n q) + b_n cos(n q).
 
     n = 1 for a disc off centre, 2 for a tilted one or two poles of unequal gain (Hanselman
     1990 for resolvers).
 
     Attributes:
         joint: Index of the joint.
-        sine: a [rad].
-        cosine: b [rad].
-        harmonic: n, periods a joint turn.
+        waves: a_n and b_n [rad], one after the other for each n.
+        harmonics: n, periods a joint turn.
     """
 
     joint: int
-    sine: float
-    cosine: float
-    harmonic: float = 1.0
+    waves: tuple[float, ...]
+    harmonics: tuple[float, ...] = (1.0,)
     name = "encoder_eccentricity"
 
     def through(
@@ -49,27 +47,32 @@ class EncoderEccentricity(MeasurementEffect):
 
     def corrected(self, q: Scalar, dq: Scalar, ddq: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """True position, velocity and acceleration of the joint."""
-        n = self.harmonic
-        shift = self.sine * sin(n * q) + self.cosine * cos(n * q)
-        slope = n * (self.sine * cos(n * q) - self.cosine * sin(n * q))
-        return q + shift, dq * (1.0 + slope), ddq * (1.0 + slope) - n**2 * shift * dq**2
+        shift = slope = bend = 0.0
+        for k, n in enumerate(self.harmonics):
+            a, b = self.waves[2 * k : 2 * k + 2]
+            wave = a * sin(n * q) + b * cos(n * q)
+            shift += wave
+            slope += n * (a * cos(n * q) - b * sin(n * q))
+            bend += n**2 * wave
+        return q + shift, dq * (1.0 + slope), ddq * (1.0 + slope) - bend * dq**2
 
 
 @dataclass(frozen=True)
 class EccentricityColumns(Effect):
-    """Change of the predicted torque per unit of a and of b, for parameters known so far."""
+    """Change of the predicted torque per unit of each a and b, for parameters known so far."""
 
     joint: int
     reference: ReferenceTorque
-    harmonic: float = 1.0
+    harmonics: tuple[float, ...] = (1.0,)
     name = "encoder_eccentricity"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The coefficients a and b."""
-        tag = self.joint + 1
+        """The coefficients a and b of each wave."""
         return tuple(
-            Parameter(f"encoder_{phase}_{tag}", "rad", self.joint) for phase in ("sin", "cos")
+            Parameter(f"encoder{_times(n)}_{phase}_{self.joint + 1}", "rad", self.joint)
+            for n in self.harmonics
+            for phase in ("sin", "cos")
         )
 
     @property
@@ -78,21 +81,22 @@ class EccentricityColumns(Effect):
         return tuple(f"{x}_{self.joint + 1}" for x in ("q", "dq", "ddq"))
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """Central differences in a and b."""
-        return [self._slope(sine, 1.0 - sine, state) for sine in (1.0, 0.0)]
+        """Central differences in each a and b."""
+        return [self._slope(wave, state) for wave in range(2 * len(self.harmonics))]
 
-    def _slope(self, sine: float, cosine: float, state: State) -> Mapping[int, Scalar]:
+    def _slope(self, wave: int, state: State) -> Mapping[int, Scalar]:
         above, below = (
-            self.reference.total(self._moved(step * sine, step * cosine, state))
-            for step in (STEP, -STEP)
+            self.reference.total(self._moved(wave, step, state)) for step in (STEP, -STEP)
         )
         return {
             joint: mul(0.5 / STEP, high - low)
             for joint, (high, low) in enumerate(zip(above, below, strict=True))
         }
 
-    def _moved(self, sine: float, cosine: float, state: State) -> State:
-        error = EncoderEccentricity(self.joint, sine, cosine, self.harmonic)
+    def _moved(self, wave: int, size: float, state: State) -> State:
+        waves = [0.0] * (2 * len(self.harmonics))
+        waves[wave] = size
+        error = EncoderEccentricity(self.joint, tuple(waves), self.harmonics)
         j = self.joint
         true = error.corrected(state.q[j], state.dq[j], state.ddq[j])
         q, dq, ddq = (
@@ -100,3 +104,8 @@ class EccentricityColumns(Effect):
             for before, value in zip((state.q, state.dq, state.ddq), true, strict=True)
         )
         return replace(state, q=q, dq=dq, ddq=ddq)
+
+
+def _times(harmonic: float) -> str:
+    """What tells the wave of a harmonic from that of a disc off centre."""
+    return "" if harmonic == 1 else f"{harmonic:.6g}"

@@ -64,9 +64,9 @@ class Shape:
 
     @property
     def grid(self) -> tuple[float, ...]:
-        """The values of a first scan; the default alone if it has one point."""
+        """The values of a first scan; the default alone if it has one point, beside `also`."""
         if self.scale == "formula" or self.points == 1:
-            return (self.default,)
+            return (self.default, *self.also)
         space = np.geomspace if self.scale == "log" else np.linspace
         return (*(float(x) for x in space(self.lower, self.upper, self.points)), *self.also)
 

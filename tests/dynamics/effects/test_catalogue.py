@@ -116,7 +116,9 @@ def test_trial_values_are_within_the_narrowed_ranges(
     target = entry.targets(context)[0]
     shapes = entry.shapes_for(context, target)
     trials = list(grid_of(shapes))
-    assert len(set(trials)) == len(trials) == np.prod([s.points for s in shapes], dtype=int)
+    assert len(set(trials)) == len(trials) == np.prod(
+        [s.points + len(s.also) for s in shapes], dtype=int
+    )
     for values in trials:
         for shape, value in zip(shapes, values, strict=True):
             rounding = 1e-9 * abs(value)
@@ -136,9 +138,9 @@ def test_page_says_everything(name: str) -> None:
     assert set(entry.page.confused_with) <= set(NAMES) - {name}
     assert any(year in entry.page.source for year in ("19", "20"))
     for shape in entry.shapes:
-        assert len(shape.grid) == shape.points
+        assert len(shape.grid) == shape.points + len(shape.also)
         ends = (shape.lower, shape.upper) if shape.points > 1 else (shape.default, shape.default)
-        assert (shape.grid[0], shape.grid[-1]) == pytest.approx(ends)
+        assert (shape.grid[0], shape.grid[shape.points - 1]) == pytest.approx(ends)
 
 
 @pytest.mark.parametrize("name", NAMES)

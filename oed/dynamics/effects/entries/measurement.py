@@ -95,10 +95,14 @@ FILTER_LAG = CatalogueEntry(
 )
 
 
+# Waves of an angle's error, by its formula: a disc off centre, a tilted one, both.
+WAVES = {1.0: (1.0,), 2.0: (2.0,), 3.0: (1.0, 2.0)}
+
+
 def _eccentricity(
-    context: Context, target: Target, _values: tuple[float, ...]
+    context: Context, target: Target, values: tuple[float, ...]
 ) -> EccentricityColumns:
-    return EccentricityColumns(joint_of(target), context.reference)
+    return EccentricityColumns(joint_of(target), context.reference, WAVES[values[0]])
 
 
 def _eccentricity_plausible(
@@ -114,25 +118,26 @@ def _eccentricity_plausible(
 def _with_eccentricity(
     context: Context,
     target: Target,
-    _values: tuple[float, ...],
+    values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
-    sine, cosine = (float(x) for x in estimates)
-    error = EncoderEccentricity(joint_of(target), sine, cosine)
+    waves = tuple(float(x) for x in estimates)
+    error = EncoderEccentricity(joint_of(target), waves, WAVES[values[0]])
     return dataclasses.replace(context.model, measurement=(error, *context.model.measurement))
 
 
 ENCODER_ECCENTRICITY = CatalogueEntry(
     name="encoder_eccentricity",
     scope="joint",
-    shapes=(),
+    shapes=(Shape("waves", "1", 1.0, 3.0, "formula", 1, 1.0, also=(2.0,)),),
     build=_eccentricity,
     plausible=_eccentricity_plausible,
     install=_with_eccentricity,
     page=EffectPage(
-        equation="H at q + e sin(q + φ) = q + a sin q + b cos q",
+        equation="H at q + a sin q + b cos q; with or at 2 q where the data ask for it",
         source="Hanselman 1990, IEEE Trans. Industrial Electronics 37(6), 556-561",
-        parameters="a, b in rad, e from 1e-4 to 1e-3",
+        parameters="a, b in rad, amplitude 1e-4 to 1e-3: once a turn of a disc off centre, twice "
+        "of a tilted one",
         signature="a wave in position whose size grows with the square of velocity",
         confused_with=("torque_ripple", "position_dependent_friction", "gravity_direction"),
         exposed_by="the same positions at two speeds",
