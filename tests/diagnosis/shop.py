@@ -21,5 +21,7 @@ def shop_of(dataset, *, held=True, **settings):
 
 
 def trial_of(shop, name, joint, values=()):
-    """An effect of the catalogue with these shapes."""
-    return catalogue_trial(CATALOGUE[name], shop.context, joint, values, shop.mean.rows)
+    """An effect of the catalogue with these shapes, those left out at their defaults."""
+    entry = CATALOGUE[name]
+    values = (*values, *(shape.default for shape in entry.shapes[len(values) :]))
+    return catalogue_trial(entry, shop.context, joint, values, shop.mean.rows)

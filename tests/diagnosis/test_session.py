@@ -18,7 +18,7 @@ from oed.diagnosis.terms.trials import moved, white_group
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import ThermalDrift
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import LENGTH, PERIOD, RATE, data_set, rigid
+from tests.diagnosis.arm import COULOMB, LENGTH, PERIOD, RATE, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of
 
 MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
@@ -177,3 +177,23 @@ def test_a_moment_is_found_from_any_swing_of_the_arm():
         moment = climbed(shop, there, fit).trial.values[0]
         # To the rows before and after it.
         assert moment == pytest.approx(truth, abs=2 / band.analysis_rate)
+
+
+@pytest.mark.parametrize("share", [0.4, -0.4])
+def test_a_joint_that_starts_anew_in_each_recording_is_told_by_the_next(share):
+    """Warming up, or cooling: the only estimation recording cannot tell which clock it goes by."""
+
+    def torque(q, dq, ddq):
+        t = np.arange(len(q)) / RATE
+        friction = COULOMB * np.sign(dq) + VISCOUS * dq
+        return share * np.exp(-t / 9.0)[:, None] * friction * [1.0, 0.0]
+
+    dataset = data_set(3, extra=torque, roles=("estimation", "validation", "test"))
+    settings = DiagnosisSettings(candidates=("payload_change", "thermal_drift", "torque_gain"))
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert [(e.name, e.joint) for e in found.effects] == [("thermal_drift", 0)]
+    values = {p.name: p for p in found.effects[0].parameters}
+    assert values["clock"].value == 0.0
+    assert values["time_constant"].value == pytest.approx(9.0, abs=4 * values["time_constant"].std)
+    after = next(p.after for p in found.proof if p.role == "test")
+    assert np.all(after < 1.2 * found.noise_floor)

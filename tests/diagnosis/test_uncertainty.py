@@ -81,8 +81,10 @@ def test_covariance_is_what_estimates_scatter_by_whatever_the_colour_of_the_misf
 def test_slope_of_a_ripple_over_its_harmonic_is_the_derivative_of_the_cosine():
     shop = shop_with("ripple")
     trial = trial_of(shop, "torque_ripple", 1, (12.0,))
-    (shape,) = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)
-    found = secants(trial, np.array([1.0, 0.0]), shop.mean.rows, shop.context, np.array([1e-4]))
+    shape = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)[0]
+    found = secants(
+        trial, np.array([1.0, 0.0]), shop.mean.rows, shop.context, np.array([1e-4, 0.0])
+    )
     fine = [
         (-p.motion.q[:, 1] * np.sin(12.0 * p.motion.q[:, 1]))[:, None]
         for p in shop.mean.rows.prepared
@@ -95,7 +97,7 @@ def test_uncertainty_of_a_harmonic_is_that_of_a_line_in_noise():
     shop = shop_with("ripple")
     trial = trial_of(shop, "torque_ripple", 1, (12.0,))
     whole = with_uncertainty(shop, shop.fit([trial]))
-    (shape,) = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)
+    shape = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)[0]
     stated = np.sqrt(whole.covariances[0][2, 2]) * (shape.upper - shape.lower)
     # Information on n of 0.3 cos(n q) where nothing else is to be estimated: the least it can be.
     fine = [
@@ -164,9 +166,14 @@ def test_squares_of_a_profile_are_those_of_a_fit_with_the_shape_moved():
     layout = shop.layout(trial)
     columns = np.concatenate([layout.regressor, layout.nuisances], axis=2)
     squares = left_by(
-        trial, project(columns), layout.torque, layout.rows, shop.context, steps=np.array([0.01])
+        trial,
+        project(columns),
+        layout.torque,
+        layout.rows,
+        shop.context,
+        steps=np.array([0.01, 0.0]),
     )
-    (shape,) = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)
+    shape = CATALOGUE["torque_ripple"].shapes_for(shop.context, 1)[0]
     for harmonic in (11.9, 12.0, 12.3):
         moved = trial_of(shop, "torque_ripple", 1, (harmonic,))
         expected = shop.fit([moved], layout, bend=False).fit.squares

@@ -42,6 +42,14 @@ def test_gaps_that_leave_few_rows_a_past_do_not_make_the_noise_louder():
     assert found.scale == pytest.approx(whole.scale, rel=0.2)
 
 
+def test_scale_is_the_most_likely_one_of_the_rows_that_are_trusted():
+    """Of the autoregression itself, every other row of it missing: nothing is left of its past."""
+    noise = [coloured(np.random.default_rng(k), 600) for k in range(6)]
+    trusted = np.arange(600) % 4 < 2
+    scale = fit_autoregression(noise, trusted=[trusted] * 6).scale
+    assert scale == pytest.approx(fit_autoregression(noise).scale, rel=0.1)
+
+
 def test_filter_is_the_same_for_columns_and_torque():
     rng = np.random.default_rng(2)
     noise = fit_autoregression([coloured(rng, 3000)])

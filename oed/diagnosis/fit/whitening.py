@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
-from scipy.linalg import solve_toeplitz
+from scipy.linalg import cho_factor, cho_solve, solve_toeplitz
 from scipy.signal import lfilter
 
 from oed.experiment.signals.moving_sum import moving_sum
@@ -24,7 +24,7 @@ LARGEST_ORDER = 24
 FLOOR = 1e-3
 RESPONSE = 2000  # rows after which an innovation is forgotten
 LEAST_DEVIATION = 1e-9  # [unit of x] of noise where a model leaves nothing
-LEAST_ROWS = 20  # with a past to be trusted, of which each parameter is read off
+CHUNK = 256  # rows whose joint likelihood is taken at once
 TAPER = 4  # lags that the tapered covariance reaches, in largest orders
 
 
@@ -73,9 +73,6 @@ def fit_autoregression(
 ) -> Autoregression:
     """Autoregression of several stretches of one noise, its order by Schwarz's criterion.
 
-    No order reaches so far back that too few rows have a past to be trusted: at the edge of a
-    gap, a filter that makes noise white makes a leap of what is missing.
-
     Args:
         series: Stretches of noise of zero mean.
         trusted: Which rows of each stretch show nothing but noise; all if None.
@@ -90,8 +87,6 @@ def fit_autoregression(
         return Autoregression(np.ones(1), np.finfo(float).tiny ** 0.5)
     best, best_value = np.ones(1), np.inf
     for order in range(longest + 1):
-        if order and sum(int(m.sum()) for m in _with_past(masks, order)) < LEAST_ROWS * (order + 1):
-            break
         lags = (
             solve_toeplitz(covariance[:order], -covariance[1 : order + 1]) if order else np.zeros(0)
         )
@@ -101,21 +96,32 @@ def fit_autoregression(
         value = rows * np.log(innovation) + order * np.log(rows)
         if value < best_value:
             best, best_value = np.concatenate([[1.0], lags]), value
-    # Scaled by what it leaves of the data, not by the floored spectrum's own innovation.
-    whole = _with_past(masks, len(best) - 1)
-    left = [np.asarray(lfilter(best, [1.0], x))[m] for x, m in zip(series, whole, strict=True)]
-    return Autoregression(best, float(np.sqrt(np.mean(np.concatenate(left) ** 2))))
+    return Autoregression(best, _scale(best, clean, masks))
 
 
-def _with_past(masks: Sequence[Bool[ndarray, " _"]], order: int) -> list[Bool[ndarray, " _"]]:
-    """Rows that are as good as all of their past that a filter reads."""
-    result = []
-    for mask in masks:
-        distrusted = np.asarray(lfilter(np.ones(order + 1), [1.0], (~mask).astype(float)))
-        whole = distrusted < 0.5
-        whole[:order] = False
-        result.append(whole)
-    return result
+def _scale(
+    coefficients: Float[ndarray, " lags"],
+    clean: Sequence[Float[ndarray, " _"]],
+    masks: Sequence[Bool[ndarray, " _"]],
+) -> float:
+    """The most likely deviation of the innovations, of the rows that are trusted alone.
+
+    By their covariance among one another: at the edge of a gap, the filter would make a leap of
+    what is missing, and far from all gaps there may be few rows, and quiet ones.
+    """
+    response = np.asarray(lfilter([1.0], coefficients, np.eye(1, RESPONSE)[0]))
+    reach = min(CHUNK, RESPONSE)
+    lags = np.array([response[k:] @ response[: RESPONSE - k] for k in range(reach)])
+    squares, count = 0.0, 0
+    for x, mask in zip(clean, masks, strict=True):
+        for start in range(0, len(x), CHUNK):
+            own = np.flatnonzero(mask[start : start + CHUNK])
+            if len(own):
+                among = lags[np.abs(own[:, None] - own)]
+                white = cho_solve(cho_factor(among, lower=True), x[start + own])
+                squares += float(x[start + own] @ white)
+                count += len(own)
+    return float(np.sqrt(squares / max(count, 1)))
 
 
 def _covariance(

@@ -202,7 +202,8 @@ def climb(
     shapes = CATALOGUE[found.trial.name].shapes_for(context, found.trial.target)
     best, most = found, worth(found)
     whole = np.array([to_axis(v, s) for v, s in zip(found.trial.values, shapes, strict=True)])
-    free = np.array([s.scale != "formula" for s in shapes])
+    # A choice between whole numbers that has but one trial value is not for these data to make.
+    free = np.array([s.is_estimated or (s.scale == "choice" and s.points > 1) for s in shapes])
     # From a plausible start on, what is not plausible explains nothing.
     guarded = implausible(found, context) is None
 
@@ -217,7 +218,7 @@ def climb(
         return np.inf if outside else -value
 
     start = whole[free]
-    steps = np.array([0.6 / max(s.points - 1, 1) for s in shapes if s.scale != "formula"])
+    steps = np.array([0.6 / max(s.points - 1, 1) for s in shapes])[free]
     inward = np.where(start + steps > 1, -steps, steps)
     simplex = np.vstack([start, start + np.diag(inward)])
     minimize(

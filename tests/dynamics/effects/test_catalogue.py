@@ -116,8 +116,10 @@ def test_trial_values_are_within_the_narrowed_ranges(
     target = entry.targets(context)[0]
     shapes = entry.shapes_for(context, target)
     trials = list(grid_of(shapes))
-    assert len(set(trials)) == len(trials) == np.prod(
-        [s.points + len(s.also) for s in shapes], dtype=int
+    assert (
+        len(set(trials))
+        == len(trials)
+        == np.prod([s.points + len(s.also) for s in shapes], dtype=int)
     )
     for values in trials:
         for shape, value in zip(shapes, values, strict=True):

@@ -147,10 +147,12 @@ def _thermal_plausible(
     top = float(context.top_speed[joint])
     excess = viscous * top + coulomb
     warm = context.viscous(joint) * top + context.coulomb(joint)
-    reasons = [positive(excess, "the excess friction of the cold joint", "N m")]
-    if warm > 0:
-        reasons.append(at_most(excess, 3 * warm, "the excess", "N m", "3 times warm friction"))
-    return first_reason(reasons)
+    if warm <= 0:
+        return positive(excess, "the excess friction of the cold joint", "N m")
+    if excess > 0:
+        return at_most(excess, 3 * warm, "the excess", "N m", "3 times the last friction")
+    # One that cools, or whose bearings tighten as they expand.
+    return at_most(excess, warm, "what friction lacks at first", "N m", "the last friction")
 
 
 THERMAL_DRIFT = CatalogueEntry(
@@ -166,7 +168,8 @@ THERMAL_DRIFT = CatalogueEntry(
         equation="exp(-t/T) (a dq + b s), t since the start of the recording or of the session",
         source="Bittencourt and Gunnarsson 2012, J. Dynamic Systems, Measurement, and Control "
         "134(5); Simoni, Beschi, Legnani, Visioli 2015, IEEE/RSJ IROS",
-        parameters="a in N m s/rad and b in N m, 5 to 40 % of the warm values; T in s",
+        parameters="a in N m s/rad and b in N m, 5 to 40 % of the warm values, negative "
+        "where the joint cools or bearings tighten as they warm; T in s",
         signature="repetitions of one motion differ, less and less",
         confused_with=("payload_change", "nonlinear_viscous"),
         exposed_by="the same motion cold and warm",
