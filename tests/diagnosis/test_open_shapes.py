@@ -16,7 +16,7 @@ WRONG = (0.5, 4.0, 0.0)  # speed, exponent and tail far from those of the data
 
 @pytest.fixture(scope="module")
 def shop():
-    return shop_of(data_set(5, extra=stribeck(1.5)))
+    return shop_of(data_set(10, extra=stribeck(1.5)))
 
 
 def foretold(shop, trial):
@@ -60,6 +60,6 @@ def test_what_explains_nothing_at_the_shape_decided_for_it_is_no_candidate(monke
         return silent
 
     monkeypatch.setattr(selection, "most_telling_first", decided_to_nothing)
-    _, chosen = selection.search(shop_of(data_set(5, extra=stribeck(1.5))))
+    _, chosen = selection.search(shop_of(data_set(10, extra=stribeck(1.5))))
     assert silent
     assert all(a.trial.is_free_form for a in chosen.accepted)

@@ -21,6 +21,7 @@ from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 
+STATIC = "position"  # family of torque at rest, which no lag that is a little wrong leaves
 COVERED = 0.3  # share of a gain that is left where another term explains the rest
 WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls
 # Share of what joints win, in squares of the floor, that others may lose to a named effect: it
@@ -150,7 +151,9 @@ def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequen
     what would mend it. One of the same family with a shape might adapt to the other meanwhile.
     """
     own = candidate.trial
-    if own.is_free_form or earlier.trial.fixed or earlier.trial.is_free_form:
+    if own.is_free_form or earlier.trial.is_free_form:
+        return False
+    if earlier.trial.fixed and STATIC not in _families(candidate):
         return False
     if own.shapes > own.fixed:  # a size in a shape of its own, as of a delay, adapts to nothing
         return False

@@ -1,4 +1,4 @@
-"""Two effects of one joint at once: a curve that does some of both outshines each of them alone."""
+"""Two effects that one joint shows at once: a curve that does some of both outshines each alone."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def two_at_once(
     joint: int,
     refused: list[Refused],
 ) -> list[Accepted]:
-    """Two effects of a joint that together leave nothing to any free-form term nor to others, or none.
+    """Two effects at a joint that together leave nothing to any free-form term nor to others, or none.
 
     Args:
         shop: The laid-out data.
@@ -39,11 +39,7 @@ def two_at_once(
     """
     others = [a.trial for a in accepted]
     taken = {t.key for t in others}
-    own = [
-        t
-        for t in pool
-        if t.target == joint and t.key not in taken and not (t.fixed or t.between_repetitions)
-    ]
+    own = [t for t in pool if t.key not in taken and _is_of(t, joint, shop)]
     rows = shop.full.rows.count
     leaders = ranked(shop, own, others, LEADERS) if own else []
     pairs = [
@@ -53,14 +49,26 @@ def two_at_once(
     ]
     if not pairs:
         return []
-    gains = [gain_together(shop, others, pair, joint) for pair in pairs]
-    best = int(np.argmax(gains))
-    if not _leaves_nothing(shop, others, joint, gains[best]):
+    gains = np.array([gain_together(shop, others, pair, joint) for pair in pairs])
+    best = int(np.argmax(gains - [np.log(rows) * _price(pair) for pair in pairs]))
+    if not _leaves_nothing(shop, others, joint, pairs[best]):
         return []
     if not _is_all(shop, [*others, *pairs[best]], joint):
         return []
     found = several_at_once(shop, accepted, pairs[best], refused)
     return found if len(found) == len(pairs[best]) else []
+
+
+def _is_of(trial: Trial, joint: int, shop: Workshop) -> bool:
+    """Whether an effect is one of a joint, or a delay, and on the rows that all others are on."""
+    if trial.between_repetitions and shop.full is not shop.mean:
+        return False
+    return trial.target is None if trial.fixed else trial.target == joint
+
+
+def _price(pair: Sequence[Trial]) -> int:
+    """Parameters of two effects."""
+    return sum((0 if t.fixed else len(t.effect.parameters)) + t.shapes for t in pair)
 
 
 def _with_partner(
@@ -82,11 +90,17 @@ def _is_all(shop: Workshop, chosen: Sequence[Trial], joint: int) -> bool:
     return bool(unseen[joint] < NEAR * shop.baseline.floor.deviation[joint])
 
 
-def _leaves_nothing(shop: Workshop, others: Sequence[Trial], joint: int, gain: float) -> bool:
-    """Whether no free-form term of one or two coordinates explains more, but for noise."""
+def _leaves_nothing(
+    shop: Workshop, others: Sequence[Trial], joint: int, pair: Sequence[Trial]
+) -> bool:
+    """Whether no free-form term of one or two coordinates explains more, but for noise.
+
+    At all joints: a curve at one has its say in the parameters that all share.
+    """
     free = (
         t
         for t in (*shop.smooth, *shop.smooth_pairs)
         if t.joint == joint and not t.between_repetitions
     )
-    return none_explains_more(free, shop.fit(others, shop.mean).fit, gain, [joint])
+    before, after = (shop.fit(t, shop.mean).fit for t in (others, [*others, *pair]))
+    return none_explains_more(free, before, before.squares - after.squares, [joint])

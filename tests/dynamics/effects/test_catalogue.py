@@ -88,7 +88,7 @@ IMPOSSIBLE = {
     "time_delay": [-1.0],
     "filter_lag": [9.0],
     "joint_elasticity": [-0.5],
-    "thermal_drift": [-0.5, -0.5],
+    "thermal_drift": [-5.0, -5.0],
     "encoder_eccentricity": [0.3, 0.0],
 }
 
