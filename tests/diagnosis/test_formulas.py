@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.diagnosis import diagnose
-from oed.diagnosis.search.judgement import share_needed
+from oed.diagnosis.search.judgement import Accepted, share_needed
+from oed.diagnosis.search.review import review_names
 from oed.diagnosis.search.scan import refine, score
+from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
@@ -55,6 +57,31 @@ def test_a_curve_of_one_coordinate_stands_before_one_of_two():
     """A dent at one place of the turn; other motions reach further."""
     found = found_in(lambda q: -6.0 * (q - 0.3) * np.exp(-(((q - 0.3) / 0.12) ** 2)), near=0.7)
     assert [u.depends_on for u in found.unexplained if u.joint == 0] == [("q_1",)]
+
+
+def test_a_name_that_a_curve_makes_needless_is_not_claimed():
+    """The first joint's motion drags the second, a little more the further that is bent."""
+    shop = shop_of(
+        data_set(
+            3,
+            extra=lambda q, dq, ddq: np.stack(
+                [0 * q[:, 0], (1 + 0.15 * q[:, 1]) * dq[:, 0]], axis=1
+            ),
+        )
+    )
+    fit, refused = shop.before.fit, []
+    curve = next(t for t in shop.smooth if t.joint == 1 and t.key[0] == "f(q_2) dq_1")
+    drag = trial_of(shop, "motor_coupling", (1, 0))
+    both = [Accepted(t, score(t, fit).gain, 1e-9) for t in (drag, curve)]
+    # It explains 98 % of what both do, but the curve has no need of it.
+    assert both[0].gain > 0.95 * both[1].gain
+    assert review_names(shop, both, refused) == both[1:]
+    assert [r.name for r in refused] == ["motor_coupling"]
+
+
+def test_one_candidate_is_no_pair():
+    shop = shop_of(data_set(5, extra=on_first(lambda q: 2.0 * q)), held=False)
+    assert two_at_once(shop, [], [trial_of(shop, "joint_spring", 0)], 0, []) == []
 
 
 def test_a_name_must_explain_what_a_share_of_another_torque_does():

@@ -12,6 +12,7 @@ from oed.diagnosis.search.judgement import (
     Accepted,
     Refused,
     gain_at,
+    is_own,
     refusal,
     share_needed,
 )
@@ -37,7 +38,7 @@ def review_names(
 
     A name stays where it explains nearly all that name and free form explain together (the
     same physics in a slightly other formula), where it foretells more than they do, or where
-    nothing else can do its part.
+    nothing else can do its part. Beside a term that is no freer form of it, it must have one.
     """
     free = [a for a in accepted if a.trial.is_free_form]
     kept = list(accepted)
@@ -61,13 +62,24 @@ def review_names(
             without_name = min([without_name, *(f.fit.squares for f in tried)])
             together, alone = without_both - whole, without_both - without_free
             share = share_needed([a.trial for a in terms], item.trial, shop.settings)
-            if alone < share * together and without_name - whole < (
+            needless = alone < share * together and without_name - whole < (
                 SUPERFLUOUS * together + shop.settings.free_form_margin
+            )
+            if needless or (
+                without_name - whole < _price(shop, item.trial)
+                and standing
+                and not any(is_own(t, item.trial) for t in standing)
             ):
                 kept = [a for a in kept if a is not item]
                 reason = f"free form explains its part: {alone / together:.0%} of what both do"
                 refused.append(refusal(item, reason))
     return kept
+
+
+def _price(shop: Workshop, trial: Trial) -> float:
+    """What an addition must gain for its parameters (Schwarz)."""
+    columns = 0 if trial.fixed else len(trial.effect.parameters)
+    return (columns + trial.shapes) * float(np.log(shop.full.rows.count))
 
 
 def _in_its_place(shop: Workshop, others: list[Trial], standing: list[Trial]) -> Iterator[Trial]:
@@ -110,10 +122,9 @@ def drop_superfluous(
         needed = (without.fit.squares - whole.fit.squares) / chance + max(
             float(foretold.sum()), 0.0
         )
-        columns = 0 if item.trial.fixed else len(item.trial.effect.parameters)
         predicts = shop.validation_gain([a.trial for a in standing], item.trial)
         reason = None
-        if needed < (columns + item.trial.shapes) * np.log(shop.full.rows.count):
+        if needed < _price(shop, item.trial):
             reason = f"gains {needed:.3g} beside the other additions"
         elif predicts is not None and predicts <= (LEAST if item.trial.fixed else 0):
             reason = f"beside the other additions it lowers the validation error by {predicts:.1%}"

@@ -40,8 +40,10 @@ def two_at_once(
     others = [a.trial for a in accepted]
     taken = {t.key for t in others}
     own = [t for t in pool if t.key not in taken and _is_of(t, joint, shop)]
+    if len({t.key for t in own}) < 2:
+        return []
     rows = shop.full.rows.count
-    leaders = ranked(shop, own, others, LEADERS) if own else []
+    leaders = ranked(shop, own, others, LEADERS)
     pairs = [
         _with_partner(shop, own, others, leader.trial)
         for leader in leaders[:LEADERS]
