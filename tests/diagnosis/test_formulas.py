@@ -7,7 +7,7 @@ import pytest
 
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search.judgement import Accepted, share_needed
-from oed.diagnosis.search.review import review_names
+from oed.diagnosis.search.review import drop_needless, review_names
 from oed.diagnosis.search.scan import refine, score
 from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.settings import DiagnosisSettings
@@ -77,6 +77,19 @@ def test_a_name_that_a_curve_makes_needless_is_not_claimed():
     assert both[0].gain > 0.95 * both[1].gain
     assert review_names(shop, both, refused) == both[1:]
     assert [r.name for r in refused] == ["motor_coupling"]
+
+
+def test_a_curve_that_nothing_asks_for_any_more_is_dropped():
+    shop = shop_of(data_set(5, extra=on_first(lambda q: 2.0 * q)), held=False)
+    fit, refused = shop.before.fit, []
+    curve = next(t for t in shop.smooth if t.joint == 0 and t.key[0] == "f(q_1)")
+    spring = trial_of(shop, "joint_spring", 0)
+    alone, both = (
+        [Accepted(t, score(t, fit).gain, 1e-9) for t in x] for x in ([curve], [spring, curve])
+    )
+    assert drop_needless(shop, alone, refused) == alone
+    assert drop_needless(shop, both, refused) == both[:1]
+    assert [r.name for r in refused] == ["f(q_1)"]
 
 
 def test_one_candidate_is_no_pair():

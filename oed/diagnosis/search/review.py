@@ -136,6 +136,29 @@ def drop_superfluous(
     return kept
 
 
+def drop_needless(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused]
+) -> list[Accepted]:
+    """Drop free-form terms, the most needless first, that the evidence no longer asks for.
+
+    They were added beside names that have found their places since, a tilt above all.
+    """
+    kept, rows = list(accepted), shop.full.rows.count
+    while True:
+        found = []
+        for item in (a for a in kept if a.trial.is_free_form):
+            others = [a.trial for a in kept if a is not item]
+            own = score(item.trial, shop.fit(others, shop.layout(item.trial)).fit)
+            found.append((own.evidence(rows), own.gain, item))
+        if not found:
+            return kept
+        evidence, gain, needless = min(found, key=lambda f: f[0])
+        if evidence > 0:
+            return kept
+        kept = [a for a in kept if a is not needless]
+        refused.append(refusal(needless, f"gains {gain:.3g} beside the other additions"))
+
+
 def _better_name(shop: Workshop, others: list[Trial], item: Accepted) -> str | None:
     """Whether another name would now explain more: then none of them is what is there.
 

@@ -12,7 +12,7 @@ from oed.diagnosis.search.exchange import decided_shapes, rested, settled
 from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms, better_free_form
 from oed.diagnosis.search.judgement import Accepted, Refused, at_home, judge, refusal
 from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.review import drop_superfluous, review_names
+from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.telling import most_telling_first
@@ -268,8 +268,9 @@ def _with_free_forms(
 def _concluded(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused], tilts: list[Accepted]
 ) -> tuple[Workshop, Selection]:
-    accepted = rested(shop, [*tilts, *drop_superfluous(shop, accepted, refused)])
-    accepted = decided_shapes(shop, accepted)
+    needed = drop_needless(shop, [*tilts, *accepted], refused)[len(tilts) :]
+    needed = drop_superfluous(shop, needed, refused)
+    accepted = decided_shapes(shop, rested(shop, [*tilts, *needed]))
     return shop, Selection.of(shop, accepted, refused)
 
 
