@@ -1,6 +1,5 @@
 """Formulas of more terms, where the data ask for them; and curves of no more coordinates than needed."""
 
-import dataclasses
 
 import numpy as np
 import pytest
@@ -15,7 +14,15 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
-SETTINGS = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+RIVALS = (
+    "joint_spring",
+    "position_dependent_friction",
+    "torque_offset",
+    "torque_ripple",
+    "joint_elasticity",
+    "encoder_eccentricity",
+)
+SETTINGS = DiagnosisSettings(surrogates=39, bootstrap=40, refined=4, candidates=RIVALS)
 
 
 def on_first(torque):
