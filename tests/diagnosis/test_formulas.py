@@ -1,6 +1,5 @@
 """Formulas of more terms, where the data ask for them; and curves of no more coordinates than needed."""
 
-
 import numpy as np
 import pytest
 

@@ -10,7 +10,7 @@ from oed.diagnosis.evidence.verdict import (
     Unexplained,
     decide,
     describe_unlocated,
-    plainer_rival,
+    preferred_rival,
 )
 from oed.diagnosis.settings import DiagnosisSettings
 from tests.diagnosis.arm import data_set
@@ -56,7 +56,7 @@ def _effect(rival_name, evidence, *, contender=True):
     shop = shop_of(data_set(1, repetitions=1), held=False)
     coupling = next(t for t in shop.physical if t.key == ("motor_coupling", (1, 0)))
     other = next(t for t in shop.physical if t.key == (rival_name, 1))
-    rival = Rival(rival_name, 1, evidence, other, contender)
+    rival = Rival(rival_name, 1, evidence, other, contender, SETTINGS.decisive)
     return FoundEffect("motor_coupling", 1, (), 1e-9, 0.2, (rival,), coupling)
 
 
@@ -71,9 +71,9 @@ def _effect(rival_name, evidence, *, contender=True):
 )
 def test_a_name_gives_way_to_a_plainer_one_that_says_far_more(name, evidence, contender, gives_way):
     effect = _effect(name, evidence, contender=contender)
-    found = plainer_rival([effect], SETTINGS.decisive, set())
+    found = preferred_rival([effect], SETTINGS.decisive, set())
     assert (found is not None) is gives_way
     if found is not None:
         assert found == (effect.trial, effect.rivals[0].trial)
         # What gave way once does not come back.
-        assert plainer_rival([effect], SETTINGS.decisive, {found[1].key}) is None
+        assert preferred_rival([effect], SETTINGS.decisive, {found[1].key}) is None

@@ -34,6 +34,7 @@ class Rival:
         trial: Its columns, for the design that will tell.
         contender: Whether that difference is too small to tell, and it passes all tests that
             the found one passed.
+        margin: By how much one of the two must be better to be the one that is meant.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Rival:
     evidence: float
     trial: Trial
     contender: bool
+    margin: float
 
 
 def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, ...]:
@@ -60,12 +62,10 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     rivals = []
     for found, value in zip(candidates, others_said, strict=True):
         behind = said - value
-        contender = bool(behind < decisive_between(shop, here, found)) and _contends(
-            shop, found, here, others, fit
-        )
-        rivals.append(
-            Rival(found.trial.name, found.trial.joint, float(behind), found.trial, contender)
-        )
+        margin = decisive_between(shop, here, found)
+        contender = bool(behind < margin) and _contends(shop, found, here, others, fit)
+        trial = found.trial
+        rivals.append(Rival(trial.name, trial.joint, float(behind), trial, contender, margin))
     return tuple(rivals)
 
 
@@ -96,7 +96,8 @@ def _rivals_of_tilt(shop: Workshop, others: list[Trial]) -> tuple[Rival, ...]:
             and held_out_fault(upright, levelled, found.trial) is None
         )
         trial = found.trial
-        rivals.append(Rival(trial.name, trial.joint, behind, trial, contender))
+        margin = shop.settings.decisive
+        rivals.append(Rival(trial.name, trial.joint, behind, trial, contender, margin))
     return tuple(rivals)
 
 

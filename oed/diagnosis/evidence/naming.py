@@ -15,7 +15,7 @@ from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     describe_effects,
     doubtful_name,
-    plainer_rival,
+    preferred_rival,
 )
 from oed.diagnosis.search.judgement import WORSE, costs
 from oed.diagnosis.search.predict import rms
@@ -44,7 +44,7 @@ def named(
     while True:
         selection, after, found = _sure(shop, selection, validation, before)
         effects = describe_effects(shop, selection, found)
-        exchange = plainer_rival(effects, shop.settings.decisive, barred)
+        exchange = preferred_rival(effects, shop.settings.decisive, barred)
         if exchange is None:
             return selection, after, effects
         barred.add(exchange[0].key)

@@ -18,7 +18,7 @@ from oed.diagnosis.evidence.profile import UNIFORM, axes_of
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.search.judgement import is_own
 from oed.diagnosis.search.selection import Selection
-from oed.diagnosis.search.telling import foretells_most
+from oed.diagnosis.search.telling import are_lags, foretells_most
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
@@ -161,12 +161,13 @@ def describe_effects(
     return tuple(found)
 
 
-def plainer_rival(
+def preferred_rival(
     effects: Sequence[FoundEffect], decisive: float, barred: set[tuple[str, object]]
 ) -> tuple[Trial, Trial] | None:
-    """A name, and the rival of fewer parameters that the data prefer by far beside all others.
+    """A name, and the rival that the data prefer by far beside all others.
 
-    The search took the name when the others were not yet there.
+    The search took the name when the others were not yet there. The rival has fewer parameters, for
+    more would find something else that is missing; but a lag for a delay bends no other way.
 
     Args:
         effects: With their rivals.
@@ -176,11 +177,11 @@ def plainer_rival(
     taken = barred | {e.trial.key for e in effects}
     for effect in effects:
         for rival in effect.rivals:
-            preferred = rival.contender and rival.evidence < -decisive
-            if (
-                preferred
-                and rival.trial.key not in taken
-                and _is_plainer(rival.trial, effect.trial)
+            if not rival.contender or rival.trial.key in taken:
+                continue
+            plainer = _is_plainer(rival.trial, effect.trial)
+            if (plainer and rival.evidence < -decisive) or (
+                are_lags(rival.trial, effect.trial) and rival.evidence < -rival.margin
             ):
                 return effect.trial, rival.trial
     return None

@@ -41,6 +41,8 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
         return found
     if trial.between_repetitions or not shop.validation:
         return found
+    if shop.layout_for(others) is not shop.mean:  # whose mean does not tell how to foretell
+        return found
     told = _told(shop, others, found)
     if told is None:
         return found
@@ -67,10 +69,8 @@ def _errs_less(shop: Workshop, others: Sequence[Trial], one: Trial, other: Trial
 
     White squares weigh what is fast: disturbances that move the arm are slow.
     """
-    layout, joints = shop.layout(one), sorted(one.group)
-    ours, theirs = (
-        shop.validation_rms(shop.fit([*others, t], layout, bend=False)) for t in (one, other)
-    )
+    joints = sorted(one.group)
+    ours, theirs = (shop.validation_rms(shop.fit([*others, t], bend=False)) for t in (one, other))
     if ours is None or theirs is None:
         return False
     return bool(np.mean((ours[joints] / theirs[joints]) ** 2) < 1)

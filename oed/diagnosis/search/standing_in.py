@@ -12,6 +12,7 @@ from oed.diagnosis.search.chance import chance_of_slow_noise
 from oed.diagnosis.search.judgement import (
     Accepted,
     Refused,
+    foretold,
     held_out_fault,
     judge,
     refusal,
@@ -159,7 +160,7 @@ class _Bench:
         self._shop, self._others, self._layout = shop, others, shop.layout(trial)
         self._fit = shop.fit(others, self._layout)
         self._joint = next(iter(trial.group))
-        self._plain = shop.validation_rms(self._fit)
+        self._plain, _ = foretold(shop, others, [*others, trial])
         self._visited: dict[str, Visited] = {}
 
     def tried(self, terms: Sequence[Trial], *, ending: bool = False) -> list[_Choice]:
@@ -178,10 +179,12 @@ class _Bench:
         return sorted(choices, key=lambda c: c.ratio)
 
     def _judged(self, trial: Trial, fadings: Sequence[float]) -> Iterator[_Choice]:
-        found = self._shop.fit([*self._others, trial], self._layout, bend=False)
+        chosen = [*self._others, trial]
         before, after = (
-            float(np.sum(f.fit.residual[self._joint] ** 2)) for f in (self._fit, found)
+            float(np.sum(f.fit.residual[self._joint] ** 2))
+            for f in (self._fit, self._shop.fit(chosen, self._layout, bend=False))
         )
+        found = self._shop.fit(chosen, bend=False)
         plain = self._ratio(found)
         yield _Choice(trial, plain, after / before + plain**2)
         for own in self._ending(trial, fadings):

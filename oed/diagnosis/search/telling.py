@@ -24,8 +24,11 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be the one that is meant
 # Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
-# err in proportion to the signal, and a delay of a sampled torque is a little of a lag too.
+# err in proportion to the signal.
 SYSTEMATIC = 0.01
+# A delayed torque that is interpolated between samples is a little of a lag too: by a second
+# moment of up to an eighth of a sample's square. Twice that.
+SAMPLED = 1 / 4
 # Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling, a
 # spring of a spring with a gap, an offset of a spring in a joint.
 NESTED = frozenset({"lag", "acceleration", "compliance", "even in speed"})
@@ -48,17 +51,16 @@ def telling(
     """
     acting = sorted({joint for rival in rivals for joint in rival.trial.group})
     left, foretold, errors = [], [], []
-    without: dict[bool, Float[ndarray, " joints"]] = {}
     for rival in rivals:
-        layout, between = shop.layout(rival.trial), rival.trial.between_repetitions
-        unseen = shop.unseen_by([*others, rival.trial])
-        if between not in without:
-            without[between] = unseen.left(shop.fit(others, layout, bend=False))
-        found = shop.fit([*others, rival.trial], layout, bend=False)
-        after = unseen.left(found)
+        whole = [*others, rival.trial]
+        unseen, layout = shop.unseen_by(whole), shop.layout_for(whole)
+        before, after = (
+            unseen.left(shop.fit(chosen, layout, bend=False)) for chosen in (others, whole)
+        )
         quieter = calmed(shop, rival.trial, unseen.rows) if unseen.rows else 0.0
-        foretold.append(without[between] - after - quieter)
+        foretold.append(before - after - quieter)
         errors.append(after / unseen.counted)
+        found = shop.fit(whole, shop.layout(rival.trial), bend=False)
         left.append(float(inflation_of(found.fit)[acting].mean()))
     unit = np.maximum(np.min(errors, axis=0), 1.0)
     rows = shop.full.rows.count
@@ -108,8 +110,18 @@ def decisive_between(shop: Workshop, one: Score, other: Score) -> float:
     """How much more one candidate must tell than another to be the one that is meant."""
     decisive = shop.settings.decisive
     if is_of_kind(one.trial, other.trial):
-        return max(decisive, SYSTEMATIC * max(one.gain, other.gain))
+        return max(decisive, _systematic(shop, one, other) * max(one.gain, other.gain))
     return decisive
+
+
+def _systematic(shop: Workshop, one: Score, other: Score) -> float:
+    """Share of a gain by which two of a kind differ through smoothing and sampling alone."""
+    if not are_lags(one.trial, other.trial):
+        return SYSTEMATIC
+    band = shop.estimation[0].band
+    shortest = min(one.trial.values[0], other.trial.values[0])
+    share = SAMPLED * 2 * np.pi * band.cutoff / (band.rate**2 * shortest)
+    return min(SYSTEMATIC, share**2)
 
 
 def may_replace(shop: Workshop, here: Score, rival: Score) -> bool:
@@ -162,6 +174,11 @@ def is_of_kind(one: Trial, other: Trial) -> bool:
     families = (set(CATALOGUE[t.name].families) for t in (one, other))
     places = (set(t.target if isinstance(t.target, tuple) else (t.target,)) for t in (one, other))
     return bool(set.intersection(*places)) and bool(set.intersection(*families))
+
+
+def are_lags(one: Trial, other: Trial) -> bool:
+    """Whether both are a time by which torque is recorded late."""
+    return is_of_kind(one, other) and "lag" in CATALOGUE[one.name].families
 
 
 def _foretold_share(

@@ -85,9 +85,9 @@ def _with_partner(
 
 def _is_all(shop: Workshop, chosen: Sequence[Trial], joint: int) -> bool:
     """Whether additions bring a joint's error near its floor, on unseen recordings if there are."""
-    found = shop.fit(chosen, shop.mean, bend=False)
-    unseen = shop.validation_rms(found)
+    unseen = shop.validation_rms(shop.fit(chosen, bend=False))
     if unseen is None:
+        found = shop.fit(chosen, shop.mean, bend=False)
         return bool(inflation_of(found.fit)[joint] < NEAR**2)
     return bool(unseen[joint] < NEAR * shop.baseline.floor.deviation[joint])
 

@@ -79,7 +79,7 @@ TORQUE_SATURATION = CatalogueEntry(
     name="torque_saturation",
     families=("torque",),
     scope="joint",
-    shapes=(Shape("exponent", "1", 2.0, 7.0, "log", 3, 3.0),),
+    shapes=(Shape("exponent", "1", 2.0, 50.0, "log", 5, 3.0),),
     build=_saturation,
     plausible=_saturation_plausible,
     page=EffectPage(
@@ -88,7 +88,8 @@ TORQUE_SATURATION = CatalogueEntry(
         "section 5",
         parameters="τ_s in N m, 3 to 15 % of the peak: lost there if positive, such as by a sensor "
         "or a drive that limits, and added if negative, by a current that rises as iron "
-        "saturates; m 2 to 7, 3 for iron that begins to",
+        "saturates; m 2 to 50: 3 for iron that begins to, "
+        "large for a limit that cuts",
         signature="recorded torque bends away from the model's at high torque of both signs",
         confused_with=("load_dependent_friction", "torque_gain", "nonlinear_viscous"),
         exposed_by="peaks of both signs, at speed and near rest",
