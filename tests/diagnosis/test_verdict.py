@@ -10,6 +10,7 @@ from oed.diagnosis.evidence.verdict import (
     Unexplained,
     decide,
     describe_unlocated,
+    outdone,
     preferred_rival,
 )
 from oed.diagnosis.settings import DiagnosisSettings
@@ -77,3 +78,18 @@ def test_a_name_gives_way_to_a_plainer_one_that_says_far_more(name, evidence, co
         assert found == (effect.trial, effect.rivals[0].trial)
         # What gave way once does not come back.
         assert preferred_rival([effect], SETTINGS.decisive, {found[1].key}) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "evidence", "contender", "is_outdone"),
+    [
+        ("stribeck", -20.0, True, True),
+        ("stribeck", -2.0, True, False),  # too close to call
+        ("stribeck", -20.0, False, False),  # fell at a test
+        ("rotor_inertia", -20.0, True, False),  # of its kind: it gives way instead
+    ],
+)
+def test_a_name_that_another_outdoes_is_not_what_is_there(name, evidence, contender, is_outdone):
+    effect = _effect(name, evidence, contender=contender)
+    found = outdone([effect], SETTINGS.decisive)
+    assert found is (effect.trial if is_outdone else None)

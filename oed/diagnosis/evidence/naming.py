@@ -14,8 +14,11 @@ from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     describe_effects,
+    describe_unexplained,
     doubtful_name,
+    outdone,
     preferred_rival,
+    riddles,
 )
 from oed.diagnosis.search.judgement import WORSE, costs
 from oed.diagnosis.search.predict import rms
@@ -45,10 +48,17 @@ def named(
         selection, after, found = _sure(shop, selection, validation, before)
         effects = describe_effects(shop, selection, found)
         exchange = preferred_rival(effects, shop.settings.decisive, barred)
-        if exchange is None:
+        if exchange is not None:
+            barred.add(exchange[0].key)
+            selection = selection.exchanged(shop, *exchange)
+            continue
+        mistaken = None
+        if riddles(effects, describe_unexplained(shop, selection)):
+            mistaken = outdone(effects, shop.settings.decisive)
+        if mistaken is None:
             return selection, after, effects
-        barred.add(exchange[0].key)
-        selection = selection.exchanged(shop, *exchange)
+        reason = "another name would foretell more beside what has none"
+        selection = selection.without(shop, mistaken, reason)
 
 
 def _sure(

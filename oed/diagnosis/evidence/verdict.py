@@ -18,7 +18,7 @@ from oed.diagnosis.evidence.profile import UNIFORM, axes_of
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.search.judgement import is_own
 from oed.diagnosis.search.selection import Selection
-from oed.diagnosis.search.telling import are_lags, foretells_most
+from oed.diagnosis.search.telling import are_lags, foretells_most, is_of_kind
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
@@ -184,6 +184,22 @@ def preferred_rival(
                 are_lags(rival.trial, effect.trial) and rival.evidence < -rival.margin
             ):
                 return effect.trial, rival.trial
+    return None
+
+
+def outdone(effects: Sequence[FoundEffect], decisive: float) -> Trial | None:
+    """A name of which the data prefer a rival of another kind by far.
+
+    Where something has no name, both may follow a part of it, and neither is what is there.
+    """
+    for effect in effects:
+        for rival in effect.rivals:
+            if (
+                rival.contender
+                and rival.evidence < -decisive
+                and not is_of_kind(rival.trial, effect.trial)
+            ):
+                return effect.trial
     return None
 
 
