@@ -17,7 +17,7 @@ from numpy import ndarray
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.dependence import Dependence, binned, blocks_of, coordinates_of
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with
-from oed.diagnosis.search.selection import Selection
+from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial

@@ -22,7 +22,7 @@ from oed.diagnosis.evidence.verdict import (
 )
 from oed.diagnosis.search.judgement import WORSE, costs
 from oed.diagnosis.search.predict import rms
-from oed.diagnosis.search.selection import Selection
+from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop

@@ -17,7 +17,7 @@ from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.search.judgement import is_own
-from oed.diagnosis.search.selection import Selection
+from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.telling import are_lags, foretells_most, is_of_kind
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import GRAVITY

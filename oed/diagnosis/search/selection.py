@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -13,60 +12,18 @@ from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms, better_
 from oed.diagnosis.search.judgement import Accepted, Refused, at_home, judge, refusal
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names
+from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.telling import most_telling_first
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
-from oed.diagnosis.search.turning import GRAVITY, accepted_tilt, turned
+from oed.diagnosis.search.turning import GRAVITY, accepted_tilt, turned, turned_beside
 from oed.diagnosis.search.two_at_once import two_at_once
-from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 # What nearly every joint has a little of; tried together where none alone does what is missing.
 TOGETHER = ("torque_offset", "rotor_inertia", "asymmetric_viscous")
-
-
-@dataclass(frozen=True)
-class Selection:
-    """Outcome of the search.
-
-    Attributes:
-        accepted: Additions in the order of their acceptance.
-        found: The fit with all of them.
-        refused: What was turned down on the way.
-    """
-
-    accepted: tuple[Accepted, ...]
-    found: Augmented
-    refused: tuple[Refused, ...]
-
-    @classmethod
-    def of(
-        cls, shop: Workshop, accepted: Sequence[Accepted], refused: Sequence[Refused]
-    ) -> Selection:
-        """Additions with the fit of those that are part of the model."""
-        found = shop.fit([a.trial for a in accepted if a.stands_in])
-        return cls(tuple(accepted), found, tuple(refused))
-
-    @property
-    def trials(self) -> tuple[Trial, ...]:
-        """The additions that are part of the model."""
-        return tuple(a.trial for a in self.accepted if a.stands_in)
-
-    def without(self, shop: Workshop, trial: Trial, reason: str) -> Selection:
-        """The same with one addition turned down after all."""
-        item = next(a for a in self.accepted if a.trial.key == trial.key)
-        rest = [a for a in self.accepted if a is not item]
-        return Selection.of(shop, rest, [*self.refused, refusal(item, reason)])
-
-    def exchanged(self, shop: Workshop, trial: Trial, rival: Trial) -> Selection:
-        """The same with another addition in the place of one."""
-        kept = [
-            dataclasses.replace(a, trial=rival) if a.trial.key == trial.key else a
-            for a in self.accepted
-        ]
-        return Selection.of(shop, kept, self.refused)
 
 
 def search(
@@ -110,10 +67,10 @@ def _added(
             break
         state.accepted = names
         state.barred |= fallen
+        state.turn_again()
     shop = state.shop
     if shop.is_turned:
-        shop = turned(shop, [a.trial for a in whole if a.stands_in])
-        whole = [at_home(shop, a) for a in whole]
+        shop, whole = turned_beside(shop, whole)
     return shop, whole, state.p_value
 
 
@@ -163,9 +120,7 @@ class _State:
             else:
                 self.accepted.append(pick)
             self._settle()
-            if self.shop.is_turned:  # what was missing may have pulled the tilt aside
-                self.shop = turned(self.shop, [a.trial for a in self.accepted])
-                self._settle()
+            self.turn_again()
             sharper = self.shop.sharpened([a.trial for a in self.accepted])
             if sharper is not None:
                 self.shop = sharper
@@ -174,6 +129,12 @@ class _State:
                 # It fell beside the others, or they change places for ever.
                 self.barred.add(pick.trial.key)
             seen.append(self._names())
+
+    def turn_again(self) -> None:
+        """Tables that are turned, anew: what was missing may have pulled the tilt aside."""
+        if self.shop.is_turned:
+            self.shop = turned(self.shop, [a.trial for a in self.accepted])
+            self._settle()
 
     def _names(self) -> tuple[bool, set[tuple[str, object]]]:
         return self.shop.is_turned, {a.trial.key for a in self.accepted}
@@ -270,6 +231,9 @@ def _concluded(
 ) -> tuple[Workshop, Selection]:
     needed = drop_needless(shop, [*tilts, *accepted], refused)[len(tilts) :]
     needed = drop_superfluous(shop, needed, refused)
+    if tilts and len(needed) < len(accepted):  # what fell had its part in the tilt
+        shop, needed = turned_beside(shop, needed)
+        tilts = [at_home(shop, tilt) for tilt in tilts]
     accepted = decided_shapes(shop, rested(shop, [*tilts, *needed]))
     return shop, Selection.of(shop, accepted, refused)
 

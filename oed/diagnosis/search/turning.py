@@ -16,7 +16,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.linear_fit import LinearFit, span_of_model
-from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.judgement import Accepted, at_home
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
 from oed.dynamics.effects import RigidBody
@@ -33,6 +33,7 @@ SECOND_MOMENTS = (4, 7, 9)  # places of Ixx, Iyy and Izz among a link's paramete
 SETTLED = 1e-3  # [rad] of a step, after which the direction is taken for found
 MOST_STEPS = 8
 LARGEST_STEP = 0.5  # [rad]
+SAME = 0.999  # ratio of squares of two rounds, after which the reference torque has settled
 LEVEL = 1.001  # ratio of squares up to which two directions fit alike
 HEAVIEST = 1000.0  # [kg] of a link, beyond every arm on the market
 HEAVIER = 5.0  # times what the whole arm is declared to weigh
@@ -104,26 +105,64 @@ def turned(shop: Workshop, others: Sequence[Trial]) -> Workshop:
     Where moments that only a tilt shows would have to be impossible, something else is missing
     that they make up for: the tilt does without them until that is found.
     """
-    found = _at_best_tilt(shop, others)
+    found = _at_best_tilt(_with_moments(shop), others)
     if not found.is_turned or moment_fault(found, found.fit(others, found.mean).fit) is None:
         return found
     bare = _at_best_tilt(_rebuilt(shop, shop.baseline.model, bare=True), others, bare=True)
-    full = _at_best_tilt(bare, others)
+    full = _at_best_tilt(_with_moments(bare), others)
     return bare if moment_fault(full, full.fit(others, full.mean).fit) else full
 
 
+def turned_beside(shop: Workshop, accepted: Sequence[Accepted]) -> tuple[Workshop, list[Accepted]]:
+    """The same beside additions as far as they stand, and the additions on those tables."""
+    shop = turned(shop, [a.trial for a in accepted if a.stands_in])
+    return shop, [at_home(shop, a) for a in accepted]
+
+
+def _with_moments(shop: Workshop) -> Workshop:
+    """Turned tables with all base parameters that the tilt shows."""
+    return _rebuilt(shop, shop.baseline.model) if shop.is_turned else shop
+
+
 def _at_best_tilt(shop: Workshop, others: Sequence[Trial], *, bare: bool = False) -> Workshop:
-    """Gauss and Newton's steps to the direction that fits best, without further moments if bare."""
+    """Gauss and Newton's steps to the direction that fits best, without further moments if bare.
+
+    A step that explains less is halved: moments that only the tilt shows multiply it.
+    """
+    own, left = _beside(shop, others)
     for _ in range(MOST_STEPS):
         trial = _gravity_trial(shop)
-        coefficients = shop.fit([*others, trial], shop.mean, bend=False).coefficients[-1]
+        coefficients = shop.fit([*own, trial], shop.mean, bend=False).coefficients[-1]
         step = coefficients[: len(tilt_directions(shop.baseline.model.robot.gravity)[0])]
         length = float(np.linalg.norm(step))
-        if length < SETTLED:
-            break
-        step = step * min(1.0, LARGEST_STEP / length)
-        shop = _rebuilt(shop, _under_tilt(shop.baseline.model, step), bare=bare)
+        step = step * min(1.0, LARGEST_STEP / max(length, SETTLED))
+        while np.linalg.norm(step) >= SETTLED:
+            there = _rebuilt(shop, _under_tilt(shop.baseline.model, step), bare=bare)
+            renewed, less = _beside(there, own)
+            if less < left:
+                break
+            step = step / 2
+        else:
+            return shop
+        shop, own, left = there, renewed, less
     return shop
+
+
+def _beside(shop: Workshop, others: Sequence[Trial]) -> tuple[list[Trial], float]:
+    """Additions on these tables, and the white squares that they leave.
+
+    They refer to the torque that is fitted beside them: what is fitted without a gain or an
+    elastic gear is no torque to multiply or to bend.
+    """
+    own, left = list(others), np.inf
+    for _ in range(MOST_STEPS):
+        own = [shop.renewed(trial) for trial in others]
+        found = shop.fit(own, shop.mean, bend=False)
+        if found.fit.squares > SAME * left:
+            break
+        left = found.fit.squares
+        shop.update_context(found)
+    return own, left
 
 
 def _smaller_of_mirrored(shop: Workshop) -> Workshop:

@@ -1,0 +1,54 @@
+"""What a search added, and what it turned down."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from oed.diagnosis.search.judgement import Accepted, Refused, refusal
+from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Outcome of the search.
+
+    Attributes:
+        accepted: Additions in the order of their acceptance.
+        found: The fit with all of them.
+        refused: What was turned down on the way.
+    """
+
+    accepted: tuple[Accepted, ...]
+    found: Augmented
+    refused: tuple[Refused, ...]
+
+    @classmethod
+    def of(
+        cls, shop: Workshop, accepted: Sequence[Accepted], refused: Sequence[Refused]
+    ) -> Selection:
+        """Additions with the fit of those that are part of the model."""
+        found = shop.fit([a.trial for a in accepted if a.stands_in])
+        return cls(tuple(accepted), found, tuple(refused))
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """The additions that are part of the model."""
+        return tuple(a.trial for a in self.accepted if a.stands_in)
+
+    def without(self, shop: Workshop, trial: Trial, reason: str) -> Selection:
+        """The same with one addition turned down after all."""
+        item = next(a for a in self.accepted if a.trial.key == trial.key)
+        rest = [a for a in self.accepted if a is not item]
+        return Selection.of(shop, rest, [*self.refused, refusal(item, reason)])
+
+    def exchanged(self, shop: Workshop, trial: Trial, rival: Trial) -> Selection:
+        """The same with another addition in the place of one."""
+        kept = [
+            dataclasses.replace(a, trial=rival) if a.trial.key == trial.key else a
+            for a in self.accepted
+        ]
+        return Selection.of(shop, kept, self.refused)
