@@ -36,7 +36,8 @@ from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.chance import keeps_step
 from oed.diagnosis.search.judgement import Refused
 from oed.diagnosis.search.predict import rms
-from oed.diagnosis.search.selected import Selection, search
+from oed.diagnosis.search.selected import Selection
+from oed.diagnosis.search.selection import search
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
