@@ -8,10 +8,11 @@ import pytest
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
 from oed.diagnosis.search import turning
+from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import INERTIA, data_set
-from tests.diagnosis.shop import shop_of
+from tests.diagnosis.arm import COULOMB, INERTIA, VISCOUS, data_set, rigid
+from tests.diagnosis.shop import shop_of, trial_of
 
 SETTINGS = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
 FIRST_LINK = 2.4  # [kg m] first moment of both links about the first axis, seen by no level arm
@@ -54,6 +55,24 @@ def test_a_tilted_base_is_named_with_its_angle(degrees):
     assert all(rival.evidence > SETTINGS.decisive for rival in effect.rivals)
     test = next(p for p in found.proof if p.role == "test")
     assert test.after == pytest.approx(found.noise_floor, rel=0.1)
+
+
+def test_a_tilt_is_found_beside_a_gain_that_multiplies_its_torque():
+    tilt, gain = np.deg2rad(30.0), 0.4
+    weight = weight_of(tilt)
+
+    def extra(q, dq, ddq):
+        whole = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq + weight(q, dq, ddq)
+        return weight(q, dq, ddq) + gain * whole * np.array([0.0, 1.0])
+
+    shop = shop_of(data_set(11, extra=extra))
+    found, (own,) = turning.turned_beside(
+        shop, [Accepted(trial_of(shop, "torque_gain", 1), 0.0, 0.0)]
+    )
+    angle = np.linalg.norm(turning.total_tilt(found, np.zeros(2)))
+    assert angle == pytest.approx(tilt, rel=0.01)
+    (coefficients,) = found.fit([own.trial]).coefficients
+    assert coefficients[0] == pytest.approx(gain, rel=0.02)
 
 
 def test_a_tilt_does_without_moments_that_cannot_be(monkeypatch):
