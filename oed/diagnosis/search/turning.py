@@ -121,7 +121,11 @@ def turned_beside(shop: Workshop, accepted: Sequence[Accepted]) -> tuple[Worksho
 
 def _with_moments(shop: Workshop) -> Workshop:
     """Turned tables with all base parameters that the tilt shows."""
-    return _rebuilt(shop, shop.baseline.model) if shop.is_turned else shop
+    if not shop.is_turned:
+        return shop
+    columns = np.sort(base_parameters(shop.baseline.model).columns)
+    same = np.array_equal(columns, shop.baseline.columns)
+    return shop if same else _rebuilt(shop, shop.baseline.model)
 
 
 def _at_best_tilt(shop: Workshop, others: Sequence[Trial], *, bare: bool = False) -> Workshop:
