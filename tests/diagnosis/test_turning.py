@@ -1,7 +1,5 @@
 """A base that is not level: the torque of its tilt is worked out here in closed form."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,8 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, INERTIA, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
-SETTINGS = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+RIVALS = ("gravity_direction", "joint_spring", "torque_offset", "torque_gain", "torque_ripple")
+SETTINGS = DiagnosisSettings(surrogates=39, bootstrap=40, refined=4, candidates=RIVALS)
 FIRST_LINK = 2.4  # [kg m] first moment of both links about the first axis, seen by no level arm
 
 
