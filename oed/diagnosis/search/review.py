@@ -23,12 +23,16 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial, free_form_trials
+from oed.dynamics.effects.catalogue import CATALOGUE
 
 # Share by which what bends the model's own torque lowers the held-out error: a delay, a lag or a soft
 # gear smooths what the model predicts, and with it what encoder noise adds to that.
 LEAST = 0.005
 # Share of what a name and a free form explain together up to which that name is not missed.
 SUPERFLUOUS = 0.1
+# Share of what a wave and a free form explain together that must be the wave's: its first two terms
+# hold three quarters of a sawtooth, and less of a bump that comes once.
+WAVE = 0.72
 
 
 def review_names(
@@ -62,6 +66,8 @@ def review_names(
             without_name = min([without_name, *(f.fit.squares for f in tried)])
             together, alone = without_both - whole, without_both - without_free
             share = share_needed([a.trial for a in terms], item.trial, shop.settings)
+            if CATALOGUE[item.trial.name].is_wave:
+                share = max(share, WAVE)
             needless = alone < share * together and without_name - whole < (
                 SUPERFLUOUS * together + shop.settings.free_form_margin
             )

@@ -123,6 +123,8 @@ class CatalogueEntry:
         equivalent: Names that no motion tells from this one, and why.
         holds: Names of effects that are this one with parameters left out: no motion speaks for
             them against it, and the plainer one stands until the other is needed.
+        is_wave: Whether it comes back along the range of a joint: a function of position that
+            does not is something else.
         narrow: Ranges of the shapes for an arm and its data.
         install: The model with the effect in its exact form; None if the columns are exact.
     """
@@ -138,6 +140,7 @@ class CatalogueEntry:
     families: tuple[str, ...] = ()
     equivalent: tuple[str, ...] = ()
     holds: tuple[str, ...] = ()
+    is_wave: bool = False
     narrow: Narrow = _as_they_are
     install: Install | None = None
 

@@ -105,6 +105,7 @@ TORQUE_RIPPLE = CatalogueEntry(
     shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0), WAVES),
     build=_ripple,
     plausible=_ripple_plausible,
+    is_wave=True,
     narrow=_ripple_harmonics,
     page=EffectPage(
         equation="a cos(n q) + b sin(n q), with its overtone at 2 n where the data ask for it",
