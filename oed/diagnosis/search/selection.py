@@ -116,7 +116,9 @@ class _State:
                 self.p_value = pick.p_value
                 self.shop = turned(self.shop, [a.trial for a in self.accepted])
                 if not self.shop.is_turned:
-                    break
+                    self.barred.add(pick.trial.key)
+                    self.refused.append(refusal(pick, "no tilt explains it with possible links"))
+                    continue
             else:
                 self.accepted.append(pick)
             self._settle()
