@@ -102,6 +102,8 @@ def _nonlinear_viscous_plausible(
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint = joint_of(target)
+    if estimates[0] < 0 and values[0] < 1:
+        return "friction would fall as the joint sets off, which is Stribeck's effect"
     top = float(context.top_speed[joint])
     at_top = float(estimates[0]) * top ** values[0] / (1.0 + values[1] * top)
     # With a shape near the straight line the two trade places; only their sum is physical.
@@ -135,8 +137,8 @@ NONLINEAR_VISCOUS = CatalogueEntry(
         source="Waiboer, Aarts, Jonker 2005, ECCOMAS Multibody Dynamics; Tuttle and Seering 1996, "
         "IEEE Trans. Robotics and Automation 12(3), 368-374; Madsen et al. 2020, Control "
         "Engineering Practice 101",
-        parameters="F_n in N m (s/rad)^α, 5 to 50 % of viscous friction; α 0.3 to 0.8 or 1.5 to 3; "
-        "1/v_0 in s/rad",
+        parameters="F_n in N m (s/rad)^α, 5 to 50 % of viscous friction, positive where α < 1; "
+        "α 0.3 to 0.8 or 1.5 to 3; 1/v_0 in s/rad",
         signature="a bend in friction against speed, odd in velocity, over the whole range",
         confused_with=("stribeck", "torque_saturation"),
         exposed_by="constant speeds over a decade",
