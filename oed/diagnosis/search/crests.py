@@ -17,7 +17,7 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.ripening import is_late, is_unripe
 from oed.diagnosis.search.scan import Score, implausible, refine, score
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import moved
+from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 MOST = 4  # crests of a grid that are climbed
@@ -31,7 +31,7 @@ def climbed(shop: Workshop, found: Score, fit: LinearFit) -> Score:
     if not found.trial.shapes or is_unripe(found.trial) or is_late(found.trial):
         return found
     grid = _scanned_finely(shop, found, fit) or [
-        score(t, fit)
+        score(_with_choice(shop, t, found.trial, fit), fit)
         for t in shop.physical
         if t.key == found.trial.key and t.contrast == found.trial.contrast
     ]
@@ -39,6 +39,19 @@ def climbed(shop: Workshop, found: Score, fit: LinearFit) -> Score:
     plausible = [s for s in tried if implausible(s, shop.context) is None]
     # By evidence: of two that explain as much, the one that does not trade places with the model.
     return max([found, *plausible], key=lambda s: s.evidence(fit.rows.count))
+
+
+def _with_choice(shop: Workshop, trial: Trial, chosen: Trial, fit: LinearFit) -> Trial:
+    """A point of the grid with the clock that was chosen where these rows leave none to choose."""
+    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
+    values = tuple(
+        own if shape.scale == "choice" and shape.points == 1 else value
+        for shape, value, own in zip(shapes, trial.values, chosen.values, strict=True)
+    )
+    if values == trial.values:
+        return trial
+    there = dataclasses.replace(trial, values=values)
+    return moved(there, fit.rows, shop.context, contrast=trial.contrast)
 
 
 def _scanned_finely(shop: Workshop, found: Score, fit: LinearFit) -> list[Score]:
