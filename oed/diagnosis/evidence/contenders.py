@@ -13,7 +13,7 @@ from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
 from oed.diagnosis.search.telling import decisive_between, is_of_kind, telling
 from oed.diagnosis.search.tilt_review import stood_upright
-from oed.diagnosis.search.turning import GRAVITY
+from oed.diagnosis.search.turning import GRAVITY, turned
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -111,6 +111,8 @@ def _contends(
         return False
     if held_out_fault(shop, others, rival.trial) is not None:
         return False
+    if rival.trial.name == GRAVITY and not turned(shop, others).is_turned:
+        return False  # its columns explain what no tilt of possible links does
     if rival.trial.name != own.trial.name:
         return True
     return _likeness(rival, own, fit) < SAME_COLUMNS
