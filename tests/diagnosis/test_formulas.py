@@ -7,6 +7,7 @@ from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search.judgement import Accepted, share_needed
 from oed.diagnosis.search.review import drop_needless, review_names
 from oed.diagnosis.search.scan import refine, score
+from oed.diagnosis.search.selection import search
 from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
@@ -110,3 +111,30 @@ def test_a_name_must_explain_what_a_share_of_another_torque_does():
     named = trial_of(shop, "rotor_inertia", 0)
     assert share_needed([share], named, SETTINGS) == 1.0
     assert share_needed([curve], named, SETTINGS) < 1.0
+
+
+@pytest.mark.parametrize("is_wave", [True, False])
+def test_a_ripple_comes_back_along_the_range(is_wave):
+    """A sawtooth, and a detent that holds at one place of the turn."""
+
+    def torque(q):
+        if is_wave:
+            return 0.6 * (2 * (3 * q / np.pi % 1) - 1)
+        return 2.0 * (q - 0.07) / 0.18 * np.exp(-(((q - 0.07) / 0.18) ** 2))
+
+    found = found_in(torque)
+    assert [e.name for e in found.effects] == ["torque_ripple"] * is_wave
+    assert ("q_1",) in [u.depends_on for u in found.unexplained if u.joint == 0]
+
+
+def test_the_search_goes_on_where_no_tilt_is_found():
+    """A level arm shows under a tilt what it hides else; a spring is explained with impossible links."""
+
+    def extra(q, dq, ddq):
+        uneven = 0.6 * np.cos(4 * q[:, 0] + 2.4) * np.sign(dq[:, 0])
+        return np.stack([1.65 * (q[:, 0] - 0.2) + uneven, 0 * q[:, 0]], axis=1)
+
+    names = ("gravity_direction", "joint_spring", "position_dependent_friction")
+    _, selection = search(shop_of(data_set(3, extra=extra), candidates=names))
+    found = {(a.trial.name, a.trial.joint) for a in selection.accepted}
+    assert found == {("joint_spring", 0), ("position_dependent_friction", 0)}

@@ -12,6 +12,7 @@ from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.fit.whitening import Autoregression
 from oed.diagnosis.search.crests import climbed
+from oed.diagnosis.search.judgement import foretold
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import moved, white_group
@@ -23,6 +24,7 @@ from tests.diagnosis.shop import shop_of
 
 MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
 TAKEN_UP = 17.0  # [s] in the second recording
+WARM = 8.0  # [s] in which cold friction falls to a third
 
 
 def load_from(taken_up=TAKEN_UP, recording=1):
@@ -197,3 +199,39 @@ def test_a_joint_that_starts_anew_in_each_recording_is_told_by_the_next(share):
     assert values["time_constant"].value == pytest.approx(9.0, abs=4 * values["time_constant"].std)
     after = next(p.after for p in found.proof if p.role == "test")
     assert np.all(after < 1.2 * found.noise_floor)
+
+
+def cold_at_each_start(q, dq, ddq):
+    """Friction of the first joint that is gone some time after every start."""
+    t = np.arange(len(q)) / RATE
+    return np.exp(-t / WARM)[:, None] * np.sign(dq) * np.array([1.5, 0.0])
+
+
+@pytest.fixture(scope="module")
+def cold():
+    """One estimation recording, whose clock says nothing of the next."""
+    dataset = data_set(4, extra=cold_at_each_start, roles=("estimation", "validation"))
+    shop = shop_of(dataset, candidates=("thermal_drift", "joint_spring"))
+    drift = next(t for t in shop.physical if t.key == ("thermal_drift", 0))
+    values = (0.5 * WARM, 0.0)
+    there = dataclasses.replace(drift, values=values)
+    return shop, moved(there, shop.full.rows, shop.context, contrast=drift.contrast)
+
+
+def test_a_drift_keeps_its_clock_when_its_time_constant_is_looked_for_again(cold):
+    shop, drift = cold
+    fit = shop.fit((), shop.full).fit
+    found = climbed(shop, score(drift, fit), fit)
+    assert found.trial.values == (pytest.approx(WARM, rel=0.2), 0.0)
+
+
+def test_what_repetitions_differ_by_foretells_from_all_of_them(cold):
+    """On the mean of repetitions a drift and friction that stays are nearly one."""
+    shop, drift = cold
+    there = dataclasses.replace(drift, values=(WARM, 0.0))
+    known = moved(there, shop.full.rows, shop.context, contrast=drift.contrast)
+    spring = next(t for t in shop.physical if t.key == ("joint_spring", 0))
+    floor = shop.baseline.floor.deviation
+    without, beside = foretold(shop, [known], [known, spring])
+    assert without == pytest.approx(floor, rel=0.1)
+    assert beside == pytest.approx(floor, rel=0.1)

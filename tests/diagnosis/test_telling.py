@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.sign_width import widths_of
+from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.contenders import find_rivals
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.selection import search
 from oed.diagnosis.search.telling import foretells_most, most_telling_first, telling
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, RATE, data_set
 from tests.diagnosis.shop import shop_of
 
@@ -102,3 +105,31 @@ def test_what_holds_the_named_effect_is_no_rival_of_it():
     spring = rivals["joint_spring", 0]
     assert spring.evidence < 20  # the price of its stiffness, and not much more
     assert not spring.contender
+
+
+def through_lag(tau, time_constant):
+    """A periodic torque behind a lag of the first order."""
+    frequency = np.fft.rfftfreq(len(tau), 1 / RATE)
+    lag = 1 / (1 + 2j * np.pi * frequency * time_constant)
+    return np.fft.irfft(lag[:, None] * np.fft.rfft(tau, axis=0), len(tau), axis=0)
+
+
+@pytest.mark.parametrize("name", ["time_delay", "filter_lag"])
+def test_a_lag_is_told_from_a_delay_of_its_time_constant(name):
+    dataset = data_set(7, repetitions=12)
+    recordings = tuple(
+        dataclasses.replace(
+            r,
+            tau=np.roll(r.tau, LATE, axis=0)
+            if name == "time_delay"
+            else through_lag(r.tau, LATE / RATE),
+        )
+        for r in dataset.recordings
+    )
+    late = dataclasses.replace(dataset, recordings=recordings)
+    settings = DiagnosisSettings(
+        surrogates=39, bootstrap=40, candidates=("time_delay", "filter_lag")
+    )
+    (found,) = diagnose(late, TorqueModel.standard(late.robot), settings).effects
+    assert found.name == name
+    assert found.parameters[0].value == pytest.approx(LATE / RATE, rel=0.05)

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.effects.nonlinear_viscous import AsymmetricViscous, NonlinearViscous
 from oed.dynamics.effects.stribeck import Stribeck
-from tests.dynamics.effects.arms import scara, smooth_motion
+from tests.dynamics.effects.arms import context_of, scara, smooth_motion
 
 MOTION = smooth_motion(scara())
 V = MOTION.dq[:, 1]
@@ -64,3 +65,15 @@ def test_asymmetric_viscous_is_even() -> None:
 def test_refuses_shapes_without_meaning(kind: type, arguments: tuple) -> None:
     with pytest.raises(ValueError, match="must be positive"):
         kind(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("size", "exponent", "falls"), [(-1.0, 0.6, True), (1.0, 0.6, False), (-0.1, 2.0, False)]
+)
+def test_friction_that_falls_as_a_joint_sets_off_is_stribecks(
+    size: float, exponent: float, *, falls: bool
+) -> None:
+    context = context_of(scara(), MOTION)
+    shapes, estimates = (exponent, 0.0), np.array([size])
+    reason = CATALOGUE["nonlinear_viscous"].plausible(context, 1, shapes, estimates)
+    assert (reason is not None and "Stribeck" in reason) is falls

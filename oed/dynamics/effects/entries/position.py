@@ -38,6 +38,7 @@ RIPPLE_SHARE = 0.1  # of the peak torque; drives are sold with 1 to 5 %
 LEAST_RANGE = 0.05  # [rad]
 MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not show
 # Whether a wave has its first overtone: teeth and poles make no pure sines.
+OVERTONES = 4  # with which a ripple is held against any function of position
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
 ORDERS = {1.0: LINEAR, 2.0: PROGRESSIVE}  # of a spring, by its formula
 PLACES = 50  # of the range, at which a spring must pull back harder the further it is stretched
@@ -98,6 +99,10 @@ def _ripple_plausible(
     return at_most(amplitude, most, "the amplitude", "N m", bound)
 
 
+def _any_ripple(_context: Context, target: Target, values: tuple[float, ...]) -> TorqueRipple:
+    return TorqueRipple(joint_of(target), tuple(k * values[0] for k in range(1, OVERTONES + 1)))
+
+
 TORQUE_RIPPLE = CatalogueEntry(
     name="torque_ripple",
     families=("position",),
@@ -105,7 +110,7 @@ TORQUE_RIPPLE = CatalogueEntry(
     shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0), WAVES),
     build=_ripple,
     plausible=_ripple_plausible,
-    is_wave=True,
+    fuller=_any_ripple,
     narrow=_ripple_harmonics,
     page=EffectPage(
         equation="a cos(n q) + b sin(n q), with its overtone at 2 n where the data ask for it",
