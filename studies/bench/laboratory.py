@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.errors import OedError
 from oed.experiment.control import Controller
 from oed.experiment.disturbance import Disturbance
 from oed.experiment.observer import HighGainObserver
@@ -26,6 +27,7 @@ BANDWIDTH = 40.0  # [rad/s] of position control
 SOFT_BANDWIDTH = 18.0  # [rad/s]
 MOST_STIFFENED = 4.0  # times the least inertia that a joint's gains may be made for
 RESOLUTIONS = tuple(2 * np.pi / 2**bits for bits in (18, 19, 20))  # [rad]
+SHAKEN = 5.0  # times the reference's largest speed, which only an unstable control reaches
 # Without jitter the steps of an encoder would fall alike in all repetitions, and look like torque.
 JITTER = 0.4  # rms of the reading before it is rounded, in steps
 # Feedforward knows the arm about this well.
@@ -97,6 +99,9 @@ class Laboratory:
 
         The command holds for a period, so that the torque at a sampling instant is the mean of
         the commands on either side of it.
+
+        Raises:
+            OedError: If the position control shakes the arm: no recording of any use.
         """
         n = self.arm.robot.n
         spring = 0 if self.arm.transmission is None else 1
@@ -110,6 +115,7 @@ class Laboratory:
                 for name in ("q", "dq", "measured", "velocity", "command")
             },
         )
+        _check_control(reference, log)
         earlier = np.concatenate([log.command[:1], log.command[:-1]])
         return dataclasses.replace(log, command=(earlier + log.command) / 2)
 
@@ -167,6 +173,17 @@ class Laboratory:
             felt,
             lead_in=LEAD_IN,
             substeps=self.arm.substeps,
+        )
+
+
+def _check_control(reference: Motion, log: Log) -> None:
+    wanted = np.abs(reference.dq).max(axis=0)
+    fastest = np.abs(log.dq).max(axis=(0, 2))
+    joint = int(np.argmax(fastest / wanted))
+    if fastest[joint] > SHAKEN * wanted[joint]:
+        raise OedError(
+            f"the position control shakes the arm: joint {joint + 1} reaches "
+            f"{fastest[joint]:.3g} rad/s where {wanted[joint]:.3g} are wanted"
         )
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.newton_euler import inverse_dynamics
+from oed.errors import OedError
 from oed.experiment.read_dataset import read_dataset
 from oed.robot.builtin import imi_scara
 from studies.bench.arm import PERIOD, Transmission, _with_spring_joint, least_inertia
@@ -191,6 +192,17 @@ def test_the_commanded_torque_moves_the_arm_as_the_log_says(short):
     assert log.lead == round(LEAD_IN / PERIOD)
     error = np.abs(log.q[log.lead :, :, 0] - reference.q).max()
     assert error < 0.03
+
+
+def test_a_control_that_shakes_the_arm_leaves_no_recording(short, monkeypatch):
+    """An arm that moves as it should is fast enough for half the speed that it should have."""
+    rng = np.random.default_rng(7)
+    arm = scara_arm()
+    laboratory = build_laboratory(arm, arm, Noise.draw("white", (0.5, 0.1), rng), 1, rng)
+    reference = random_fourier_motion(imi_scara().limits, 3.0, 1.5, PERIOD, rng)
+    monkeypatch.setattr("studies.bench.laboratory.SHAKEN", 0.5)
+    with pytest.raises(OedError, match="shakes the arm: joint"):
+        laboratory.log(reference, rng, 1, 0.0)
 
 
 def test_alone_a_joint_moves_less_than_the_diagonal_of_the_mass_matrix():
