@@ -12,7 +12,6 @@ from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.fit.whitening import Autoregression
 from oed.diagnosis.search.crests import climbed
-from oed.diagnosis.search.judgement import foretold
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import moved, white_group
@@ -234,7 +233,7 @@ def test_what_repetitions_differ_by_foretells_from_all_of_them():
     known = moved(there, shop.full.rows, shop.context, contrast=load.contrast)
     spring = next(t for t in shop.physical if t.key == ("joint_spring", 0))
     of_mean = shop.validation_rms(shop.fit([known], shop.mean, bend=False))
-    without, beside = foretold(shop, [known], [known, spring])
+    without, beside = shop.foretold([known], [known, spring])
     assert without[0] < 0.7 * of_mean[0]
     # A spring that is not there changes nothing.
     assert beside == pytest.approx(without, rel=0.02)

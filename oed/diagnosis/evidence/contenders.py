@@ -111,8 +111,10 @@ def _contends(
         return False
     if held_out_fault(shop, others, rival.trial) is not None:
         return False
-    if rival.trial.name == GRAVITY and not turned(shop, others).is_turned:
-        return False  # its columns explain what no tilt of possible links does
+    # Its columns may explain what no tilt of possible links does. On tables of its own: to turn
+    # them settles the torque that all effects refer to.
+    if rival.trial.name == GRAVITY and not turned(shop.on(shop.baseline), others).is_turned:
+        return False
     if rival.trial.name != own.trial.name:
         return True
     return _likeness(rival, own, fit) < SAME_COLUMNS

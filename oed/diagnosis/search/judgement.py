@@ -227,24 +227,13 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(before, folds))
     if others_gain <= 0:
         return f"left-out segments: gain {gain:.3g}, {others_gain:.3g} without the best of them"
-    old, new = foretold(shop, others, [*others, trial])
+    old, new = shop.foretold(others, [*others, trial])
     if old is None or new is None:
         return None
     is_curve = trial.is_free_form and not trial.is_share
     if costs(old, new, shop.baseline.floor.deviation, 0.0 if is_curve else PRICE):
         return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
     return None
-
-
-def foretold(
-    shop: Workshop, others: Sequence[Trial], chosen: Sequence[Trial]
-) -> list[Float[ndarray, " joints"] | None]:
-    """Held-out errors without and with an addition; None without validation recordings.
-
-    Of fits to what shows all of them: the mean of repetitions does not tell how they differ.
-    """
-    layout = shop.layout_for(chosen)
-    return [shop.validation_rms(shop.fit(own, layout, bend=False)) for own in (others, chosen)]
 
 
 def costs(

@@ -12,7 +12,6 @@ from oed.diagnosis.search.chance import chance_of_slow_noise
 from oed.diagnosis.search.judgement import (
     Accepted,
     Refused,
-    foretold,
     held_out_fault,
     judge,
     refusal,
@@ -160,7 +159,7 @@ class _Bench:
         self._shop, self._others, self._layout = shop, others, shop.layout(trial)
         self._fit = shop.fit(others, self._layout)
         self._joint = next(iter(trial.group))
-        self._plain, _ = foretold(shop, others, [*others, trial])
+        self._plain, _ = shop.foretold(others, [*others, trial])
         self._visited: dict[str, Visited] = {}
 
     def tried(self, terms: Sequence[Trial], *, ending: bool = False) -> list[_Choice]:

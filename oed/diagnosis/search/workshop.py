@@ -199,18 +199,23 @@ class Workshop:
         """Mean repetitions, or all of them if an addition makes them differ."""
         return self.unseen if self.layout_for(chosen) is self.mean else self.unseen_full
 
+    def foretold(
+        self, others: Sequence[Trial], chosen: Sequence[Trial]
+    ) -> list[Float[ndarray, " joints"] | None]:
+        """Held-out errors without and with an addition; None without validation recordings.
+
+        Of fits to what shows all of them: the mean of repetitions does not tell how they differ.
+        """
+        layout = self.layout_for(chosen)
+        return [self.validation_rms(self.fit(own, layout, bend=False)) for own in (others, chosen)]
+
     def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
         """Share by which one of some additions lowers the held-out error of its joints.
 
         The error is each joint's root mean square over its own without the addition; None
         without validation recordings.
         """
-        layout = self.layout_for(standing)
-        others = [t for t in standing if t.key != trial.key]
-        new, old = (
-            self.validation_rms(self.fit(chosen, layout, bend=False))
-            for chosen in (standing, others)
-        )
+        old, new = self.foretold([t for t in standing if t.key != trial.key], standing)
         if new is None or old is None:
             return None
         joints = list(trial.group)

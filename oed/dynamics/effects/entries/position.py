@@ -37,8 +37,8 @@ LEAST_PERIODS = 2.0
 RIPPLE_SHARE = 0.1  # of the peak torque; drives are sold with 1 to 5 %
 LEAST_RANGE = 0.05  # [rad]
 MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not show
+FULLER_WAVES = 4  # with which a ripple is held against any function of position
 # Whether a wave has its first overtone: teeth and poles make no pure sines.
-OVERTONES = 4  # with which a ripple is held against any function of position
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
 ORDERS = {1.0: LINEAR, 2.0: PROGRESSIVE}  # of a spring, by its formula
 PLACES = 50  # of the range, at which a spring must pull back harder the further it is stretched
@@ -100,7 +100,7 @@ def _ripple_plausible(
 
 
 def _any_ripple(_context: Context, target: Target, values: tuple[float, ...]) -> TorqueRipple:
-    return TorqueRipple(joint_of(target), tuple(k * values[0] for k in range(1, OVERTONES + 1)))
+    return TorqueRipple(joint_of(target), tuple(k * values[0] for k in range(1, FULLER_WAVES + 1)))
 
 
 TORQUE_RIPPLE = CatalogueEntry(
