@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,12 +16,14 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.differing import differing, left_of_single
+from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.evidence.modulation import find_modulations
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors, prove
+from oed.diagnosis.evidence.taken_up import with_moments_of
 from oed.diagnosis.evidence.verdict import (
     CLEAR_UNSEEN,
     FoundEffect,
@@ -59,8 +61,7 @@ class Diagnosis:
         before: The base model, fitted.
         after: The augmented model, fitted: an ordinary torque model.
         proof: Errors before and after, one entry a role that has recordings.
-        noise_floor: (n,) standard deviation of the noise in the analysis band, with what encoder
-            steps err in the same way at every repetition [N m].
+        noise_floor: (n,) deviation of noise in the band, steps of encoders included [N m].
         noise_source: Where that was read off.
         lack_before: Of the base model.
         lack_after: Of the augmented model.
@@ -69,6 +70,7 @@ class Diagnosis:
         contributions: What each addition does.
         spectrum: Of both residuals.
         refused: Candidates that were turned down, and why.
+        moments: When a load comes in recordings that have a moment of their own.
         cutoff: Of the analysis band [Hz].
         sign_width: (n,) velocity below which the direction is uncertain [rad/s].
         shop: The laid-out data, for whoever designs the next experiment.
@@ -89,6 +91,7 @@ class Diagnosis:
     contributions: tuple[Contribution, ...]
     spectrum: Spectrum
     refused: tuple[Refused, ...]
+    moments: Mapping[str, Estimated]
     cutoff: float
     sign_width: Float[ndarray, " joints"]
     shop: Workshop = field(repr=False, compare=False)
@@ -187,7 +190,8 @@ def _conclude(
     settings: DiagnosisSettings,
 ) -> Diagnosis:
     shop, selection, effects = result.shop, result.selection, result.effects
-    before, after = result.before, result.after
+    before = result.before
+    after, moments = with_moments_of(shop, selection.found, result.after, by_role["test"])
     baseline, estimation = shop.baseline, by_role["estimation"]
     layout = shop.layout_for(selection.trials)
     unexplained = describe_unexplained(shop, selection)
@@ -221,6 +225,7 @@ def _conclude(
         contributions=contributions(shop, selection, after, floor),
         spectrum=spectrum(old, new, estimation[0].band.analysis_rate),
         refused=selection.refused,
+        moments=moments,
         cutoff=estimation[0].band.cutoff,
         sign_width=estimation[0].sign_noise,
         shop=shop,

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.effects.payload import PayloadChange
 from oed.report.effect_words import known_parameters
 from oed.report.provenance import Provenance
 
@@ -75,7 +78,7 @@ def diagnosis_record(
 
 def _effect(effect: FoundEffect, found: Diagnosis) -> dict[str, object]:
     known = known_parameters(effect, found.shop.context, found.before.model.robot.joints)
-    return {
+    record: dict[str, object] = {
         "name": effect.name,
         "joint": effect.joint,
         "parameters": {
@@ -91,4 +94,15 @@ def _effect(effect: FoundEffect, found: Diagnosis) -> dict[str, object]:
             {"name": r.name, "joint": r.joint, "evidence": r.evidence, "contender": r.contender}
             for r in effect.rivals
         ],
+    }
+    if isinstance(effect.trial.effect, PayloadChange) and found.moments:
+        record["moments"] = _moments(found)
+    return record
+
+
+def _moments(found: Diagnosis) -> dict[str, object]:
+    """When each further recording takes the load up; null where it never does."""
+    return {
+        name: {"value": m.value, "std": m.std, "unit": m.unit} if np.isfinite(m.value) else None
+        for name, m in found.moments.items()
     }

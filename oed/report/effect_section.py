@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.contenders import Rival
+from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.payload import PayloadChange
 from oed.report.effect_words import known_parameters, place_of
 from oed.report.page import Picture, Section, Table, Text
 from oed.report.table import Row
@@ -48,6 +52,8 @@ def _section(effect: FoundEffect, found: Diagnosis, labels: Sequence[str]) -> Se
         Text(f"To be seen in the residual: {about.signature}. Exposed by: {about.exposed_by}."),
         Text(_likenesses(entry.equivalent, about.confused_with)),
     ]
+    if isinstance(effect.trial.effect, PayloadChange) and found.moments:
+        blocks.insert(2, Text(_moments_text(found.moments)))
     if effect.rivals:
         judges = [p.role for p in found.proof if p.role != "test"]
         blocks.append(
@@ -72,6 +78,18 @@ def _evidence(effect: FoundEffect) -> str:
     )
     chance = p_value_text(effect.p_value)
     return f"{held_out} Chance of as good a fit by accident, the whole search counted: {chance}."
+
+
+def _moments_text(moments: Mapping[str, Estimated]) -> str:
+    listed = ", ".join(
+        f"{name}: {f'at {own.value:.4g} ± {own.std:.1g} s' if np.isfinite(own.value) else 'never'}"
+        for name, own in moments.items()
+    )
+    return (
+        f"Not every recording takes the load up at that moment. {listed}. These moments were read "
+        "off each recording itself, the validation and test recordings too: no model can foretell "
+        "them, and the errors below are those of one that knows them."
+    )
 
 
 def _likenesses(equivalent: Sequence[str], confused_with: Sequence[str]) -> str:

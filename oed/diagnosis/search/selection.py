@@ -10,6 +10,7 @@ from oed.diagnosis.search.behind_noise import quieter_beside
 from oed.diagnosis.search.exchange import decided_shapes, rested, settled
 from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms, better_free_form
 from oed.diagnosis.search.judgement import Accepted, Refused, at_home, judge, refusal
+from oed.diagnosis.search.pickups import take_up_again, with_own_moments
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names
 from oed.diagnosis.search.selected import Selection
@@ -236,6 +237,7 @@ def _concluded(
     if tilts and len(needed) < len(accepted):  # what fell had its part in the tilt
         shop, needed = turned_beside(shop, needed)
         tilts = [at_home(shop, tilt) for tilt in tilts]
+    take_up_again(shop, [a.trial for a in needed if a.stands_in])
     accepted = decided_shapes(shop, rested(shop, [*tilts, *needed]))
     return shop, Selection.of(shop, accepted, refused)
 
@@ -259,7 +261,10 @@ def _next_physical(
             )
             refused.append(refusal(candidate, reason))
             continue
-        passed = judge(shop, candidate, accepted, shop.physical, refused)
+        own = with_own_moments(shop, others, candidate)
+        passed = judge(shop, own, accepted, shop.physical, refused)
         if passed is not None:
             return passed
+        if own is not candidate:
+            shop.take_up(())
     return None

@@ -54,8 +54,8 @@ def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
 
 def _steady(effect: Effect) -> Effect | None:
     """An effect that changes over the session, as it would be without change; None of others."""
-    if isinstance(effect, PayloadChange) and effect.start is not None:
-        return dataclasses.replace(effect, moment=-np.inf)
+    if isinstance(effect, PayloadChange) and (effect.start is not None or effect.pickups):
+        return dataclasses.replace(effect, moment=-np.inf, pickups=())
     if isinstance(effect, ThermalDrift) and effect.start is not None:
         return dataclasses.replace(effect, time_constant=np.inf)
     return None

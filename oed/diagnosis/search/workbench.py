@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,6 +27,7 @@ from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense
 from oed.dynamics.effects import MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.torque_model import TorqueModel
@@ -93,6 +95,7 @@ def context_of(
     rows: Rows,
     gear_ratio: tuple[float, ...] | None,
     later: Sequence[Prepared],
+    pickups: tuple[PickUp, ...] = (),
 ) -> Context:
     """What the catalogue may know when it proposes an effect.
 
@@ -101,6 +104,7 @@ def context_of(
         rows: Where the effect may act.
         gear_ratio: Motor turns a joint turn, None where unknown.
         later: Recordings on which it is judged.
+        pickups: When a load is taken up in recordings that have a moment of their own.
     """
     # Only what depends on nothing but the state: a reference to a reference would have no end.
     beside = tuple(
@@ -111,7 +115,7 @@ def context_of(
         and not isinstance(trial.effect, OnReference)
     )
     several = len(rows.prepared) > 1
-    return Context.of(
+    context = Context.of(
         found.fit.model,
         found.fit.full_parameters(),
         [p.motion for p in rows.prepared],
@@ -120,6 +124,7 @@ def context_of(
         later=[p.motion for p in later],
         ordered=not (several and all(p.laid and p.period is None for p in rows.prepared)),
     )
+    return dataclasses.replace(context, pickups=pickups)
 
 
 def fit_with(

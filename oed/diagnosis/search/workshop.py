@@ -31,6 +31,7 @@ from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import terms_alone, terms_together, torques_of_others
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
+from oed.dynamics.effects.payload import PickUp
 
 RECENT_FITS = 16  # kept: what is asked of one addition is asked beside the same others
 QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew
@@ -40,8 +41,9 @@ WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made an
 class Workshop:
     """The tables of one diagnosis: layouts, pools of trials and the held-out recordings.
 
-    What it makes, it never changes. Two things of its own do change: `context`,
-    which `update_context` takes from better fits, and `rng`, from which surrogates are drawn.
+    What it makes, it never changes. Three things of its own do change: `context`, which
+    `update_context` takes from better fits, `pickups`, the moments of a load in recordings that
+    have one of their own, and `rng`, from which surrogates are drawn.
     """
 
     def __init__(
@@ -53,6 +55,7 @@ class Workshop:
         *,
         gear_ratio: tuple[float, ...] | None,
         declared: Baseline | None = None,
+        pickups: tuple[PickUp, ...] = (),
     ) -> None:
         self.baseline, self.settings, self.gear_ratio = baseline, settings, gear_ratio
         # With the gravity that the data set declares; the tables may have been turned.
@@ -61,6 +64,7 @@ class Workshop:
         repeated = any(mean_of_repetitions(p)[1] > 1 for p in estimation)
         self.mean = lay_out(baseline, estimation, mean=True) if repeated else self.full
         self.estimation, self.validation = estimation, validation
+        self.pickups = pickups
         self.rng = np.random.default_rng(settings.seed)
         self._fits: Recent[Augmented] = Recent(RECENT_FITS)
         self.before = self._fitted((), self.mean, bend=False)
@@ -113,6 +117,7 @@ class Workshop:
             self.settings,
             gear_ratio=self.gear_ratio,
             declared=baseline if same else self.declared,
+            pickups=self.pickups,
         )
 
     @property
@@ -169,7 +174,13 @@ class Workshop:
 
     def context_with(self, found: Augmented) -> Context:
         """What the catalogue may know beside a fit."""
-        return context_of(found, self.full.rows, self.gear_ratio, self.validation)
+        rows, later = self.full.rows, self.validation
+        return context_of(found, rows, self.gear_ratio, later, self.pickups)
+
+    def take_up(self, pickups: tuple[PickUp, ...]) -> None:
+        """Have a load taken up at these moments."""
+        self.pickups = pickups
+        self.context = dataclasses.replace(self.context, pickups=pickups)
 
     def layout_for(self, chosen: Sequence[Trial]) -> Layout:
         """Mean repetitions, or all of them if an addition makes them differ."""

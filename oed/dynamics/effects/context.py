@@ -14,6 +14,7 @@ from numpy import ndarray
 from oed.dynamics.effects.effect import Effect
 from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.offset import TorqueOffset
+from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, follow_one_another
 from oed.dynamics.torque_model import TorqueModel
@@ -44,6 +45,7 @@ class Context:
             only assumed, what changes between two of them passes for anything in which they differ.
         beside: Effects found so far, each with its coefficients: delay, gain and load feel
             their torque too.
+        pickups: Recordings in which a load is taken up at a moment of their own.
     """
 
     model: TorqueModel
@@ -59,6 +61,7 @@ class Context:
     between: tuple[float, ...] = ()
     ordered: bool = True
     beside: Known = ()
+    pickups: tuple[PickUp, ...] = ()
 
     @classmethod
     def of(

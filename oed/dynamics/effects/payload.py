@@ -15,6 +15,23 @@ from oed.robot import Robot
 
 
 @dataclass(frozen=True)
+class PickUp:
+    """When a load is taken up in one recording.
+
+    Attributes:
+        first: Time of its first sample [s].
+        last: Time of its last one.
+        moment: From which on the load is held, on the same clock; infinite if never.
+        deviation: Standard deviation of the moment [s].
+    """
+
+    first: float
+    last: float
+    moment: float
+    deviation: float = 0.0
+
+
+@dataclass(frozen=True)
 class PayloadChange(Effect):
     """Inertial columns of a link from a moment on.
 
@@ -29,6 +46,7 @@ class PayloadChange(Effect):
             their own.
         start: Origin of `moment` [s]; None for the first sample of each recording.
         reference: Remembers the columns, which a search for the moment asks for again and again.
+        pickups: Recordings that have a moment of their own, whatever `moment` is.
     """
 
     robot: Robot
@@ -37,6 +55,7 @@ class PayloadChange(Effect):
     kept: tuple[int, ...] = tuple(range(10))
     start: float | None = None
     reference: ReferenceTorque | None = None
+    pickups: tuple[PickUp, ...] = ()
     name = "payload_change"
 
     @property
@@ -54,8 +73,17 @@ class PayloadChange(Effect):
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """The link's columns where the load is held, zero before."""
-        held = np.asarray(since(state.t, self.start) >= self.moment, dtype=float)
+        held = np.asarray(self._since_pickup(state.t) >= 0, dtype=float)
         gate = float(held) if held.ndim == 0 else held
         reference = self.reference or ReferenceTorque(self.robot)
         columns = reference.link_columns(state, self.link)
         return [{joint: mul(gate, entry) for joint, entry in columns[k].items()} for k in self.kept]
+
+    def _since_pickup(self, t: Scalar) -> Scalar:
+        """Time since the load was taken up [s], negative before."""
+        if isinstance(t, (np.ndarray, float)):
+            first = float(np.ravel(t)[0])
+            for own in self.pickups:
+                if own.first <= first <= own.last:
+                    return t - own.moment
+        return since(t, self.start) - self.moment

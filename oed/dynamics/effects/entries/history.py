@@ -190,7 +190,7 @@ def _payload(context: Context, _target: Target, values: tuple[float, ...]) -> Pa
     last = robot.outward[-1]
     kept = _visible(context)
     start = _start(context, values[1])
-    return PayloadChange(robot, last, values[0], kept, start, context.reference)
+    return PayloadChange(robot, last, values[0], kept, start, context.reference, context.pickups)
 
 
 @dataclass(frozen=True)
@@ -269,7 +269,7 @@ PAYLOAD_CHANGE = CatalogueEntry(
         source="Khalil, Gautier, Lemoine 2007, IEEE Int. Conf. Robotics and Automation, 3492-3497; "
         "Swevers, Verdonck, Naumer, Pieters, Biber 2002, Int. J. Robotics Research 21(8)",
         parameters="up to ten standard parameters of the load in the last body's frame; t_0 in s "
-        "since the start of the recording or of the session",
+        "since the start of the recording or of the session, or one for each recording",
         signature="repetitions before a moment differ from those after it, in inertia and gravity",
         confused_with=("thermal_drift", "gravity_direction"),
         exposed_by="the same motion with a known mass",

@@ -1,0 +1,52 @@
+"""A named load in recordings that no part of a diagnosis has looked at: when it is taken up there."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.estimates import Estimated
+from oed.diagnosis.evidence.final_model import FinalModel
+from oed.diagnosis.search.pickups import read_off
+from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.search.workshop import Workshop
+from oed.dynamics.effects.payload import PayloadChange
+
+
+def with_moments_of(
+    shop: Workshop, found: Augmented, final: FinalModel, test: Sequence[Prepared]
+) -> tuple[FinalModel, dict[str, Estimated]]:
+    """A final model that knows when a load is taken up in further recordings.
+
+    Only where the others have moments of their own: no model can foretell then what it is told
+    by nobody, and one number is read off each of the further recordings.
+
+    Args:
+        shop: The laid-out data.
+        found: The additions, fitted.
+        final: With all of them in their exact form.
+        test: The further recordings.
+
+    Returns:
+        The model; and by name of every recording but the first, the moment since its first
+        sample, infinite if never [s].
+    """
+    if not any(isinstance(t.effect, PayloadChange) and t.effect.pickups for t in found.chosen):
+        return final, {}
+    pickups = (*shop.pickups, *read_off(shop, found, test))
+    effects = tuple(
+        dataclasses.replace(effect, pickups=pickups)
+        if isinstance(effect, PayloadChange)
+        else effect
+        for effect in final.model.effects
+    )
+    model = dataclasses.replace(final.model, effects=effects)
+    recordings = {float(p.motion.t[0]): p for p in (*shop.estimation, *shop.validation, *test)}
+    moments = {}
+    for own in pickups:
+        recording = recordings[own.first]
+        lead = recording.band.edge  # since the log's first sample, not since the first in use
+        value = own.moment - own.first + lead
+        moments[recording.name] = Estimated("moment", value, own.deviation, "s")
+    return dataclasses.replace(final, model=model), moments
