@@ -21,7 +21,7 @@ from oed.diagnosis.baseline.noise_floor import (
 from oed.diagnosis.baseline.rich_fit import model_columns, rich_fit
 from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign
 from oed.diagnosis.data.direction import certainty, trusted_samples
-from oed.diagnosis.data.encoder_steps import encoder_torque
+from oed.diagnosis.data.encoder_steps import fine_encoder_torque
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
 from oed.diagnosis.fit.model_columns import with_uncertain_sign
@@ -164,7 +164,8 @@ def _repetition_floor(
             [trusted_samples(p, j, coulomb[j], deviation[j]) for j in range(len(coulomb))], axis=1
         )
         trusted.append(fine[repetition_samples(p)])
-    rounding = encoder_torque(rough.model, rough.full_parameters(), repeated)
+    errors = fine_encoder_torque(rough.model, rough.full_parameters(), repeated)
+    rounding = [repetition_series(p, e) for p, e in zip(repeated, errors, strict=True)]
     return floor_from_repetitions(series, trusted, repeated[0].band.analysis_rate, rounding)
 
 

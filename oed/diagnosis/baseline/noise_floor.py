@@ -105,7 +105,7 @@ def floor_from_repetitions(
     series: Sequence[Float[ndarray, "_ _ joints"]],
     trusted: Sequence[Bool[ndarray, "_ _ joints"]],
     rate: float,
-    repeated: Sequence[Float[ndarray, "_ joints"]] | None = None,
+    repeated: Sequence[Float[ndarray, "_ _ joints"]] | None = None,
 ) -> NoiseFloor:
     """Noise floor from the differences between successive repetitions.
 
@@ -113,8 +113,9 @@ def floor_from_repetitions(
         series: Residuals of the repetitions of each recording [N m].
         trusted: Which show nothing but noise.
         rate: Of the rows [Hz].
-        repeated: What errs alike in all repetitions of each recording [N m]. No difference shows
-            it; beside their mean it is louder than beside one, and it has a share in the colour.
+        repeated: What errs alike in all repetitions of each recording, laid out like `series`
+            [N m]. No difference shows it; beside their mean it is louder than beside one, and it
+            has a share in the colour.
     """
     apart = [x for folded in series for x in differences(folded)]
     # A difference is trusted where all that it is made of are.
@@ -131,15 +132,14 @@ def floor_from_repetitions(
 
 
 def _with_repeated(
-    series: Sequence[Float[ndarray, "_ _ joints"]], repeated: Sequence[Float[ndarray, "_ joints"]]
+    series: Sequence[Float[ndarray, "_ _ joints"]],
+    repeated: Sequence[Float[ndarray, "_ _ joints"]],
 ) -> list[Float[ndarray, "_ joints"]]:
     """Differences with what errs alike in all repetitions, as it stands beside their mean."""
     heard = []
     for folded, alike in zip(series, repeated, strict=True):
         apart = differences(folded)
-        count, rows = apart.shape[:2]
-        errors = alike[: count * rows].reshape(apart.shape)
-        heard += list(apart + np.sqrt(len(folded)) * errors)
+        heard += list(apart + np.sqrt(len(folded)) * alike[: len(apart)])
     return heard
 
 

@@ -114,7 +114,18 @@ def encoder_torque(
     prepared: Sequence[Prepared],
     deviations: Sequence[Float[ndarray, " joints"]] | None = None,
 ) -> list[Float[ndarray, "rows joints"]]:
-    """Errors of the predicted torque as errors of the encoders make them, in the band [N m].
+    """The same in the band (`fine_encoder_torque`)."""
+    errors = fine_encoder_torque(model, parameters, prepared, deviations)
+    return [p.band.apply(error) for p, error in zip(prepared, errors, strict=True)]
+
+
+def fine_encoder_torque(
+    model: TorqueModel,
+    parameters: Float[ndarray, " parameters"],
+    prepared: Sequence[Prepared],
+    deviations: Sequence[Float[ndarray, " joints"]] | None = None,
+) -> list[Float[ndarray, "samples joints"]]:
+    """Errors of the predicted torque as errors of the encoders make them [N m].
 
     Where the steps of an encoder lie is drawn: from positions that were smoothed it is not to be
     told any more. Errors of a given deviation are drawn sample by sample.
@@ -134,7 +145,7 @@ def encoder_torque(
         else:
             rounded = deviations[k] * rng.uniform(-np.sqrt(3), np.sqrt(3), p.motion.q.shape)
         if not rounded.any():
-            errors.append(np.zeros_like(p.torque))
+            errors.append(np.zeros_like(p.fine_torque))
             continue
         change, rate, acceleration = p.band.differentiate(rounded)
         there = dataclasses.replace(
@@ -143,6 +154,5 @@ def encoder_torque(
             dq=p.motion.dq + rate,
             ddq=p.motion.ddq + acceleration,
         )
-        difference = model.torque(parameters, there) - model.torque(parameters, p.motion)
-        errors.append(p.band.apply(difference))
+        errors.append(model.torque(parameters, there) - model.torque(parameters, p.motion))
     return errors
