@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from oed.diagnosis.search.chance import p_value_of
 from oed.diagnosis.search.held_out import cross_validate
-from oed.diagnosis.search.scan import Score, implausible, none_explains_more, score
+from oed.diagnosis.search.scan import Score, implausible, inflation_of, none_explains_more, score
 from oed.diagnosis.search.within import differs_alone
 from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
@@ -23,6 +23,8 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 
 STATIC = "position"  # family of torque at rest, which no lag that is a little wrong leaves
 COVERED = 0.3  # share of a gain that is left where another term explains the rest
+# Share of an earlier effect's gain from which on an effect that looks like nothing else may be there.
+MUCH_LESS = 0.002
 WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls
 # Share of what joints win, in squares of the floor, that others may lose to a named effect: it
 # moves parameters that all rows share, and so does a share of another joint's torque. To a curve
@@ -95,11 +97,13 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
         share = candidate.gain / max(
             _gain_of_earlier(shop, accepted, earlier, candidate.trial), 1e-300
         )
-        if share < shop.settings.mop_up_floor:
-            return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if share >= shop.settings.mending_share:
             continue
         others = [a.trial for a in accepted]
+        if share < shop.settings.mop_up_floor and not (
+            share >= MUCH_LESS and _like_nothing_else(shop, candidate, others)
+        ):
+            return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if _outdoes(shop, candidate, earlier, others):
             continue
         if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
@@ -142,6 +146,22 @@ def gain_at(
         for chosen in (others, [*others, trial])
     )
     return before - after
+
+
+def _like_nothing_else(shop: Workshop, candidate: Score, others: Sequence[Trial]) -> bool:
+    """Whether no curve of any coordinates explains as much as an effect of few parameters does.
+
+    What a wrong formula leaves, or smoothing, looks like a curve sooner than like another effect.
+    """
+    if candidate.trial.is_free_form:
+        return False
+    fit = shop.fit(others, shop.layout(candidate.trial)).fit
+    joints = list(candidate.trial.group)
+    margin = shop.settings.free_form_margin * float(inflation_of(fit)[joints].mean())
+    free = [t for t in shop.smooth if t.joint in joints and not t.between_repetitions]
+    return candidate.evidence(shop.full.rows.count) > margin and none_explains_more(
+        free, fit, candidate.gain, joints
+    )
 
 
 def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]) -> bool:
