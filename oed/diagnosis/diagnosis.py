@@ -248,7 +248,7 @@ def _with_rounding(baseline: Baseline, before: FinalModel, rows: Rows) -> Float[
     """(n,) the noise floor with what encoder steps err [N m]."""
     errors = encoder_torque(before.model, before.parameters, rows.prepared)
     valid = [e[p.valid] for e, p in zip(errors, rows.prepared, strict=True)]
-    repeated = rms(valid, baseline.certainty(rows.prepared))
+    repeated = rms(valid, baseline.noise_share(rows.prepared))
     return np.hypot(baseline.floor.deviation, repeated)
 
 
@@ -290,7 +290,7 @@ def _proof(
             errors_of(before, prepared),
             errors_of(after, prepared),
             [p.torque[p.valid] for p in prepared],
-            baseline.certainty(prepared),
+            baseline.noise_share(prepared),
             rate=prepared[0].band.analysis_rate,
             replicates=settings.bootstrap,
             rng=rng,

@@ -10,7 +10,7 @@ from oed.diagnosis.baseline.noise_floor import NoiseFloor, differences, floor_fr
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import NOISE, data_set
+from tests.diagnosis.arm import COULOMB, NOISE, data_set
 
 RATE = 75.0  # [Hz]
 ROWS = 750
@@ -129,3 +129,19 @@ def test_a_floor_read_beside_what_is_known_is_that_of_data_without_it():
     assert found.floor.deviation == pytest.approx(expected.floor.deviation, rel=1e-3)
     unaware = expected.with_model(expected.model, sprung)
     assert unaware.coulomb != pytest.approx(expected.coulomb, rel=1e-3)
+
+
+def test_steps_of_encoders_are_loud_at_reversals_alone():
+    """Beside dry friction: rows that are trusted are those of the repetition that they stand in."""
+    dataset = data_set(
+        2,
+        repetitions=5,
+        step=5e-5,
+        roles=("estimation",),
+        extra=lambda q, dq, ddq: 20 * COULOMB * np.sign(dq),
+    )
+    (prepared,) = prepare(dataset.recordings, DiagnosisSettings())
+    baseline = find_baseline(TorqueModel.standard(dataset.robot), (prepared,))
+    sizes = zip(baseline.floor.noise, baseline.floor.deviation, strict=True)
+    # Where joints move, steps of 0.05 mrad add a tenth to the noise.
+    assert [noise.deviation / size for noise, size in sizes] == pytest.approx([1, 1], abs=0.15)

@@ -78,6 +78,13 @@ class Baseline:
         """Weights of the errors of recordings: below one where the direction is uncertain."""
         return [certainty(p, self.coulomb, self.floor.deviation) for p in prepared]
 
+    def noise_share(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
+        """Of the variance of each valid row's error; the rest is friction of no known direction.
+
+        Errors of a perfect model, with these for weights, have about the noise's deviation.
+        """
+        return [weights**2 for weights in self.certainty(prepared)]
+
     def rows(self, prepared: tuple[Prepared, ...], scales: tuple[float, ...] | None = None) -> Rows:
         """White rows of any recordings of the same robot."""
         return weigh(prepared, self.floor.noise, self.coulomb, scales, self.floor.dilution)

@@ -112,7 +112,7 @@ def _never_worse(
     The search judges columns of first order where an effect acts on the whole model. Only the
     exact form, all parameters refitted together, can prove that nothing got worse.
     """
-    weights = shop.baseline.certainty(validation)
+    weights = shop.baseline.noise_share(validation)
     old = rms(errors_of(before, validation), weights) if validation else None
     kept = selection
     while kept.trials:

@@ -18,8 +18,8 @@ INTERVAL = (2.5, 97.5)  # [%]
 class RoleProof:
     """Errors on the recordings of one role, joint by joint.
 
-    All are weighted: rows where the direction of motion is uncertain count less, since dry
-    friction makes them uncertain for every model.
+    All are weighted by the share of noise in the variance of a row: where the direction of motion
+    is uncertain, dry friction makes the rows uncertain for every model.
 
     Attributes:
         role: "estimation", "validation" or "test".

@@ -69,7 +69,7 @@ class Workshop:
         self._fits: Recent[Augmented] = Recent(RECENT_FITS)
         self.before = self._fitted((), self.mean, bend=False)
         self.context = self.context_with(self.before)
-        self._validation_weights = baseline.certainty(validation)
+        self._validation_weights = baseline.noise_share(validation)
 
     def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
         """The tables anew, with signs and a noise floor read off beside these additions.
