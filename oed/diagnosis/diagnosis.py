@@ -44,6 +44,7 @@ from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.dissipation import check_dissipation
 from oed.experiment.dataset import DataSet
@@ -121,7 +122,7 @@ def diagnose(
         dataset: Recordings with roles; "test" is looked at last, and only to report.
         model: The base model.
         settings: How to look.
-        say: Receives a line of progress now and then.
+        say: Receives lines of progress.
 
     Raises:
         ValueError: If there is no estimation recording, or one is too short.
@@ -133,7 +134,7 @@ def diagnose(
     by_role = {role: tuple(p for p in prepared if p.role == role) for role in ROLES}
     estimation = by_role["estimation"]
     say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
-    baseline = find_baseline(model, estimation)
+    baseline = find_baseline(standing(model), estimation)
     deviations = zip(baseline.floor.deviation, model.robot.joints, strict=True)
     levels = ", ".join(f"{level:.3g} {joint.unit('N m')}" for level, joint in deviations)
     say(f"noise from {baseline.floor.source}: {levels}")
@@ -248,8 +249,7 @@ def _with_rounding(baseline: Baseline, before: FinalModel, rows: Rows) -> Float[
     """(n,) the noise floor with what encoder steps err [N m]."""
     errors = encoder_torque(before.model, before.parameters, rows.prepared)
     valid = [e[p.valid] for e, p in zip(errors, rows.prepared, strict=True)]
-    repeated = rms(valid, baseline.noise_share(rows.prepared))
-    return np.hypot(baseline.floor.deviation, repeated)
+    return np.hypot(baseline.floor.deviation, rms(valid, baseline.noise_share(rows.prepared)))
 
 
 def _unrepeated(

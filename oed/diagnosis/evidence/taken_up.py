@@ -19,8 +19,8 @@ def with_moments_of(
 ) -> tuple[FinalModel, dict[str, Estimated]]:
     """A final model that knows when a load is taken up in further recordings.
 
-    Only where the others have moments of their own: no model can foretell then what it is told
-    by nobody, and one number is read off each of the further recordings.
+    No model can foretell what it is told by nobody: where a recording shows by far that the load
+    comes when it would not by the clock of the others, that one number is read off it.
 
     Args:
         shop: The laid-out data.
@@ -29,10 +29,10 @@ def with_moments_of(
         test: The further recordings.
 
     Returns:
-        The model; and by name of every recording but the first, the moment since its first
-        sample, infinite if never [s].
+        The model; and by name of every recording that has a moment of its own, that moment since
+        its first sample, infinite if never [s].
     """
-    if not any(isinstance(t.effect, PayloadChange) and t.effect.pickups for t in found.chosen):
+    if not any(isinstance(t.effect, PayloadChange) for t in found.chosen):
         return final, {}
     pickups = (*shop.pickups, *read_off(shop, found, test))
     effects = tuple(

@@ -46,8 +46,23 @@ def with_own_moments(shop: Workshop, others: Sequence[Trial], found: Score) -> S
     if shop.pickups:  # of a load that was given up
         shop.take_up(())
         found = _again(shop, others, found.trial)
+    best, least = (found, ()), np.inf
     as_found = _left(shop, others, found)
-    best = _by_own_clock(shop, others, found)
+    for start in (found, _by_own_clock(shop, others, found)):
+        shop.take_up(())
+        tried = _with_moments(shop, others, start)
+        left = _left(shop, others, tried)
+        gain = np.sum((as_found - left) / np.maximum(left / _counted(shop), 1.0))
+        worth = len(shop.pickups) * _price(shop) - float(gain)
+        if shop.pickups and worth < min(least, 0.0):
+            best, least = (tried, shop.pickups), worth
+    shop.take_up(best[1])
+    return best[0]
+
+
+def _with_moments(shop: Workshop, others: Sequence[Trial], start: Score) -> Score:
+    """A load by the moments that recordings show, and these by the load."""
+    best = start
     for _ in range(ROUNDS):
         whole = shop.fit([*others, best.trial], shop.full, bend=False)
         pickups = read_off(shop, whole, (*shop.estimation[1:], *shop.validation))
@@ -55,12 +70,7 @@ def with_own_moments(shop: Workshop, others: Sequence[Trial], found: Score) -> S
             break
         shop.take_up(pickups)
         best = _again(shop, others, best.trial)
-    left = _left(shop, others, best)
-    gain = np.sum((as_found - left) / np.maximum(left / _counted(shop), 1.0))
-    if gain > len(shop.pickups) * _price(shop):
-        return best
-    shop.take_up(())
-    return found
+    return best
 
 
 def take_up_again(shop: Workshop, chosen: Sequence[Trial]) -> None:

@@ -11,12 +11,16 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.addition import normal_equations
+from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.scan import inflation_of
+from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, white_group
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import ThermalDrift
+
+NEARLY_ALL = 0.8  # share of what recordings differ by
 
 
 def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
@@ -24,7 +28,7 @@ def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
 
     Where it is only assumed in which order recordings were made, two of them may differ by
     anything. What changes must explain more than the same effect of a size of its own in each, and
-    than what its columns gain in noise.
+    than what its columns gain in noise; or a load must be all that they differ by.
 
     Args:
         shop: The laid-out data.
@@ -49,7 +53,25 @@ def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
     price = shop.settings.decisive + (within.rank - apart.rank) * np.log(layout.rows.count)
     if within.gain > apart.gain + price * noise:
         return None
+    if isinstance(trial.effect, PayloadChange) and _is_what_differs(layout, fit, trial, noise):
+        return None
     return "recordings of no known order differ, and none of them shows the change"
+
+
+def _is_what_differs(layout: Layout, fit: LinearFit, trial: Trial, noise: float) -> bool:
+    """Whether a load does nearly all that parameters of its own would do for each recording.
+
+    Warm friction, another offset or a link that was changed do something else.
+    """
+    starts = fit.rows.starts.tolist()
+    own = {
+        joint: _each_its_own(block, starts)[:, block.shape[1] :]
+        for joint, block in enumerate(layout.regressor)
+    }
+    every, load = (
+        normal_equations(fit.projection, fit.residual, g).solved() for g in (own, trial.group)
+    )
+    return load.gain > NEARLY_ALL * (every.gain - every.rank * noise)
 
 
 def _steady(effect: Effect) -> Effect | None:

@@ -25,9 +25,9 @@ from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense
-from oed.dynamics.effects import MeasurementEffect
+from oed.dynamics.effects import Effect, MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
-from oed.dynamics.effects.payload import PickUp
+from oed.dynamics.effects.payload import PayloadChange, PickUp
 from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.torque_model import TorqueModel
@@ -108,7 +108,7 @@ def context_of(
     """
     # Only what depends on nothing but the state: a reference to a reference would have no end.
     beside = tuple(
-        (trial.effect, values)
+        (_forgetful(trial.effect), values)
         for trial, values in zip(found.chosen, found.coefficients, strict=True)
         if not trial.is_free_form
         and CATALOGUE[trial.name].install is None
@@ -125,6 +125,11 @@ def context_of(
         ordered=not (several and all(p.laid and p.period is None for p in rows.prepared)),
     )
     return dataclasses.replace(context, pickups=pickups)
+
+
+def _forgetful(effect: Effect) -> Effect:
+    """An effect that remembers no torque, which would remember another, and so on."""
+    return effect.forgetful() if isinstance(effect, PayloadChange) else effect
 
 
 def fit_with(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -45,7 +46,7 @@ class PayloadChange(Effect):
         kept: Which of the ten standard parameters are columns; the rest make no torque of
             their own.
         start: Origin of `moment` [s]; None for the first sample of each recording.
-        reference: Remembers the columns, which a search for the moment asks for again and again.
+        memory: Of the columns, which a search for the moment asks for again and again; none if None.
         pickups: Recordings that have a moment of their own, whatever `moment` is.
     """
 
@@ -54,7 +55,7 @@ class PayloadChange(Effect):
     moment: float
     kept: tuple[int, ...] = tuple(range(10))
     start: float | None = None
-    reference: ReferenceTorque | None = None
+    memory: ReferenceTorque | None = None
     pickups: tuple[PickUp, ...] = ()
     name = "payload_change"
 
@@ -75,8 +76,8 @@ class PayloadChange(Effect):
         """The link's columns where the load is held, zero before."""
         held = np.asarray(self._since_pickup(state.t) >= 0, dtype=float)
         gate = float(held) if held.ndim == 0 else held
-        reference = self.reference or ReferenceTorque(self.robot)
-        columns = reference.link_columns(state, self.link)
+        memory = self.memory or ReferenceTorque(self.robot)
+        columns = memory.link_columns(state, self.link)
         return [{joint: mul(gate, entry) for joint, entry in columns[k].items()} for k in self.kept]
 
     def _since_pickup(self, t: Scalar) -> Scalar:
@@ -87,3 +88,7 @@ class PayloadChange(Effect):
                 if own.first <= first <= own.last:
                     return t - own.moment
         return since(t, self.start) - self.moment
+
+    def forgetful(self) -> PayloadChange:
+        """The same without a memory."""
+        return dataclasses.replace(self, memory=None)

@@ -13,7 +13,13 @@ from oed.dynamics.effects.delay import FilterLag, TimeDelay
 from oed.dynamics.effects.encoder import EccentricityColumns, EncoderEccentricity
 from oed.dynamics.effects.entries.plausibility import at_most, by_construction, joint_of
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
-from oed.dynamics.effects.gravity import GravityDirection, tilt_directions, tilted
+from oed.dynamics.effects.gravity import (
+    LEVEL,
+    STANDARD_GRAVITY,
+    GravityDirection,
+    tilt_directions,
+    tilted,
+)
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.identifiability import base_parameters
@@ -178,6 +184,22 @@ def _feels_gravity(robot: Robot) -> bool:
         Motion(np.arange(3.0), angles, rest, rest)
     )
     return bool(np.abs(columns).max() > 1e-9)
+
+
+def standing(model: TorqueModel) -> TorqueModel:
+    """A model of an arm that is declared weightless because its axes are all upright, under gravity.
+
+    Along them gravity moves no joint: the torque is the same, and a tilt has a direction to start
+    from. Any other arm is left as it is.
+    """
+    robot = model.robot
+    first = robot.joints[robot.outward[0]]
+    axis = first.R_PJ @ first.axis
+    up = axis * np.sign(axis[np.argmax(np.abs(axis))])
+    under = robot.with_gravity(-STANDARD_GRAVITY * up)
+    if np.linalg.norm(robot.gravity) >= LEVEL or _feels_gravity(under):
+        return model
+    return model.with_robot(under)
 
 
 def _tilt(robot: Robot, estimates: Float[ndarray, " columns"]) -> Float[ndarray, " directions"]:
