@@ -56,7 +56,8 @@ def _added(
 ) -> tuple[Workshop, list[Accepted], float]:
     """Named effects, then free-form terms; with the p-value of a tilt if the tables are turned.
 
-    Where a free-form term makes a name superfluous, others that it kept out have their turn.
+    Where a free-form term makes a name superfluous, others that it kept out have their turn; so
+    have names that show only beside what has none.
     """
     state = _State(shop if upright else (far_tilt(shop) or shop), refused, upright=upright)
     while True:
@@ -64,11 +65,15 @@ def _added(
         whole = _with_free_forms(state.shop, state.accepted, refused)
         names = [a for a in whole if not a.trial.is_free_form]
         fallen = {a.trial.key for a in state.accepted} - {a.trial.key for a in names}
-        if not fallen:
+        if fallen:
+            state.accepted = names
+            state.barred |= fallen
+            state.turn_again()
+            continue
+        late = state.next_beside(whole)
+        if late is None:
             break
-        state.accepted = names
-        state.barred |= fallen
-        state.turn_again()
+        state.accepted.append(late)
     shop = state.shop
     if shop.is_turned:
         shop, whole = turned_beside(shop, whole)
@@ -88,6 +93,7 @@ class _State:
         grouped: Names that were tried in several joints at once.
         joined: Joints in which several names were tried at once.
         paired: Joints in which two names of any kind were.
+        late: Names that were found beside what has none.
         p_value: Of a tilt, if the tables are turned.
     """
 
@@ -99,6 +105,7 @@ class _State:
     grouped: set[str] = field(default_factory=set)
     joined: set[int] = field(default_factory=set)
     paired: set[int] = field(default_factory=set)
+    late: set[tuple[str, object]] = field(default_factory=set)
     p_value: float = 0.0
 
     def add_names(self) -> None:
@@ -141,6 +148,28 @@ class _State:
 
     def _names(self) -> tuple[bool, set[tuple[str, object]]]:
         return self.shop.is_turned, {a.trial.key for a in self.accepted}
+
+    def next_beside(self, whole: Sequence[Accepted]) -> Accepted | None:
+        """A name in the place of one free-form term, beside the others; every one has one turn.
+
+        What another joint lacks, or a second thing in the same one, had kept it out.
+        """
+        if len(self.accepted) + self.shop.is_turned >= self.shop.most_effects:
+            return None
+        taken = self.late | {a.trial.key for a in whole}
+        free = [a for a in whole if a.trial.is_free_form]
+        for item in free if len(free) > 1 else []:
+            pool = [
+                t
+                for t in self._pool()
+                if t.key not in taken and t.name != GRAVITY and item.trial.joint in t.group
+            ]
+            rest = [a for a in whole if a is not item]
+            pick = _next_physical(self.shop, rest, self.refused, pool)
+            if pick is not None:
+                self.late.add(pick.trial.key)
+                return pick
+        return None
 
     def _next_behind_noise(self) -> Accepted | None:
         """A name that has passed for noise, in tables without it."""

@@ -65,7 +65,7 @@ def _is_of(trial: Trial, joint: int, shop: Workshop) -> bool:
     """Whether an effect is one of a joint, or a delay, and on the rows that all others are on."""
     if trial.between_repetitions and shop.full is not shop.mean:
         return False
-    return trial.target is None if trial.fixed else trial.target == joint
+    return trial.target is None if trial.fixed else trial.joint == joint
 
 
 def _price(pair: Sequence[Trial]) -> int:
