@@ -25,15 +25,20 @@ def test_errors_that_rise_together_do():
     assert costs(OLD, np.array([1.01, 0.2]), FLOOR)
 
 
-@pytest.mark.parametrize(("share", "dear"), [(0.5 * PRICE, False), (2.0 * PRICE, True)])
-def test_a_loss_is_weighed_against_the_gain_in_squares_of_the_floor(share, dear):
-    gain = (OLD[0] ** 2 - 0.6**2) / FLOOR[0] ** 2
-    loser = np.sqrt(OLD[1] ** 2 + share * gain * FLOOR[1] ** 2)
-    new = np.array([0.6, loser])
-    assert np.mean((new / OLD) ** 2) < 1 or dear
-    assert loser > WORSE * OLD[1]
+@pytest.mark.parametrize(("share", "dear"), [(0.9 * PRICE, False), (1.1 * PRICE, True)])
+def test_a_loss_is_weighed_against_the_gain_as_likelihoods_are(share, dear):
+    new = np.array([0.6, OLD[1] * (OLD[0] / 0.6) ** share])
+    assert np.mean((new / OLD) ** 2) < 1
+    assert new[1] > WORSE * OLD[1]
     assert costs(OLD, new, FLOOR) is dear
     assert costs(OLD, new, FLOOR, price=0.0)
+
+
+def test_no_more_is_lost_than_won_in_squares_of_the_floor():
+    """A joint whose error is many floors loses more by a tenth than another wins by a third."""
+    old, new = np.array([FLOOR[0], 10 * FLOOR[1]]), np.array([0.7 * FLOOR[0], 10.5 * FLOOR[1]])
+    assert not costs(FLOOR, new * FLOOR / old, FLOOR)
+    assert costs(old, new, FLOOR)
 
 
 def test_a_rise_within_the_margin_is_chance():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -19,6 +20,8 @@ from oed.diagnosis.search.surrogates import (
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
+MAIN = 0.1  # of the most that a candidate explains of a joint, at one that counts
+
 # Residuals that chance might have left, of a fit and so many.
 Draw = Callable[[LinearFit, int, np.random.Generator], Float[ndarray, "joints rows count"]]
 
@@ -27,9 +30,8 @@ def p_value_of(
     shop: Workshop, candidate: Score, others: Sequence[Trial], pool: Sequence[Trial]
 ) -> float:
     """Family-wise p-value; chance is what the model with the candidate leaves of its joints."""
-    own = candidate.trial
-    after = shop.fit([*others, own], shop.layout(own)).fit
-    return _family_wise(shop, candidate, after, flipped, pool)
+    before, after = _without_and_with(shop, candidate, others)
+    return _family_wise(shop, _at_home(candidate, before, after), after, flipped, pool)
 
 
 def chance_of_slow_noise(
@@ -40,8 +42,32 @@ def chance_of_slow_noise(
     What a term has taken for the arm's doing is gone from what it leaves. So chance is what was
     there before, moved in time: noise keeps no step with the arm, and a search finds as much in it.
     """
-    before = shop.fit(others, shop.layout(candidate.trial)).fit
-    return _family_wise(shop, candidate, before, moved_in_time, pool)
+    before, after = _without_and_with(shop, candidate, others)
+    return _family_wise(shop, _at_home(candidate, before, after), before, moved_in_time, pool)
+
+
+def _without_and_with(
+    shop: Workshop, candidate: Score, others: Sequence[Trial]
+) -> tuple[LinearFit, LinearFit]:
+    layout = shop.layout(candidate.trial)
+    before, after = (shop.fit(t, layout).fit for t in (others, [*others, candidate.trial]))
+    return before, after
+
+
+def _at_home(candidate: Score, before: LinearFit, after: LinearFit) -> Score:
+    """A candidate in the joints of which it explains something.
+
+    What others lack, where it hardly acts, says nothing of chance.
+    """
+    falls = np.sum(before.residual**2, axis=1) - np.sum(after.residual**2, axis=1)
+    group = candidate.trial.group
+    most = max(float(falls[joint]) for joint in group)
+    main = {j: block for j, block in group.items() if falls[j] >= MAIN * most}
+    if len(main) == len(group) or most <= 0:
+        return candidate
+    gain = float(sum(falls[j] for j in main))
+    trial = dataclasses.replace(candidate.trial, group=main)
+    return dataclasses.replace(candidate, trial=trial, gain=gain)
 
 
 def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
@@ -71,7 +97,7 @@ def _family_wise(
     """
     own = candidate.trial
     kin = [
-        t
+        dataclasses.replace(t, group={j: b for j, b in t.group.items() if j in own.group})
         for t in pool
         if t.between_repetitions == own.between_repetitions
         and not set(t.group).isdisjoint(own.group)

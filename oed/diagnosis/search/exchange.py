@@ -22,6 +22,7 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
+MANY = 5  # additions; to look at all of more, again and again, takes minutes
 AT_ONCE = 2  # additions that are left out together
 
 
@@ -69,13 +70,30 @@ def _beside(
     return others, shop.fit(others, shop.layout(item.trial)).fit
 
 
-def settled(shop: Workshop, accepted: list[Accepted], pool: Sequence[Trial]) -> list[Accepted]:
-    """Refit, re-examine each addition beside the others, exchange or drop it."""
+def settled(
+    shop: Workshop,
+    accepted: list[Accepted],
+    pool: Sequence[Trial],
+    fresh: Sequence[Accepted] = (),
+) -> list[Accepted]:
+    """Refit, re-examine each addition beside the others, exchange or drop it.
+
+    Of very many, those alone that act on a joint on which something is fresh.
+
+    Args:
+        shop: The laid-out data.
+        accepted: Additions so far.
+        pool: Candidates, over the grids of their shapes.
+        fresh: What was added since they were looked at; all if empty.
+    """
+    moved = {joint for item in fresh for joint in item.trial.group}
     for _ in range(MOST_EXCHANGES):
         trials = [a.trial for a in accepted]
         shop.update_context(shop.fit(trials))
         changed = False
         for k in range(len(accepted)):
+            if fresh and len(accepted) > MANY and moved.isdisjoint(accepted[k].trial.group):
+                continue
             rest = [a for i, a in enumerate(accepted) if i != k]
             best = _best_in_place(shop, accepted[k], rest, pool)
             changed |= best.trial.key != accepted[k].trial.key

@@ -26,8 +26,8 @@ COVERED = 0.3  # share of a gain that is left where another term explains the re
 # Share of an earlier effect's gain from which on an effect that looks like nothing else may be there.
 MUCH_LESS = 0.002
 WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls
-# Share of what joints win, in squares of the floor, that others may lose to a named effect: it
-# moves parameters that all rows share, and so does a share of another joint's torque. To a curve
+# Share of what joints win, in -2 log likelihood, that others may lose to a named effect: it moves
+# parameters that all rows share, and so does a share of another joint's torque. To a curve
 # that claims no physics nobody has to lose.
 PRICE = 1 / 3
 
@@ -153,9 +153,9 @@ def _like_nothing_else(shop: Workshop, candidate: Score, others: Sequence[Trial]
 
     What a wrong formula leaves, or smoothing, looks like a curve sooner than like another effect.
     """
-    if candidate.trial.is_free_form:
+    if candidate.trial.is_free_form or shop.layout(candidate.trial) is not shop.mean:
         return False
-    fit = shop.fit(others, shop.layout(candidate.trial)).fit
+    fit = shop.fit(others, shop.mean).fit
     joints = list(candidate.trial.group)
     margin = shop.settings.free_form_margin * float(inflation_of(fit)[joints].mean())
     free = [t for t in shop.smooth if t.joint in joints and not t.between_repetitions]
@@ -270,10 +270,23 @@ def costs(
         floor: (n,) standard deviation of the noise [N m].
         price: Share of what joints win that others may lose.
     """
-    fall = (old**2 - new**2) / floor**2
-    dear = -fall[fall < 0].sum() > price * fall[fall > 0].sum()
     ratio = new / old
+    if price > 0:
+        # Where a joint lacks most of what it does, all that is added moves its error: what others
+        # win counts as the joint's likelihood does, and in squares of the floor no less is won.
+        shares, squares = -2 * np.log(ratio), (old**2 - new**2) / floor**2
+        dear = _lost(shares) > price * _won(shares) or _lost(squares) > _won(squares)
+    else:
+        dear = True
     return bool(np.mean(ratio**2) >= 1 or (ratio.max() > WORSE and dear))
+
+
+def _won(falls: Float[ndarray, " joints"]) -> float:
+    return float(falls[falls > 0].sum())
+
+
+def _lost(falls: Float[ndarray, " joints"]) -> float:
+    return float(-falls[falls < 0].sum())
 
 
 def refusal(candidate: Score | Accepted, reason: str) -> Refused:

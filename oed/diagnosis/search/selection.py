@@ -93,7 +93,7 @@ class _State:
         grouped: Names that were tried in several joints at once.
         joined: Joints in which several names were tried at once.
         paired: Joints in which two names of any kind were.
-        late: Names that were found beside what has none.
+        late: Free-form terms that names were looked for in the place of, and names found there.
         p_value: Of a tilt, if the tables are turned.
     """
 
@@ -114,12 +114,14 @@ class _State:
         while len(self.accepted) + self.shop.is_turned < most:
             pick = _next_physical(self.shop, self.accepted, self.refused, self._pool())
             pick = pick or self._next_behind_noise()
+            fresh = [] if pick is None else [pick]
             if pick is None:
                 room = most - len(self.accepted) - self.shop.is_turned
                 group = self._next_group(room) or self._next_together(room) or self._next_two(room)
                 if not group:
                     break
                 self.accepted += group
+                fresh = group
             elif pick.trial.name == GRAVITY:
                 self.p_value = pick.p_value
                 self.shop = turned(self.shop, [a.trial for a in self.accepted])
@@ -129,12 +131,12 @@ class _State:
                     continue
             else:
                 self.accepted.append(pick)
-            self._settle()
+            self._settle(fresh)
             self.turn_again()
             sharper = self.shop.sharpened([a.trial for a in self.accepted])
             if sharper is not None:
                 self.shop = sharper
-                self._settle()
+                self._settle(fresh)
             if pick is not None and self._names() in seen:
                 # It fell beside the others, or they change places for ever.
                 self.barred.add(pick.trial.key)
@@ -159,6 +161,9 @@ class _State:
         taken = self.late | {a.trial.key for a in whole}
         free = [a for a in whole if a.trial.is_free_form]
         for item in free if len(free) > 1 else []:
+            if item.trial.key in self.late:
+                continue
+            self.late.add(item.trial.key)
             pool = [
                 t
                 for t in self._pool()
@@ -228,9 +233,9 @@ class _State:
                 return found
         return []
 
-    def _settle(self) -> None:
+    def _settle(self, fresh: Sequence[Accepted] = ()) -> None:
         accepted = [at_home(self.shop, a) for a in self.accepted]
-        self.accepted = settled(self.shop, accepted, self._pool())
+        self.accepted = settled(self.shop, accepted, self._pool(), fresh)
 
     def _pool(self) -> list[Trial]:
         return [

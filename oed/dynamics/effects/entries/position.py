@@ -61,6 +61,9 @@ def _ripple_harmonics(
     context: Context, target: Target, shapes: tuple[Shape, ...]
 ) -> tuple[Shape, ...]:
     joint, shape = joint_of(target), shapes[0]
+    # Teeth and poles are counted on the pinion of a slide.
+    radius = context.model.robot.joints[joint].speed(1.0)
+    shape = dataclasses.replace(shape, upper=shape.upper / radius)
     # Fewer periods within the motion than these are a slope and a bend: any function of position.
     swing = max(float(np.ptp(context.position_range[joint])), LEAST_RANGE)
     least = max(shape.lower, LEAST_PERIODS * 2 * np.pi / swing)

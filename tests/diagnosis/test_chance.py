@@ -1,0 +1,41 @@
+"""Chance is counted where a candidate acts: what another joint lacks is no noise of this one."""
+
+import numpy as np
+
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.chance import p_value_of
+from oed.diagnosis.search.scan import score
+from tests.diagnosis.arm import COULOMB, VISCOUS, data_set
+from tests.diagnosis.shop import shop_of, trial_of
+
+SHARE = 0.03  # of the first joint's friction that the second one's motor carries
+RIPPLE = 0.9  # [N m]
+
+
+def wavy_and_coupled(q, dq, ddq):
+    wave = RIPPLE * (np.sin(4 * q[:, 0] + 0.5) + 0.45 * np.sin(8 * q[:, 0] + 1.1))
+    return np.stack(
+        [wave, SHARE * (COULOMB[0] * np.sign(dq[:, 0]) + VISCOUS[0] * dq[:, 0])], axis=1
+    )
+
+
+def beside_nothing(shop, trial) -> LinearFit:
+    return shop.fit([], shop.layout(trial)).fit
+
+
+def test_a_joint_that_lacks_much_hides_no_effect_of_another():
+    shop = shop_of(data_set(2, extra=wavy_and_coupled), surrogates=99, refined=4)
+    trial = trial_of(shop, "motor_coupling", (1, 0), (0.0,))
+    assert set(trial.group) == {0, 1}
+    candidate = score(trial, beside_nothing(shop, trial))
+    assert p_value_of(shop, candidate, [], shop.physical) < 1e-6
+
+
+def test_nothing_is_as_likely_as_chance_says():
+    """The p-value of the best of all names, where there is none, is seldom small."""
+    shop = shop_of(data_set(5), surrogates=99, refined=4)
+    best = max(
+        (score(t, beside_nothing(shop, t)) for t in shop.physical),
+        key=lambda s: s.surprise(np.ones(2)),
+    )
+    assert p_value_of(shop, best, [], shop.physical) > 0.01
