@@ -15,7 +15,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
-from oed.dynamics.newton_euler import joint_components, joint_pose
+from oed.dynamics.newton_euler import joint_pose
 from oed.dynamics.scalars import (
     ZERO,
     Scalar,
@@ -63,7 +63,7 @@ def energy_entries(robot: Robot, q: Sequence[Scalar], dq: Sequence[Scalar]) -> l
 
 def energy_regressor(robot: Robot, motion: Motion) -> Float[ndarray, "samples standard"]:
     """Total energy of each unit parameter at every instant; `motion.ddq` is not used."""
-    q, dq, _ = joint_components(motion)
+    q, dq, _ = motion.components
     entries = energy_entries(robot, q, dq)
     return np.stack([np.broadcast_to(entry, len(motion)) for entry in entries], axis=1)
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from functools import cached_property
+from hashlib import blake2b
+from itertools import chain, pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -13,6 +15,9 @@ from numpy import ndarray
 
 from oed.robot import Robot
 
+Components = tuple[Float[ndarray, " samples"], ...]
+
+STRIDE = 8  # samples that a motion's fingerprint leaves out
 UNBOUNDED_RANGE = np.pi  # [rad or m] half width used where a joint has no position limit
 UNBOUNDED_RATE = 3.0  # [rad/s] or [rad/s^2], where a joint has no such limit
 
@@ -49,6 +54,24 @@ class Motion:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    @cached_property
+    def components(self) -> tuple[Components, Components, Components]:
+        """q, dq and ddq as contiguous (N,) arrays, one a joint."""
+        q, dq, ddq = (tuple(np.ascontiguousarray(x.T)) for x in (self.q, self.dq, self.ddq))
+        return q, dq, ddq
+
+    @cached_property
+    def fingerprint(self) -> bytes:
+        """What tells one sampled motion from another.
+
+        Every few samples, since motions that differ do so nearly everywhere.
+        """
+        digest = blake2b(repr(self.averaged).encode(), digest_size=16)
+        for component in (self.t, *chain(*self.components)):
+            digest.update(component[::STRIDE].tobytes())
+            digest.update(component[-1:].tobytes())
+        return digest.digest()
 
     def __getitem__(self, samples: slice | ndarray) -> Motion:
         return dataclasses.replace(

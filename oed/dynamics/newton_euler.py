@@ -168,7 +168,7 @@ def regressor_entries(
 
 def rigid_body_regressor(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints standard"]:
     """The regressor of the 10 n standard parameters at every instant of a motion."""
-    return filled(regressor_entries(robot, *joint_components(motion)), len(motion), robot.n)
+    return filled(regressor_entries(robot, *motion.components), len(motion), robot.n)
 
 
 def filled(
@@ -184,16 +184,8 @@ def filled(
 
 def rigid_body_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
     """Torque of the robot's own parameters by the recursion (2) [N m or N]."""
-    torques = inverse_dynamics(robot, *joint_components(motion))
+    torques = inverse_dynamics(robot, *motion.components)
     return np.stack([np.broadcast_to(torque, len(motion)) for torque in torques], axis=1)
-
-
-def joint_components(
-    motion: Motion,
-) -> tuple[list[ndarray], list[ndarray], list[ndarray]]:
-    """q, dq and ddq as lists of contiguous (N,) arrays, one a joint."""
-    q, dq, ddq = (list(np.ascontiguousarray(x.T)) for x in (motion.q, motion.dq, motion.ddq))
-    return q, dq, ddq
 
 
 def _inertial_wrench(parameters: Float[ndarray, "10"], body: BodyMotion) -> tuple[Vector, Vector]:

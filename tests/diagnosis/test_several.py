@@ -75,7 +75,7 @@ def test_what_falls_beside_the_others_does_not_come_back(monkeypatch):
                     return selection.Accepted(trial, 1.0, 0.001)
         return None
 
-    monkeypatch.setattr(selection, "_next_physical", stubborn)
+    monkeypatch.setattr(selection, "next_name", stubborn)
     shop = shop_of(data_set(5, extra=offsets([0])), candidates=("torque_offset", "rotor_inertia"))
     _, found = selection.search(shop)
     assert [a.trial.key for a in found.accepted] == [("torque_offset", 0)]

@@ -7,16 +7,15 @@ from dataclasses import dataclass, field
 from itertools import groupby
 
 from oed.diagnosis.search.behind_noise import quieter_beside
-from oed.diagnosis.search.exchange import decided_shapes, rested, settled
-from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms, better_free_form
-from oed.diagnosis.search.judgement import Accepted, Refused, at_home, judge, refusal
-from oed.diagnosis.search.pickups import take_up_again, with_own_moments
-from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.exchange import MANY, decided_shapes, rested, settled
+from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms
+from oed.diagnosis.search.judgement import Accepted, Refused, at_home, refusal
+from oed.diagnosis.search.next_name import next_name
+from oed.diagnosis.search.pickups import take_up_again
 from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.standing_in import next_free_form
-from oed.diagnosis.search.telling import most_telling_first
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.search.turning import GRAVITY, accepted_tilt, turned, turned_beside
 from oed.diagnosis.search.two_at_once import two_at_once
@@ -112,7 +111,7 @@ class _State:
         """Add, exchange and drop names until none passes all tests."""
         most, seen = self.shop.most_effects, [self._names()]
         while len(self.accepted) + self.shop.is_turned < most:
-            pick = _next_physical(self.shop, self.accepted, self.refused, self._pool())
+            pick = next_name(self.shop, self.accepted, self.refused, self._pool())
             pick = pick or self._next_behind_noise()
             fresh = [] if pick is None else [pick]
             if pick is None:
@@ -154,9 +153,9 @@ class _State:
     def next_beside(self, whole: Sequence[Accepted]) -> Accepted | None:
         """A name in the place of one free-form term, beside the others; every one has one turn.
 
-        What another joint lacks, or a second thing in the same one, had kept it out.
+        What another joint lacks, or a second thing in the same one, had kept it out. Not beside very many.
         """
-        if len(self.accepted) + self.shop.is_turned >= self.shop.most_effects:
+        if len(self.accepted) + self.shop.is_turned >= min(self.shop.most_effects, MANY):
             return None
         taken = self.late | {a.trial.key for a in whole}
         free = [a for a in whole if a.trial.is_free_form]
@@ -170,7 +169,7 @@ class _State:
                 if t.key not in taken and t.name != GRAVITY and item.trial.joint in t.group
             ]
             rest = [a for a in whole if a is not item]
-            pick = _next_physical(self.shop, rest, self.refused, pool)
+            pick = next_name(self.shop, rest, self.refused, pool)
             if pick is not None:
                 self.late.add(pick.trial.key)
                 return pick
@@ -182,7 +181,7 @@ class _State:
         for beside, trial in quieter_beside(self.shop, self._pool(), others):
             accepted = [at_home(beside, a) for a in self.accepted]
             own = [t for t in beside.physical if t.key == trial.key]
-            pick = _next_physical(beside, accepted, self.refused, own)
+            pick = next_name(beside, accepted, self.refused, own)
             if pick is not None:
                 self.shop, self.accepted = beside, accepted
                 return pick
@@ -274,31 +273,3 @@ def _concluded(
     take_up_again(shop, [a.trial for a in needed if a.stands_in])
     accepted = decided_shapes(shop, rested(shop, [*tilts, *needed]))
     return shop, Selection.of(shop, accepted, refused)
-
-
-def _next_physical(
-    shop: Workshop, accepted: list[Accepted], refused: list[Refused], pool: Sequence[Trial]
-) -> Accepted | None:
-    others = [a.trial for a in accepted]
-    rows = shop.full.rows.count
-    found = ranked(shop, pool, others, shop.settings.refined, thorough=True)
-    found = [c for c in found if c.evidence(rows) > 0]
-    # At a shape that the validation recordings decide, one may explain nothing of the others.
-    telling = most_telling_first(shop, found, others)
-    candidates = [c for c in telling if c.evidence(rows) > 0]
-    rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
-    for candidate in candidates:
-        better = better_free_form(shop, candidate, rivals, others)
-        if better is not None:
-            reason = (
-                f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
-            )
-            refused.append(refusal(candidate, reason))
-            continue
-        own = with_own_moments(shop, others, candidate)
-        passed = judge(shop, own, accepted, shop.physical, refused)
-        if passed is not None:
-            return passed
-        if own is not candidate:
-            shop.take_up(())
-    return None

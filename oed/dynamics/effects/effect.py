@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from hashlib import blake2b
 from typing import ClassVar
 
 import numpy as np
@@ -14,10 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
-from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.scalars import Scalar, mean_sign, sign, tanh
-
-STRIDE = 8  # samples that a motion's fingerprint leaves out
 
 
 @dataclass(frozen=True)
@@ -47,6 +43,7 @@ class State:
         sign_width: Velocity over which a solver's sign is smoothed, tanh(v / width)
             [rad/s]; 0 for the exact sign with sign(0) = 0.
         averaged: Whether signs are means over the step of a sampled motion.
+        sampled: The motion that this is the state along, if it is known.
     """
 
     t: Scalar
@@ -55,12 +52,12 @@ class State:
     ddq: Sequence[Scalar]
     sign_width: float = 0.0
     averaged: bool = False
+    sampled: Motion | None = None
 
     @classmethod
     def along(cls, motion: Motion, sign_width: float = 0.0) -> State:
         """The state at all instants of a sampled motion."""
-        q, dq, ddq = joint_components(motion)
-        return cls(motion.t, q, dq, ddq, sign_width, motion.averaged)
+        return cls(motion.t, *motion.components, sign_width, motion.averaged, motion)
 
     def sign(self, velocity: Scalar, width: float = 0.0) -> Scalar:
         """Direction of motion, smoothed over the wider of `width` and `sign_width`."""
@@ -71,18 +68,10 @@ class State:
 
     @cached_property
     def fingerprint(self) -> bytes | None:
-        """What tells one sampled motion from another; None for symbols and single instants.
-
-        Every few samples, since motions that differ do so nearly everywhere.
-        """
-        components = (self.t, *self.q, *self.dq, *self.ddq)
-        if not all(isinstance(x, np.ndarray) for x in components):
+        """What tells one sampled motion from another; None for symbols and single instants."""
+        if not self._is_sampled():
             return None
-        digest = blake2b(repr((self.sign_width, self.averaged)).encode(), digest_size=16)
-        for component in components:
-            digest.update(component[::STRIDE].tobytes())
-            digest.update(component[-1:].tobytes())
-        return digest.digest()
+        return self.motion("a fingerprint").fingerprint + repr(self.sign_width).encode()
 
     def motion(self, effect: str) -> Motion:
         """The sampled motion, for an effect that depends on more than one instant.
@@ -93,14 +82,19 @@ class State:
         Raises:
             ValueError: If the state is symbolic or one instant, so that it has no history.
         """
-        components = (*self.q, *self.dq, *self.ddq)
-        if not all(isinstance(x, np.ndarray) and x.ndim == 1 for x in components):
+        if self.sampled is not None:
+            return self.sampled
+        if not self._is_sampled():
             raise ValueError(
                 f"{effect} depends on the history of the motion: it can be evaluated on sampled "
                 f"arrays, not on a symbolic state or a single instant"
             )
         q, dq, ddq = (np.stack(x, axis=1) for x in (self.q, self.dq, self.ddq))
         return Motion(np.asarray(self.t, dtype=float), q, dq, ddq, averaged=self.averaged)
+
+    def _is_sampled(self) -> bool:
+        components = (*self.q, *self.dq, *self.ddq)
+        return all(isinstance(x, np.ndarray) and x.ndim == 1 for x in components)
 
 
 class Effect(ABC):

@@ -103,7 +103,7 @@ class EccentricityColumns(Effect):
             [*before[:j], value, *before[j + 1 :]]
             for before, value in zip((state.q, state.dq, state.ddq), true, strict=True)
         )
-        return replace(state, q=q, dq=dq, ddq=ddq)
+        return replace(state, q=q, dq=dq, ddq=ddq, sampled=None)
 
 
 def _times(harmonic: float) -> str:

@@ -5,7 +5,6 @@ import numpy as np
 from oed.dynamics.effects import State, TorqueOffset
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.context import Context
-from oed.dynamics.newton_euler import joint_components
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import imi_scara
 from tests.dynamics.effects.arms import panda, smooth_motion
@@ -29,7 +28,7 @@ def test_the_torque_of_reference_holds_what_was_found_so_far():
     robot = imi_scara()
     offset = (TorqueOffset(1), np.array([0.7]))
     motion = smooth_motion(robot)
-    state = State(motion.t, *joint_components(motion))
+    state = State(motion.t, *motion.components)
     bare, known = (context_of(robot, b).reference.total(state) for b in ((), (offset,)))
     assert np.allclose(np.asarray(known[1]) - np.asarray(bare[1]), 0.7, atol=1e-12)
     assert np.allclose(np.asarray(known[0]), np.asarray(bare[0]), atol=1e-12)

@@ -9,7 +9,7 @@ from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.effects.load import LoadFriction, TorqueSaturation
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
-from oed.dynamics.newton_euler import joint_components, rigid_body_torque
+from oed.dynamics.newton_euler import rigid_body_torque
 from tests.dynamics.effects.arms import context_of, panda, smooth_motion, vertical_arm
 
 ARM = vertical_arm()
@@ -33,7 +33,7 @@ def test_reference_inertia_is_the_diagonal_of_the_inertia_matrix() -> None:
     c = np.cos(MOTION.q[:, 1])
     total, first_x, first_y, inertia_2 = 3.923, 0.808, 0.328, 0.141
     coupling = 2 * 0.359 * (first_x * c - first_y * np.sin(MOTION.q[:, 1]))
-    state = State(MOTION.t, *joint_components(MOTION))
+    state = State(MOTION.t, *MOTION.components)
     assert CONTEXT.reference.inertia(state, 0) == pytest.approx(total + inertia_2 + coupling)
     assert CONTEXT.reference.inertia(state, 1) == pytest.approx(inertia_2)
 

@@ -1,0 +1,49 @@
+"""The name that comes next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from oed.diagnosis.search.free_form_rivals import better_free_form
+from oed.diagnosis.search.judgement import Accepted, Refused, judge, refusal
+from oed.diagnosis.search.pickups import with_own_moments
+from oed.diagnosis.search.ranking import ranked
+from oed.diagnosis.search.telling import most_telling_first
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+
+
+def next_name(
+    shop: Workshop, accepted: list[Accepted], refused: list[Refused], pool: Sequence[Trial]
+) -> Accepted | None:
+    """The first of the leading names that passes all tests beside what was accepted.
+
+    Args:
+        shop: The laid-out data; takes up the moments of a load that is accepted.
+        accepted: Additions so far.
+        refused: Takes in what is turned down.
+        pool: Candidates, over the grids of their shapes.
+    """
+    others = [a.trial for a in accepted]
+    rows = shop.full.rows.count
+    found = ranked(shop, pool, others, shop.settings.refined, thorough=True)
+    found = [c for c in found if c.evidence(rows) > 0]
+    # At a shape that the validation recordings decide, one may explain nothing of the others.
+    telling = most_telling_first(shop, found, others)
+    candidates = [c for c in telling if c.evidence(rows) > 0]
+    rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
+    for candidate in candidates:
+        better = better_free_form(shop, candidate, rivals, others)
+        if better is not None:
+            reason = (
+                f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
+            )
+            refused.append(refusal(candidate, reason))
+            continue
+        own = with_own_moments(shop, others, candidate)
+        passed = judge(shop, own, accepted, shop.physical, refused)
+        if passed is not None:
+            return passed
+        if own is not candidate:
+            shop.take_up(())
+    return None
