@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.evidence.verdict import doubtful_name
-from oed.diagnosis.search import selection
+from oed.diagnosis.search import name_search, selection
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.usual import as_built
@@ -75,7 +75,7 @@ def test_what_falls_beside_the_others_does_not_come_back(monkeypatch):
                     return selection.Accepted(trial, 1.0, 0.001)
         return None
 
-    monkeypatch.setattr(selection, "next_name", stubborn)
+    monkeypatch.setattr(name_search, "next_name", stubborn)
     shop = shop_of(data_set(5, extra=offsets([0])), candidates=("torque_offset", "rotor_inertia"))
     _, found = selection.search(shop)
     assert [a.trial.key for a in found.accepted] == [("torque_offset", 0)]

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from itertools import groupby
 
-from oed.diagnosis.search.behind_noise import quieter_beside
-from oed.diagnosis.search.exchange import MANY, decided_shapes, rested, settled
-from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms
+import numpy as np
+
+from oed.diagnosis.search.exchange import decided_shapes, rested
 from oed.diagnosis.search.judgement import Accepted, Refused, at_home, refusal
-from oed.diagnosis.search.next_name import next_name
+from oed.diagnosis.search.name_search import NameSearch
 from oed.diagnosis.search.pickups import take_up_again
 from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
-from oed.diagnosis.search.turning import GRAVITY, accepted_tilt, turned, turned_beside
-from oed.diagnosis.search.two_at_once import two_at_once
+from oed.diagnosis.search.turning import accepted_tilt, turned_beside
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial
 
-# What nearly every joint has a little of; tried together where none alone does what is missing.
-TOGETHER = ("torque_offset", "rotor_inertia", "asymmetric_viscous")
+FAR_LESS = 0.5  # of a squared error
 
 
 def search(
@@ -58,13 +52,16 @@ def _added(
     Where a free-form term makes a name superfluous, others that it kept out have their turn; so
     have names that show only beside what has none.
     """
-    state = _State(shop if upright else (far_tilt(shop) or shop), refused, upright=upright)
+    state = NameSearch(shop if upright else (far_tilt(shop) or shop), refused, upright=upright)
+    given_up = []
     while True:
         state.add_names()
-        whole = _with_free_forms(state.shop, state.accepted, refused)
+        unreviewed = _with_free_forms(state.shop, state.accepted, refused)
+        whole = review_names(state.shop, unreviewed, refused)
         names = [a for a in whole if not a.trial.is_free_form]
         fallen = {a.trial.key for a in state.accepted} - {a.trial.key for a in names}
         if fallen:
+            given_up.append((state.shop, unreviewed))
             state.accepted = names
             state.barred |= fallen
             state.turn_again()
@@ -73,193 +70,41 @@ def _added(
         if late is None:
             break
         state.accepted.append(late)
-    shop = state.shop
+    shop, whole = _foretelling_most([(state.shop, whole), *given_up])
     if shop.is_turned:
         shop, whole = turned_beside(shop, whole)
     return shop, whole, state.p_value
 
 
-@dataclass
-class _State:
-    """A search on its way.
+def _foretelling_most(
+    found: Sequence[tuple[Workshop, list[Accepted]]],
+) -> tuple[Workshop, list[Accepted]]:
+    """What was found at last, unless names that fell foretold far more.
 
-    Attributes:
-        shop: The tables, made anew now and then.
-        refused: What was turned down so far.
-        upright: Whether no tilt may be named.
-        accepted: Names so far.
-        barred: Keys of names that fell, and may not come back.
-        grouped: Names that were tried in several joints at once.
-        joined: Joints in which several names were tried at once.
-        paired: Joints in which two names of any kind were.
-        late: Free-form terms that names were looked for in the place of, and names found there.
-        p_value: Of a tilt, if the tables are turned.
+    What made them superfluous may not be found without them.
     """
-
-    shop: Workshop
-    refused: list[Refused]
-    upright: bool
-    accepted: list[Accepted] = field(default_factory=list)
-    barred: set[tuple[str, object]] = field(default_factory=set)
-    grouped: set[str] = field(default_factory=set)
-    joined: set[int] = field(default_factory=set)
-    paired: set[int] = field(default_factory=set)
-    late: set[tuple[str, object]] = field(default_factory=set)
-    p_value: float = 0.0
-
-    def add_names(self) -> None:
-        """Add, exchange and drop names until none passes all tests."""
-        most, seen = self.shop.most_effects, [self._names()]
-        while len(self.accepted) + self.shop.is_turned < most:
-            pick = next_name(self.shop, self.accepted, self.refused, self._pool())
-            pick = pick or self._next_behind_noise()
-            fresh = [] if pick is None else [pick]
-            if pick is None:
-                room = most - len(self.accepted) - self.shop.is_turned
-                group = self._next_group(room) or self._next_together(room) or self._next_two(room)
-                if not group:
-                    break
-                self.accepted += group
-                fresh = group
-            elif pick.trial.name == GRAVITY:
-                self.p_value = pick.p_value
-                self.shop = turned(self.shop, [a.trial for a in self.accepted])
-                if not self.shop.is_turned:
-                    self.barred.add(pick.trial.key)
-                    self.refused.append(refusal(pick, "no tilt explains it with possible links"))
-                    continue
-            else:
-                self.accepted.append(pick)
-            self._settle(fresh)
-            self.turn_again()
-            sharper = self.shop.sharpened([a.trial for a in self.accepted])
-            if sharper is not None:
-                self.shop = sharper
-                self._settle(fresh)
-            if pick is not None and self._names() in seen:
-                # It fell beside the others, or they change places for ever.
-                self.barred.add(pick.trial.key)
-            seen.append(self._names())
-
-    def turn_again(self) -> None:
-        """Tables that are turned, anew: what was missing may have pulled the tilt aside."""
-        if self.shop.is_turned:
-            self.shop = turned(self.shop, [a.trial for a in self.accepted])
-            self._settle()
-
-    def _names(self) -> tuple[bool, set[tuple[str, object]]]:
-        return self.shop.is_turned, {a.trial.key for a in self.accepted}
-
-    def next_beside(self, whole: Sequence[Accepted]) -> Accepted | None:
-        """A name in the place of one free-form term, beside the others; every one has one turn.
-
-        What another joint lacks, or a second thing in the same one, had kept it out. Not beside very many.
-        """
-        if len(self.accepted) + self.shop.is_turned >= min(self.shop.most_effects, MANY):
-            return None
-        taken = self.late | {a.trial.key for a in whole}
-        free = [a for a in whole if a.trial.is_free_form]
-        for item in free if len(free) > 1 else []:
-            if item.trial.key in self.late:
-                continue
-            self.late.add(item.trial.key)
-            pool = [
-                t
-                for t in self._pool()
-                if t.key not in taken and t.name != GRAVITY and item.trial.joint in t.group
-            ]
-            rest = [a for a in whole if a is not item]
-            pick = next_name(self.shop, rest, self.refused, pool)
-            if pick is not None:
-                self.late.add(pick.trial.key)
-                return pick
-        return None
-
-    def _next_behind_noise(self) -> Accepted | None:
-        """A name that has passed for noise, in tables without it."""
-        others = [a.trial for a in self.accepted]
-        for beside, trial in quieter_beside(self.shop, self._pool(), others):
-            accepted = [at_home(beside, a) for a in self.accepted]
-            own = [t for t in beside.physical if t.key == trial.key]
-            pick = next_name(beside, accepted, self.refused, own)
-            if pick is not None:
-                self.shop, self.accepted = beside, accepted
-                return pick
-        return None
-
-    def _next_group(self, most: int) -> list[Accepted]:
-        """One kind of effect in several joints at once; every kind has one turn."""
-        for name, kind in groupby(filter(_is_plain, self._pool()), key=lambda t: t.name):
-            taken = {a.trial.key for a in self.accepted}
-            free = [t for t in kind if t.key not in taken]
-            if name in self.grouped or len(free) > most:
-                continue
-            self.grouped.add(name)
-            found = several_at_once(self.shop, self.accepted, free, self.refused)
-            if found:
-                return found
-        return []
-
-    def _next_together(self, most: int) -> list[Accepted]:
-        """Plain effects of one joint at once; every joint has one turn.
-
-        A function of some coordinate may do in part what each of them does: alone none explains
-        as much as it.
-        """
-        names = {a.trial.key for a in self.accepted}
-        for joint in range(self.shop.context.n):
-            free = [
-                t
-                for t in self._pool()
-                if t.name in TOGETHER and t.target == joint and t.key not in names
-            ]
-            if joint in self.joined or len(free) > most:
-                continue
-            self.joined.add(joint)
-            found = several_at_once(self.shop, self.accepted, free, self.refused)
-            if found and as_good_as_free_forms(self.shop, self.accepted, found, joint):
-                return found
-        return []
-
-    def _next_two(self, most: int) -> list[Accepted]:
-        """Two effects of one joint at once; every joint has one turn."""
-        for joint in range(self.shop.context.n):
-            if joint in self.paired or most < 2:
-                continue
-            self.paired.add(joint)
-            found = two_at_once(self.shop, self.accepted, self._pool(), joint, self.refused)
-            if found:
-                return found
-        return []
-
-    def _settle(self, fresh: Sequence[Accepted] = ()) -> None:
-        accepted = [at_home(self.shop, a) for a in self.accepted]
-        self.accepted = settled(self.shop, accepted, self._pool(), fresh)
-
-    def _pool(self) -> list[Trial]:
-        return [
-            t
-            for t in self.shop.physical
-            if t.key not in self.barred and not (self.upright and t.name == GRAVITY)
-        ]
+    errors = [_unseen_error(*f) for f in found]
+    best = int(np.argmin(errors))
+    return found[best] if errors[best] < FAR_LESS * errors[0] else found[0]
 
 
-def _is_plain(trial: Trial) -> bool:
-    """Whether a trial is columns of one joint, without shapes and with sizes that are free."""
-    return isinstance(trial.target, int) and not trial.shapes and not trial.fixed
+def _unseen_error(shop: Workshop, whole: Sequence[Accepted]) -> float:
+    """Mean squared validation error, in squares of the noise floor; 0 where there is none."""
+    rms = shop.validation_rms(shop.fit([a.trial for a in whole if a.stands_in], bend=False))
+    return 0.0 if rms is None else float(np.mean((rms / shop.baseline.floor.deviation) ** 2))
 
 
 def _with_free_forms(
     shop: Workshop, names: list[Accepted], refused: list[Refused]
 ) -> list[Accepted]:
-    """Names that hold their own beside what stands in for the rest, and that."""
+    """Names, and what stands in for the rest."""
     accepted = list(names)
     for _ in range(shop.settings.most_free_forms(shop.context.n)):
         pick = next_free_form(shop, accepted, refused)
         if pick is None:
             break
         accepted.append(pick)
-    return review_names(shop, accepted, refused)
+    return accepted
 
 
 def _concluded(
