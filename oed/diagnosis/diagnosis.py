@@ -15,13 +15,11 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
-from oed.diagnosis.evidence.differing import differing, left_of_single
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
-from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
-from oed.diagnosis.evidence.modulation import find_modulations
 from oed.diagnosis.evidence.naming import named
+from oed.diagnosis.evidence.own_time import in_own_time
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors, prove
 from oed.diagnosis.evidence.taken_up import with_moments_of
 from oed.diagnosis.evidence.verdict import (
@@ -34,6 +32,7 @@ from oed.diagnosis.evidence.verdict import (
     describe_unlocated,
     riddles,
 )
+from oed.diagnosis.evidence.withheld import withheld
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.chance import keeps_step
 from oed.diagnosis.search.judgement import Refused
@@ -197,7 +196,7 @@ def _conclude(
     layout = shop.layout_for(selection.trials)
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
-        unexplained += _unrepeated(after, by_role, baseline)
+        unexplained += in_own_time(after, by_role, baseline)
     floor = _with_rounding(baseline, before, layout.rows)
     freedom = float(sum(p.rows for p in estimation))
     left = lack_of_fit(after.fit, freedom)
@@ -210,6 +209,7 @@ def _conclude(
         if keeps_step(shop, selection.trials, u.joint)
         or (unseen[u.joint] > CLEAR_UNSEEN and _keeps_step_unseen(shop, selection.trials, u.joint))
     )
+    effects, unexplained = withheld(shop, selection, effects, unexplained, unseen)
     return Diagnosis(
         verdict=decide(effects, unexplained),
         effects=effects,
@@ -250,30 +250,6 @@ def _with_rounding(baseline: Baseline, before: FinalModel, rows: Rows) -> Float[
     errors = encoder_torque(before.model, before.parameters, rows.prepared)
     valid = [e[p.valid] for e, p in zip(errors, rows.prepared, strict=True)]
     return np.hypot(baseline.floor.deviation, rms(valid, baseline.noise_share(rows.prepared)))
-
-
-def _unrepeated(
-    after: FinalModel, by_role: dict[str, tuple[Prepared, ...]], baseline: Baseline
-) -> tuple[Unexplained, ...]:
-    """What comes in its own time: with the state of the arm, or without."""
-    estimation = by_role["estimation"]
-    band, recordings = estimation[0].band, differing(after, estimation, baseline)
-    modulations = find_modulations(recordings, band.analysis_rate)
-    carried = {m.joint for m in modulations}
-    if not recordings:
-        recordings = left_of_single(after, (*estimation, *by_role["validation"]), baseline)
-    lines = find_lines(recordings, band.analysis_rate, band.cutoff)
-    return (
-        *(
-            Unexplained(m.joint, m.depends_on, m.share, m.label, stands_in=False)
-            for m in modulations
-        ),
-        *(
-            Unexplained(x.joint, ("time",), x.share, x.label, stands_in=False)
-            for x in lines
-            if x.joint not in carried
-        ),
-    )
 
 
 def _proof(

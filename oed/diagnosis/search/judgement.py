@@ -13,7 +13,7 @@ from numpy import ndarray
 from oed.diagnosis.search.chance import p_value_of
 from oed.diagnosis.search.held_out import cross_validate
 from oed.diagnosis.search.scan import Score, implausible, inflation_of, none_explains_more, score
-from oed.diagnosis.search.within import differs_alone
+from oed.diagnosis.search.within import comes_at_once, differs_alone
 from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -239,8 +239,8 @@ def _families(item: Accepted | Score) -> set[str]:
 
 def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
     """Why an addition does not pay on rows that it was not fitted to; None if it does."""
-    if alone := differs_alone(shop, others, trial):
-        return alone
+    if other := differs_alone(shop, others, trial) or comes_at_once(shop, others, trial):
+        return other
     layout = shop.layout(trial)
     before, after = (shop.fit(chosen, layout, bend=False) for chosen in (others, [*others, trial]))
     folds = shop.settings.folds

@@ -1,4 +1,4 @@
-"""Whether recordings show how an arm changes in them, or only that they differ."""
+"""Whether recordings show how an arm changes in them, or only that they differ or jump."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, white_group
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.payload import PayloadChange
-from oed.dynamics.effects.thermal import ThermalDrift
+from oed.dynamics.effects.thermal import FrictionJump, ThermalDrift, since
 
 NEARLY_ALL = 0.8  # share of what recordings differ by
+MOMENTS = 50  # over a session, at which friction may jump
 
 
 def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
@@ -56,6 +57,30 @@ def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
     if isinstance(trial.effect, PayloadChange) and _is_what_differs(layout, fit, trial, noise):
         return None
     return "recordings of no known order differ, and none of them shows the change"
+
+
+def comes_at_once(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str | None:
+    """Why friction that changes is no joint that warms: it jumps; None if it does not.
+
+    Args:
+        shop: The laid-out data.
+        others: Additions beside it.
+        trial: What would be added.
+    """
+    drift = trial.effect
+    if not isinstance(drift, ThermalDrift):
+        return None
+    layout = shop.layout(trial)
+    fit = shop.fit(others, layout).fit
+    t = np.concatenate([since(p.motion.t, drift.start) for p in shop.estimation])
+    moments = np.linspace(t.min(), t.max(), MOMENTS + 2)[1:-1]
+    jumps = (FrictionJump(drift.joint, float(m), drift.start, drift.width) for m in moments)
+    groups = (trial.group, *(white_group(j, layout.rows, contrast=trial.contrast) for j in jumps))
+    warm, *jumped = (normal_equations(fit.projection, fit.residual, g).solved() for g in groups)
+    noise = float(inflation_of(shop.fit([*others, trial], layout).fit)[drift.joint])
+    if max(j.gain for j in jumped) > warm.gain + shop.settings.decisive * noise:
+        return "friction that jumps at one moment explains more"
+    return None
 
 
 def _is_what_differs(layout: Layout, fit: LinearFit, trial: Trial, noise: float) -> bool:

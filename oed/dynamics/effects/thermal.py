@@ -61,6 +61,48 @@ class ThermalDrift(Effect):
         ]
 
 
+@dataclass(frozen=True)
+class FrictionJump(Effect):
+    """a dq_j + b sgn(dq_j) from a moment on, which warmth does not do.
+
+    Attributes:
+        joint: Index of the joint.
+        moment: Time since `start` [s].
+        start: As of `ThermalDrift`.
+        width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
+    """
+
+    joint: int
+    moment: float
+    start: float | None = None
+    width: float = 0.0
+    name = "friction_jump"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What viscous and Coulomb friction change by."""
+        tag = self.joint + 1
+        return (
+            Parameter(f"jump_Fv_{tag}", "N m s/rad", self.joint),
+            Parameter(f"jump_Fc_{tag}", "N m", self.joint),
+        )
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Time and the joint's velocity."""
+        return ("time", f"dq_{self.joint + 1}")
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """The joint's velocity and its sign, zero before the moment."""
+        dq = state.dq[self.joint]
+        later = np.asarray(since(state.t, self.start) >= self.moment, dtype=float)
+        gate = float(later) if later.ndim == 0 else later
+        return [
+            {self.joint: mul(gate, dq)},
+            {self.joint: mul(gate, state.sign(dq, self.width))},
+        ]
+
+
 def since(t: Scalar, start: float | None) -> Scalar:
     """Time since a start, the first sample if None [s]; one instant is its own first."""
     if start is not None:
