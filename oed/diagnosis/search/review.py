@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from oed.diagnosis.search.free_form_rivals import FULLER, in_more_terms
 from oed.diagnosis.search.judgement import (
     COVERED,
     Accepted,
@@ -19,21 +20,16 @@ from oed.diagnosis.search.judgement import (
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of, score
 from oed.diagnosis.search.telling import foretells_most, is_of_kind
-from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
-from oed.diagnosis.terms.trials import Trial, free_form_trials, white_group
-from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.diagnosis.terms.trials import Trial, free_form_trials
 
 # Share by which what bends the model's own torque lowers the held-out error: a delay, a lag or a soft
 # gear smooths what the model predicts, and with it what encoder noise adds to that.
 LEAST = 0.005
 # Share of what a name and a free form explain together up to which that name is not missed.
 SUPERFLUOUS = 0.1
-# Share of what a name and a free form explain together that the name in more terms must reach: four
-# waves hold 95 % of a sawtooth, and 55 to 85 % of a bump that comes once.
-FULLER = 0.9
 
 
 def review_names(
@@ -67,9 +63,9 @@ def review_names(
             without_name = min([without_name, *(f.fit.squares for f in tried)])
             together, alone = without_both - whole, without_both - without_free
             share = share_needed([a.trial for a in terms], item.trial, shop.settings)
-            fuller = _fuller(shop, item.trial, layout)
+            fuller = in_more_terms(shop, item.trial, [a.trial for a in bare], layout)
             if fuller is not None:
-                chosen = [*(a.trial for a in bare), fuller]
+                chosen = [*(a.trial for a in bare), fuller.trial]
                 alone = without_both - shop.fit(chosen, layout, bend=False).fit.squares
                 share = FULLER
             needless = alone < share * together and without_name - whole < (
@@ -84,16 +80,6 @@ def review_names(
                 reason = f"free form explains its part: {alone / together:.0%} of what both do"
                 refused.append(refusal(item, reason))
     return kept
-
-
-def _fuller(shop: Workshop, trial: Trial, layout: Layout) -> Trial | None:
-    """A named effect in more terms, where it has such a form."""
-    build = CATALOGUE[trial.name].fuller
-    if build is None:
-        return None
-    effect = build(shop.context, trial.target, trial.values)
-    group = white_group(effect, layout.rows)
-    return dataclasses.replace(trial, effect=effect, values=(), group=group)
 
 
 def _price(shop: Workshop, trial: Trial) -> float:

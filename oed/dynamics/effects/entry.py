@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -123,7 +123,7 @@ class CatalogueEntry:
         equivalent: Names that no motion tells from this one, and why.
         holds: Names of effects that are this one with parameters left out: no motion speaks for
             them against it, and the plainer one stands until the other is needed.
-        fuller: The effect in more terms than its formula has, where a free form of its coordinate
+        fuller: Ways to give it more terms than its formula has, where a free form of its coordinate
             that is none of these is something else; None where any is the same physics.
         narrow: Ranges of the shapes for an arm and its data.
         install: The model with the effect in its exact form; None if the columns are exact.
@@ -140,7 +140,7 @@ class CatalogueEntry:
     families: tuple[str, ...] = ()
     equivalent: tuple[str, ...] = ()
     holds: tuple[str, ...] = ()
-    fuller: Build | None = None
+    fuller: Callable[[Context, Target, tuple[float, ...]], Sequence[Effect]] | None = None
     narrow: Narrow = _as_they_are
     install: Install | None = None
 

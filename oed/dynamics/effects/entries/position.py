@@ -38,6 +38,7 @@ RIPPLE_SHARE = 0.1  # of the peak torque; drives are sold with 1 to 5 %
 LEAST_RANGE = 0.05  # [rad]
 MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not show
 FULLER_WAVES = 4  # with which a ripple is held against any function of position
+FINER = 2  # parts of a step of the scan, to which a second wave is looked for
 # Whether a wave has its first overtone: teeth and poles make no pure sines.
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
 ORDERS = {1.0: LINEAR, 2.0: PROGRESSIVE}  # of a spring, by its formula
@@ -102,8 +103,18 @@ def _ripple_plausible(
     return at_most(amplitude, most, "the amplitude", "N m", bound)
 
 
-def _any_ripple(_context: Context, target: Target, values: tuple[float, ...]) -> TorqueRipple:
-    return TorqueRipple(joint_of(target), tuple(k * values[0] for k in range(1, FULLER_WAVES + 1)))
+def _fuller_ripples(
+    context: Context, target: Target, values: tuple[float, ...]
+) -> list[TorqueRipple]:
+    """A wave with its overtones; and two waves, as of teeth and poles, each with its first."""
+    joint, first = joint_of(target), values[0]
+    (harmonic, _) = TORQUE_RIPPLE.shapes_for(context, target)
+    step = (harmonic.upper - harmonic.lower) / (FINER * (harmonic.points - 1))
+    seconds = np.arange(harmonic.lower, harmonic.upper, step)
+    own = TorqueRipple(joint, tuple(k * first for k in range(1, FULLER_WAVES + 1)))
+    # Two lines within one of the scan are one.
+    apart = (float(second) for second in seconds if abs(second - first) > FINER * step)
+    return [own, *(TorqueRipple(joint, (first, 2 * first, x, 2 * x)) for x in apart)]
 
 
 TORQUE_RIPPLE = CatalogueEntry(
@@ -113,7 +124,7 @@ TORQUE_RIPPLE = CatalogueEntry(
     shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0), WAVES),
     build=_ripple,
     plausible=_ripple_plausible,
-    fuller=_any_ripple,
+    fuller=_fuller_ripples,
     narrow=_ripple_harmonics,
     page=EffectPage(
         equation="a cos(n q) + b sin(n q), with its overtone at 2 n where the data ask for it",
