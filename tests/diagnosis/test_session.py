@@ -13,6 +13,7 @@ from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.fit.whitening import Autoregression
 from oed.diagnosis.search.crests import climbed
 from oed.diagnosis.search.scan import score
+from oed.diagnosis.search.within import comes_at_once
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import moved, white_group
 from oed.dynamics.effects.payload import PayloadChange
@@ -250,3 +251,19 @@ def test_what_repetitions_differ_by_foretells_from_all_of_them():
     assert without[0] < 0.7 * of_mean[0]
     # A spring that is not there changes nothing.
     assert beside == pytest.approx(without, rel=0.02)
+
+
+@pytest.mark.parametrize("at_once", [True, False])
+def test_friction_that_jumps_is_no_joint_that_warms(at_once):
+    """From a moment on in every recording, or as it cools."""
+    t = np.arange(int(3 * PERIOD * RATE)) / RATE
+    more = np.where(t > TAKEN_UP, 1.0, 0.0) if at_once else np.exp(-t / WARM)
+
+    def rougher(q, dq, ddq):
+        return np.stack([0 * t, 0.4 * more * np.sign(dq[:, 1])], axis=1)
+
+    shop = shop_of(data_set(4, extra=rougher, roles=("estimation", "validation")))
+    fit = shop.fit([], shop.full).fit
+    warm = [t for t in shop.physical if t.key == ("thermal_drift", 1)]
+    best = max((score(t, fit) for t in warm), key=lambda s: s.gain).trial
+    assert (comes_at_once(shop, [], best) is not None) is at_once

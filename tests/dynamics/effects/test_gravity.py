@@ -5,6 +5,7 @@ import pytest
 from numpy import ndarray
 
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.effects.gravity import (
     GravityDirection,
     tilt_between,
@@ -106,3 +107,14 @@ def test_a_level_arm_shows_its_first_moments_when_it_is_tilted() -> None:
     # Linear in the sine of the tilt, so that nothing is left but rounding.
     assert with_effect.torque(found, motion) == pytest.approx(torque, abs=1e-9)
     assert found[first : first + 2] == pytest.approx([np.sin(angle), 0.0], abs=1e-6)
+
+
+def test_a_weightless_arm_with_upright_axes_stands_under_gravity() -> None:
+    flat = scara().with_gravity(np.zeros(3))
+    under = standing(TorqueModel.standard(flat)).robot
+    assert np.linalg.norm(under.gravity) == pytest.approx(9.81, abs=0.01)
+    motion = smooth_motion(flat, step=0.1)
+    assert rigid_body_torque(under, motion) == pytest.approx(rigid_body_torque(flat, motion))
+    # Whose joints gravity would move floats, as it is declared to.
+    afloat = TorqueModel.standard(panda().with_gravity(np.zeros(3)))
+    assert standing(afloat) is afloat

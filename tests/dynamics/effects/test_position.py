@@ -1,5 +1,7 @@
 """Ripple, uneven friction, springs; and trial values fine enough to find them."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -97,6 +99,16 @@ def test_a_known_gear_ratio_widens_the_search_to_the_motors_harmonics() -> None:
     context = Context.of(model, parameters_of(model), [MOTION], gear_ratio=(100.0, 80.0))
     shape, _ = CATALOGUE["torque_ripple"].shapes_for(context, 0)
     assert shape.upper == pytest.approx(420.0)
+
+
+def test_teeth_of_a_slide_are_counted_on_its_pinion() -> None:
+    robot = scara()
+    slide = dataclasses.replace(robot.joints[1], kind="prismatic")
+    rack = dataclasses.replace(robot, joints=(robot.joints[0], slide))
+    turning, sliding = (
+        CATALOGUE["torque_ripple"].shapes_for(context_of(r, MOTION), 1)[0] for r in (robot, rack)
+    )
+    assert sliding.upper * slide.speed(1.0) == pytest.approx(turning.upper)
 
 
 def test_a_wave_longer_than_half_the_motion_is_no_ripple() -> None:

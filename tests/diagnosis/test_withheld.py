@@ -1,0 +1,59 @@
+"""Names of which too much of their joint has none; and names that fell for nothing."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained
+from oed.diagnosis.evidence.withheld import withheld
+from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.selected import Selection
+from oed.diagnosis.search.selection import _foretelling_most
+from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of, trial_of
+
+
+@pytest.fixture(scope="module")
+def sprung():
+    def pulled(q, dq, ddq):
+        return np.stack([0 * q[:, 0], 0.4 * q[:, 1]], axis=1)
+
+    shop = shop_of(data_set(1, extra=pulled), surrogates=39, refined=4)
+    spring = trial_of(shop, "joint_spring", 1)
+    return shop, Selection.of(shop, [Accepted(spring, 100.0, 1e-6)], [])
+
+
+@pytest.mark.parametrize(
+    ("gain", "unseen", "curve_on", "claimed"),
+    [
+        (0.3, 5.0, 1, False),  # a third of the error, and the joint still lacks five floors
+        (0.3, 5.0, 0, True),  # another joint lacks something
+        (0.3, 1.5, 1, True),  # it lacks little
+        (0.8, 5.0, 1, True),  # without the name it would lack 25
+        (None, 5.0, 1, True),  # nobody can say
+    ],
+)
+def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
+    sprung, gain, unseen, curve_on, claimed
+):
+    shop, selection = sprung
+    (item,) = selection.accepted
+    effect = FoundEffect("joint_spring", 1, (), 1e-6, gain, (), item.trial)
+    curve = Unexplained(curve_on, ("q_1", "dq_2"), 0.5, "f(q_1, dq_2)", stands_in=True)
+    errors = np.where(np.arange(2) == 1, unseen, 1.0)
+    effects, unexplained = withheld(shop, selection, [effect], (curve,), errors)
+    assert [e.name for e in effects] == ["joint_spring"] * claimed
+    assert unexplained[0] is curve
+    for u in unexplained[1:]:
+        assert (u.joint, u.depends_on, u.trial) == (1, ("q_2",), item.trial)
+        assert u.stands_in
+        assert 0 < u.share <= 1
+    assert len(unexplained) == 2 - claimed
+
+
+def test_names_fall_only_for_what_foretells_about_as_much(sprung):
+    shop, selection = sprung
+    named, nothing = list(selection.accepted), []
+    assert _foretelling_most([(shop, nothing), (shop, named)])[1] is named
+    assert _foretelling_most([(shop, named), (shop, nothing)])[1] is named
+    again = list(named)
+    assert _foretelling_most([(shop, again), (shop, named)])[1] is again
