@@ -1,9 +1,11 @@
-"""Friction that falls while the joint warms up."""
+"""Friction that changes in time: it falls while the joint warms up, or jumps."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,8 +13,43 @@ from oed.dynamics.effects.effect import Effect, Parameter, State
 from oed.dynamics.scalars import Scalar, exp, mul
 
 
+class ChangingFriction(Effect):
+    """A share that changes in time of a dq_j + b sgn(dq_j)."""
+
+    joint: int
+    width: float
+    prefix: ClassVar[str]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Viscous and Coulomb friction of which it is the share."""
+        tag = self.joint + 1
+        return (
+            Parameter(f"{self.prefix}_Fv_{tag}", "N m s/rad", self.joint),
+            Parameter(f"{self.prefix}_Fc_{tag}", "N m", self.joint),
+        )
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Time and the joint's velocity."""
+        return ("time", f"dq_{self.joint + 1}")
+
+    @abstractmethod
+    def share(self, t: Scalar) -> Scalar:
+        """The share at a time."""
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """The share of dq_j and of sgn(dq_j)."""
+        dq, share = state.dq[self.joint], self.share(state.t)
+        share = share if np.ndim(share) else float(share)  # NumPy's scalars do not meet symbols
+        return [
+            {self.joint: mul(share, dq)},
+            {self.joint: mul(share, state.sign(dq, self.width))},
+        ]
+
+
 @dataclass(frozen=True)
-class ThermalDrift(Effect):
+class ThermalDrift(ChangingFriction):
     """exp(-t/T) (a dq_j + b sgn(dq_j)), over time since the start of the recording.
 
     Grease thins with temperature: cold friction is larger and decays with the time constant
@@ -31,38 +68,19 @@ class ThermalDrift(Effect):
     start: float | None = None
     width: float = 0.0
     name = "thermal_drift"
+    prefix = "cold"
 
     def __post_init__(self) -> None:
         if self.time_constant <= 0:
             raise ValueError(f"{self.time_constant=} must be positive")
 
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """Excess of viscous and of Coulomb friction at the start."""
-        tag = self.joint + 1
-        return (
-            Parameter(f"cold_Fv_{tag}", "N m s/rad", self.joint),
-            Parameter(f"cold_Fc_{tag}", "N m", self.joint),
-        )
-
-    @property
-    def depends_on(self) -> tuple[str, ...]:
-        """Time and the joint's velocity."""
-        return ("time", f"dq_{self.joint + 1}")
-
-    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """exp(-t/T) dq_j, exp(-t/T) sgn(dq_j)."""
-        dq = state.dq[self.joint]
-        cold = exp(-since(state.t, self.start) / self.time_constant)
-        cold = cold if np.ndim(cold) else float(cold)  # NumPy's scalars do not meet symbols
-        return [
-            {self.joint: mul(cold, dq)},
-            {self.joint: mul(cold, state.sign(dq, self.width))},
-        ]
+    def share(self, t: Scalar) -> Scalar:
+        """exp(-t/T)."""
+        return exp(-since(t, self.start) / self.time_constant)
 
 
 @dataclass(frozen=True)
-class FrictionJump(Effect):
+class FrictionJump(ChangingFriction):
     """a dq_j + b sgn(dq_j) from a moment on, which warmth does not do.
 
     Attributes:
@@ -77,30 +95,11 @@ class FrictionJump(Effect):
     start: float | None = None
     width: float = 0.0
     name = "friction_jump"
+    prefix = "jump"
 
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """What viscous and Coulomb friction change by."""
-        tag = self.joint + 1
-        return (
-            Parameter(f"jump_Fv_{tag}", "N m s/rad", self.joint),
-            Parameter(f"jump_Fc_{tag}", "N m", self.joint),
-        )
-
-    @property
-    def depends_on(self) -> tuple[str, ...]:
-        """Time and the joint's velocity."""
-        return ("time", f"dq_{self.joint + 1}")
-
-    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """The joint's velocity and its sign, zero before the moment."""
-        dq = state.dq[self.joint]
-        later = np.asarray(since(state.t, self.start) >= self.moment, dtype=float)
-        gate = float(later) if later.ndim == 0 else later
-        return [
-            {self.joint: mul(gate, dq)},
-            {self.joint: mul(gate, state.sign(dq, self.width))},
-        ]
+    def share(self, t: Scalar) -> Scalar:
+        """0 before the moment, 1 from it on."""
+        return np.asarray(since(t, self.start) >= self.moment, dtype=float)
 
 
 def since(t: Scalar, start: float | None) -> Scalar:
