@@ -27,6 +27,7 @@ from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
 
 
 def named(
@@ -80,11 +81,28 @@ def _sure(
         if doubtful is None:
             doubtful, reason = impossible_load(found), "no body has such inertial parameters"
         if doubtful is None:
+            doubtful, reason = _implausible(shop, found)
+        if doubtful is None:
             doubtful = _harmful(shop, selection.trials)
             reason = "beside all other additions it raises the validation error"
         if doubtful is None:
             return selection, after, found
         selection = selection.without(shop, doubtful, reason)
+
+
+def _implausible(shop: Workshop, found: Augmented) -> tuple[Trial | None, str]:
+    """A name whose parameters cannot be what it says, as they are after all; with the reason.
+
+    They were plausible when it was added; beside others, and refined, they may have run away.
+    """
+    for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
+        if trial.is_free_form or trial.name == GRAVITY:
+            continue
+        check = CATALOGUE[trial.name].plausible
+        reason = check(shop.context, trial.target, trial.values, coefficients)
+        if reason is not None:
+            return trial, reason
+    return None, ""
 
 
 def _harmful(shop: Workshop, chosen: tuple[Trial, ...]) -> Trial | None:
