@@ -66,16 +66,16 @@ def test_what_falls_beside_the_others_does_not_come_back(monkeypatch):
     """A pick that settling throws out again would be picked for ever."""
     picked = []
 
-    def stubborn(shop, accepted, refused, pool):
+    def stubborn(shop, accepted, refused, pool, most=1):
         taken = {a.trial.key for a in accepted}
         for key in (("torque_offset", 0), ("rotor_inertia", 1)):
             for trial in pool:
                 if trial.key == key and key not in taken:
                     picked.append(key)
-                    return selection.Accepted(trial, 1.0, 0.001)
-        return None
+                    return [selection.Accepted(trial, 1.0, 0.001)]
+        return []
 
-    monkeypatch.setattr(name_search, "next_name", stubborn)
+    monkeypatch.setattr(name_search, "next_names", stubborn)
     shop = shop_of(data_set(5, extra=offsets([0])), candidates=("torque_offset", "rotor_inertia"))
     _, found = selection.search(shop)
     assert [a.trial.key for a in found.accepted] == [("torque_offset", 0)]

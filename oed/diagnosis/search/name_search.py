@@ -10,13 +10,15 @@ from oed.diagnosis.search.behind_noise import quieter_beside
 from oed.diagnosis.search.exchange import MANY, settled
 from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms
 from oed.diagnosis.search.judgement import Accepted, Refused, at_home, refusal
-from oed.diagnosis.search.next_name import next_name
+from oed.diagnosis.search.next_name import next_names
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.turning import GRAVITY, turned
 from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
+FEW = 3  # joints of an arm whose effects are added one by one
+AT_ONCE = 3  # names that are added at once to an arm of more
 # What nearly every joint has a little of; tried together where none alone does what is missing.
 TOGETHER = ("torque_offset", "rotor_inertia", "asymmetric_viscous")
 
@@ -53,11 +55,10 @@ class NameSearch:
         """Add, exchange and drop names until none passes all tests."""
         most, seen = self.shop.most_effects, [self._names()]
         while len(self.accepted) + self.shop.is_turned < most:
-            pick = next_name(self.shop, self.accepted, self.refused, self._pool())
-            pick = pick or self._next_behind_noise()
-            fresh = [] if pick is None else [pick]
+            room = most - len(self.accepted) - self.shop.is_turned
+            fresh = self._next_ones(room)
+            pick = fresh[0] if fresh else None
             if pick is None:
-                room = most - len(self.accepted) - self.shop.is_turned
                 group = self._next_group(room) or self._next_together(room) or self._next_two(room)
                 if not group:
                     break
@@ -71,7 +72,7 @@ class NameSearch:
                     self.refused.append(refusal(pick, "no tilt explains it with possible links"))
                     continue
             else:
-                self.accepted.append(pick)
+                self.accepted += fresh
             self._settle(fresh)
             self.turn_again()
             sharper = self.shop.sharpened([a.trial for a in self.accepted])
@@ -79,9 +80,18 @@ class NameSearch:
                 self.shop = sharper
                 self._settle(fresh)
             if pick is not None and self._names() in seen:
-                # It fell beside the others, or they change places for ever.
-                self.barred.add(pick.trial.key)
+                # They fell beside the others, or change places for ever.
+                self.barred |= {a.trial.key for a in fresh}
             seen.append(self._names())
+
+    def _next_ones(self, room: int) -> list[Accepted]:
+        """The next name; of an arm of many joints those of several joints."""
+        most = min(room, AT_ONCE) if self.shop.context.n > FEW else 1
+        found = next_names(self.shop, self.accepted, self.refused, self._pool(), most)
+        if found:
+            return found
+        behind = self._next_behind_noise()
+        return [] if behind is None else [behind]
 
     def turn_again(self) -> None:
         """Tables that are turned, anew: what was missing may have pulled the tilt aside."""
@@ -113,8 +123,7 @@ class NameSearch:
             rest = [a for a in whole if a is not item]
             if any(_follows_anything(a.trial, item.trial.joint) for a in rest):
                 continue
-            pick = next_name(self.shop, rest, self.refused, pool)
-            if pick is not None:
+            for pick in next_names(self.shop, rest, self.refused, pool):
                 self.late.add(pick.trial.key)
                 return pick
         return None
@@ -125,8 +134,7 @@ class NameSearch:
         for beside, trial in quieter_beside(self.shop, self._pool(), others):
             accepted = [at_home(beside, a) for a in self.accepted]
             own = [t for t in beside.physical if t.key == trial.key]
-            pick = next_name(beside, accepted, self.refused, own)
-            if pick is not None:
+            for pick in next_names(beside, accepted, self.refused, own):
                 self.shop, self.accepted = beside, accepted
                 return pick
         return None

@@ -13,17 +13,24 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 
-def next_name(
-    shop: Workshop, accepted: list[Accepted], refused: list[Refused], pool: Sequence[Trial]
-) -> Accepted | None:
-    """The first of the leading names that passes all tests beside what was accepted.
+def next_names(
+    shop: Workshop,
+    accepted: list[Accepted],
+    refused: list[Refused],
+    pool: Sequence[Trial],
+    most: int = 1,
+) -> list[Accepted]:
+    """The first of the leading names that pass all tests beside what was accepted.
 
     Args:
         shop: The laid-out data; takes up the moments of a load that is accepted.
         accepted: Additions so far.
         refused: Takes in what is turned down.
         pool: Candidates, over the grids of their shapes.
+        most: How many; those after the first are of joints on which none before them acts, and
+            pass beside these.
     """
+    picks: list[Accepted] = []
     others = [a.trial for a in accepted]
     rows = shop.full.rows.count
     found = ranked(shop, pool, others, shop.settings.refined, thorough=True)
@@ -33,6 +40,8 @@ def next_name(
     candidates = [c for c in telling if c.evidence(rows) > 0]
     rivals = ranked(shop, shop.smooth, others, shop.settings.refined)
     for candidate in candidates:
+        if any(_meet(candidate.trial, pick.trial) for pick in picks):
+            continue
         better = better_free_form(shop, candidate, rivals, others)
         if better is not None:
             reason = (
@@ -41,9 +50,16 @@ def next_name(
             refused.append(refusal(candidate, reason))
             continue
         own = with_own_moments(shop, others, candidate)
-        passed = judge(shop, own, accepted, shop.physical, refused)
+        passed = judge(shop, own, [*accepted, *picks], shop.physical, refused)
         if passed is not None:
-            return passed
-        if own is not candidate:
+            picks.append(passed)
+            if len(picks) == most or passed.trial.joint is None:
+                break
+        elif own is not candidate:
             shop.take_up(())
-    return None
+    return picks
+
+
+def _meet(one: Trial, other: Trial) -> bool:
+    """Whether two additions act on a joint in common, or one on the whole arm."""
+    return None in (one.joint, other.joint) or not set(one.group).isdisjoint(other.group)
