@@ -9,6 +9,7 @@ import numpy as np
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import error_in_floors
 from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, Unexplained
+from oed.diagnosis.evidence.withheld import SURELY
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.report.page import Picture, Table, Text
 
@@ -21,6 +22,11 @@ OWN_TIME = (
     "What keeps its own time is not the same at every repetition: it is part of the noise floor, "
     "and no model of the motion foretells it. Its share is of what the repetitions differ by, of "
     "the residual where no motion is repeated."
+)
+WITHHELD = (
+    "What a name of the catalogue fits best, beside a free-form term of its joint, is not claimed "
+    f"to be that where it explains less than {SURELY:.3g} times what the joint still lacks of the "
+    "validation recordings. It makes the model better, and may be a part of something else."
 )
 FAR_OFF = 4.0  # noise floors of validation error, from which on a mistake in the file is likely
 MISTAKES = (
@@ -77,6 +83,8 @@ def unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | T
         blocks.append(Text(LOST))
     if any(u.depends_on and u.trial is None for u in found.unexplained):
         blocks.append(Text(OWN_TIME))
+    if any(u.trial is not None and not u.trial.is_free_form for u in found.unexplained):
+        blocks.append(Text(WITHHELD))
     caption = (
         "Free-form terms that the data demand: functions of positions q, velocities dq and "
         "accelerations ddq of the joints numbered, or of time; tau is a share of another joint's "
