@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.search import selection
+from oed.diagnosis.search import next_name, selection
 from oed.diagnosis.search.open_shapes import MISFIT, decided
 from oed.diagnosis.search.scan import inflation_of, score
 from tests.diagnosis.arm import data_set, stribeck
@@ -59,7 +59,7 @@ def test_what_explains_nothing_at_the_shape_decided_for_it_is_no_candidate(monke
         silent.extend(dataclasses.replace(c, gain=0.0) for c in candidates)
         return silent
 
-    monkeypatch.setattr(selection, "most_telling_first", decided_to_nothing)
+    monkeypatch.setattr(next_name, "most_telling_first", decided_to_nothing)
     _, chosen = selection.search(shop_of(data_set(10, extra=stribeck(1.5))))
     assert silent
     assert all(a.trial.is_free_form for a in chosen.accepted)
