@@ -209,7 +209,7 @@ def _conclude(
         if keeps_step(shop, selection.trials, u.joint)
         or (unseen[u.joint] > CLEAR_UNSEEN and _keeps_step_unseen(shop, selection.trials, u.joint))
     )
-    effects, unexplained = withheld(shop, selection, effects, unexplained, unseen)
+    effects, unexplained = withheld(shop, selection, effects, unexplained, (seen, unseen))
     return Diagnosis(
         verdict=decide(effects, unexplained),
         effects=effects,

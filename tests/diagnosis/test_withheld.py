@@ -23,24 +23,26 @@ def sprung():
 
 
 @pytest.mark.parametrize(
-    ("gain", "unseen", "curve_on", "claimed"),
+    ("gain", "errors", "curve_on", "claimed"),
     [
-        (0.3, 5.0, 1, False),  # a third of the error, and the joint still lacks five floors
-        (0.3, 5.0, 0, True),  # another joint lacks something
-        (0.3, 1.5, 1, True),  # it lacks little
-        (0.8, 5.0, 1, True),  # without the name it would lack 25
-        (None, 5.0, 1, True),  # nobody can say
+        (0.3, (4.0, 5.0), 1, False),  # a third of the error, and the joint still lacks five floors
+        (0.3, (4.0, 5.0), 0, True),  # another joint lacks something
+        (0.3, (4.0, 1.5), 1, True),  # it lacks little
+        (0.3, (1.5, 5.0), 1, True),  # it lacks little where the arm has been
+        (0.8, (4.0, 5.0), 1, True),  # without the name it would lack 25
+        (None, (4.0, 5.0), 1, True),  # nobody can say
     ],
 )
 def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
-    sprung, gain, unseen, curve_on, claimed
+    sprung, gain, errors, curve_on, claimed
 ):
     shop, selection = sprung
     (item,) = selection.accepted
     effect = FoundEffect("joint_spring", 1, (), 1e-6, gain, (), item.trial)
     curve = Unexplained(curve_on, ("q_1", "dq_2"), 0.5, "f(q_1, dq_2)", stands_in=True)
-    errors = np.where(np.arange(2) == 1, unseen, 1.0)
-    effects, unexplained = withheld(shop, selection, [effect], (curve,), errors)
+    own = np.arange(2) == 1
+    seen, unseen = (np.where(own, x, 1.0) for x in errors)
+    effects, unexplained = withheld(shop, selection, [effect], (curve,), (seen, unseen))
     assert [e.name for e in effects] == ["joint_spring"] * claimed
     assert unexplained[0] is curve
     for u in unexplained[1:]:

@@ -13,8 +13,8 @@ from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.workshop import Workshop
 
 # Of what is not catalogued, one name may fit a part and curves another. What a name explains must
-# be so many times what the model then still lacks of its joint, where that is clear; both are
-# squares of the validation error, in noise floors.
+# be so many times what the model then still lacks of its joint, where that is clear on all
+# recordings; both are squares of the validation error, in noise floors.
 SURELY = 5.0
 CLEAR = 3.0
 
@@ -24,7 +24,7 @@ def withheld(
     selection: Selection,
     effects: Sequence[FoundEffect],
     unexplained: tuple[Unexplained, ...],
-    unseen: Float[ndarray, " joints"],
+    errors: tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]],
 ) -> tuple[tuple[FoundEffect, ...], tuple[Unexplained, ...]]:
     """Names that are claimed; what has none, with the terms of those that are not.
 
@@ -35,13 +35,20 @@ def withheld(
         selection: What was added.
         effects: All names that hold.
         unexplained: What has no name.
-        unseen: (n,) validation error of the augmented model, in noise floors.
+        errors: (n,) errors of the augmented model, in noise floors: on the estimation recordings,
+            and on the validation recordings, which may lie beyond what the others say of an effect.
     """
+    seen, unseen = errors
     curves = {u.joint for u in riddles(effects, unexplained) if u.depends_on}
     claimed, resembling = [], []
     for effect in effects:
         joint = effect.joint
-        if joint is None or joint not in curves or _is_sure(effect, float(unseen[joint])):
+        if (
+            joint is None
+            or joint not in curves
+            or seen[joint] ** 2 - 1 < CLEAR
+            or _is_sure(effect, float(unseen[joint]))
+        ):
             claimed.append(effect)
         else:
             resembling.append(_without_name(shop, selection, effect, joint))
