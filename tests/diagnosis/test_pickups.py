@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.search.pickups import _is_held_unseen
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import LENGTH, RATE, data_set, rigid
+from tests.diagnosis.shop import shop_of
 
 MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
 SETTINGS = DiagnosisSettings(candidates=("payload_change", "thermal_drift", "joint_spring"))
@@ -62,3 +65,14 @@ def test_no_moment_is_read_off_noise():
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), SETTINGS)
     assert found.verdict == "nothing found"
     assert not found.moments
+
+
+@pytest.mark.parametrize(("moment", "is_held"), [(0.5, True), (np.inf, False)])
+def test_a_load_of_which_no_validation_recording_knows_has_no_moments(moment, is_held):
+    """Nothing that it was not fitted to proves it."""
+    shop = shop_of(data_set(5, roles=("estimation", "validation")))
+    (unseen,) = shop.validation
+    first, last = (float(unseen.motion.t[k]) for k in (0, -1))
+    assert _is_held_unseen(shop)
+    shop.take_up((PickUp(first, last, first + moment * (last - first)),))
+    assert _is_held_unseen(shop) is is_held

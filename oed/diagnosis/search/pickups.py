@@ -54,10 +54,20 @@ def with_own_moments(shop: Workshop, others: Sequence[Trial], found: Score) -> S
         left = _left(shop, others, tried)
         gain = np.sum((as_found - left) / np.maximum(left / _counted(shop), 1.0))
         worth = len(shop.pickups) * _price(shop) - float(gain)
-        if shop.pickups and worth < min(least, 0.0):
+        if shop.pickups and worth < min(least, 0.0) and _is_held_unseen(shop):
             best, least = (tried, shop.pickups), worth
     shop.take_up(best[1])
     return best[0]
+
+
+def _is_held_unseen(shop: Workshop) -> bool:
+    """Whether some validation recording shows a load for a while; True without any.
+
+    One that is never there again is proven by nothing that it was not fitted to.
+    """
+    own = {p.first: p.moment for p in shop.pickups}
+    spans = [(float(p.motion.t[0]), float(p.motion.t[-1])) for p in shop.validation]
+    return not spans or any(own.get(first, first) < last for first, last in spans)
 
 
 def _with_moments(shop: Workshop, others: Sequence[Trial], start: Score) -> Score:
