@@ -107,6 +107,8 @@ class NameSearch:
 
         What another joint lacks, or a crosstalk, had kept it out. Not beside very many.
         """
+        if self.shop.context.n > FEW:  # with as many curves it takes minutes
+            return None
         if len(self.accepted) + self.shop.is_turned >= min(self.shop.most_effects, MANY):
             return None
         taken = self.late | {a.trial.key for a in whole}
