@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
@@ -247,7 +248,7 @@ def _keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) ->
 
 def _with_rounding(baseline: Baseline, before: FinalModel, rows: Rows) -> Float[ndarray, " joints"]:
     """(n,) the noise floor with what encoder steps err [N m]."""
-    errors = encoder_torque(before.model, before.parameters, rows.prepared)
+    errors = encoder_torque(partial(before.model.torque, before.parameters), rows.prepared)
     valid = [e[p.valid] for e, p in zip(errors, rows.prepared, strict=True)]
     return np.hypot(baseline.floor.deviation, rms(valid, baseline.noise_share(rows.prepared)))
 

@@ -28,11 +28,14 @@ def data_set(
     roles=None,
     near=1.0,
     shake=0.0,
+    wander=0.0,
+    late=0.0,
 ):
     """A data set with noise of a time constant `colour` [s] and encoder steps [rad].
 
     The motion trembles up to `shake` [Hz]. Motions for estimation reach `near` times as far as others. `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t, dq)`
-    what comes in its own time.
+    what comes in its own time. In each repetition the encoders wander elsewhere, by so many rad/s^2
+    for each of a few waves, and nothing else feels it. Torque is recorded `late` [s].
     """
     rng = np.random.default_rng(seed)
     roles = roles or ("estimation", "estimation", "validation", "test")
@@ -47,6 +50,8 @@ def data_set(
             step=step,
             hum=hum,
             shake=shake,
+            wander=wander,
+            late=late,
             reach=near if role == "estimation" else 1.0,
         )
         for k, role in enumerate(roles)
@@ -65,18 +70,24 @@ def stribeck(size, speed=0.1, joint=0):
     return torque
 
 
-def _record(rng, name, role, *, extra, repetitions, colour, step, hum, shake, reach):
+def _record(rng, name, role, *, extra, repetitions, colour, step, hum, shake, reach, wander, late):
     t = np.arange(int(PERIOD * RATE) * repetitions) / RATE
-    q, dq, ddq = (reach * x for x in _motion(rng, t))
+    coefficients = rng.normal(size=(2, 2, 5)) / np.sqrt(np.arange(1, 6))
+    q, dq, ddq = (reach * x for x in _motion(coefficients, t))
     if shake > 0:
         q, dq, ddq = (x + y for x, y in zip((q, dq, ddq), _tremor(t, shake), strict=True))
+    measured = q
+    if late > 0:
+        q, dq, ddq = (reach * x for x in _motion(coefficients, t, late))
     tau = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
     if extra is not None:
         tau = tau + extra(q, dq, ddq)
     if hum is not None:
         tau = tau + hum(t + rng.uniform(0, PERIOD), dq)
     tau = tau + NOISE * _noise(rng, len(t), colour)
-    measured = q + 1e-5 * rng.normal(size=q.shape)
+    measured = measured + 1e-5 * rng.normal(size=q.shape)
+    if wander > 0:
+        measured = measured + wander * _wandering(rng, t)
     if step > 0:
         measured = np.round(q / step) * step
     return Recording(
@@ -90,17 +101,30 @@ def _record(rng, name, role, *, extra, repetitions, colour, step, hum, shake, re
     )
 
 
-def _motion(rng, t):
-    orders = np.arange(1, 6) * 2 * np.pi / PERIOD
+def _motion(coefficients, t, late=0.0):
     columns = []
-    for _ in range(2):
-        a, b = rng.normal(size=(2, 5)) / np.sqrt(np.arange(1, 6))
-        s, c = np.sin(np.outer(t, orders)), np.cos(np.outer(t, orders))
-        q, dq, ddq = s @ a + c @ b, (c * orders) @ a - (s * orders) @ b, 0
-        ddq = -(s * orders**2) @ a - (c * orders**2) @ b
-        size = min(1.4 / np.abs(q).max(), 7 / np.abs(dq).max(), 4.8 / np.abs(ddq).max())
-        columns.append((q * size, dq * size, ddq * size))
-    return tuple(np.stack([column[k] for column in columns], axis=1) for k in range(3))
+    for a, b in coefficients:
+        largest = (np.abs(x).max() for x in _series(a, b, t))
+        size = min(limit / x for limit, x in zip((1.4, 7, 4.8), largest, strict=True))
+        columns.append([x * size for x in _series(a, b, t - late)])
+    return tuple(np.stack(column, axis=1) for column in zip(*columns, strict=True))
+
+
+def _series(a, b, t):
+    orders = np.arange(1, 6) * 2 * np.pi / PERIOD
+    s, c = np.sin(np.outer(t, orders)), np.cos(np.outer(t, orders))
+    q, dq = s @ a + c @ b, (c * orders) @ a - (s * orders) @ b
+    return q, dq, -(s * orders**2) @ a - (c * orders**2) @ b
+
+
+def _wandering(rng, t):
+    """Waves of 2 to 12 Hz, their phases drawn anew in each repetition."""
+    turn = (t // PERIOD).astype(int)
+    total = np.zeros((len(t), 2))
+    for w in 2 * np.pi * np.arange(2.0, 12.0, 0.7):
+        phase = rng.uniform(0, 2 * np.pi, (turn[-1] + 1, 2))[turn]
+        total += np.sin(w * t[:, None] + phase) / w**2
+    return total
 
 
 def _tremor(t, highest):

@@ -7,12 +7,16 @@ import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.search.calming import calmed
+from oed.diagnosis.fit.motion_noise import calmed
+from oed.diagnosis.search.calming import worth_beside
+from oed.diagnosis.search.scan import gain_of, refine, score
 from oed.diagnosis.search.workbench import lags_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.trials import moved
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of, trial_of
 
 STEP = 1e-3  # [rad]
 LATE = 0.01  # [s]
@@ -59,13 +63,39 @@ def test_a_lag_quietens_a_motion_run_once_by_what_its_rounding_errs(laid_out):
     real = squares[0] - squares[1]
     assert np.all(real > 0)
     # One draw of rounding errors against another: the ratio scatters by 0.12 from seed to seed.
-    assert calmed(shop, lag, rows).sum() == pytest.approx(real.sum(), rel=0.3)
+    assert calmed(lag.effect, rows).sum() == pytest.approx(real.sum(), rel=0.3)
 
 
 def test_a_delay_quietens_next_to_nothing_and_other_effects_nothing(laid_out):
     shop, _ = laid_out
     rows = shop.unseen_by([]).rows
     delay = next(t for t in shop.physical if t.name == "time_delay")
-    assert np.all(np.abs(calmed(shop, delay, rows)) < 0.1 * calmed(shop, lag_of(shop), rows))
+    assert np.all(np.abs(calmed(delay.effect, rows)) < 0.1 * calmed(lag_of(shop).effect, rows))
     offset = next(t for t in shop.physical if t.name == "torque_offset")
-    assert calmed(shop, offset, rows) == pytest.approx(0.0)
+    assert calmed(offset.effect, rows) == pytest.approx(0.0)
+
+
+def test_a_lag_gains_nothing_on_a_delay_by_what_encoders_wander():
+    shop = shop_of(data_set(4, repetitions=4, wander=0.4, late=LATE))
+    fit = shop.before.fit
+    worth = worth_beside((), shop.mean.rows)
+
+    def found(name, chosen_by):
+        best = score(trial_of(shop, name, None, (LATE,)), fit)
+        for _ in range(4):
+            context = shop.context_with(shop.fit([best.trial], bend=False))
+            best = score(moved(best.trial, shop.mean.rows, context), fit)
+            best = refine(best, fit, context, chosen_by)
+        return best
+
+    seeming = found("filter_lag", gain_of).gain - found("time_delay", gain_of).gain
+    real = worth(found("filter_lag", worth)) - worth(found("time_delay", worth))
+    assert seeming > 1000
+    assert real < 0.05 * seeming
+
+
+def test_beside_another_late_torque_noise_is_left_as_it_is(laid_out):
+    shop, _ = laid_out
+    late = [t for t in shop.physical if t.name in {"filter_lag", "time_delay"}]
+    found = score(late[0], shop.before.fit)
+    assert worth_beside(late[-1:], shop.mean.rows)(found) == found.gain

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -171,7 +172,7 @@ def _repetition_floor(
             [trusted_samples(p, j, coulomb[j], deviation[j]) for j in range(len(coulomb))], axis=1
         )
         trusted.append(fine[repetition_samples(p)])
-    errors = fine_encoder_torque(rough.model, rough.full_parameters(), repeated)
+    errors = fine_encoder_torque(partial(rough.model.torque, rough.full_parameters()), repeated)
     rounding = [repetition_series(p, e) for p, e in zip(repeated, errors, strict=True)]
     return floor_from_repetitions(series, trusted, repeated[0].band.analysis_rate, rounding)
 

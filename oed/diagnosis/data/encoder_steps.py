@@ -9,7 +9,7 @@ band.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -17,9 +17,10 @@ from numpy import ndarray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from oed.diagnosis.data.prepared import Prepared
-from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.motion import Motion
 from oed.experiment.recording import Recording
 
+Torque = Callable[[Motion], Float[ndarray, "samples joints"]]
 ON_GRID = 0.98  # share of the logged positions that must be multiples of a step
 TOLERANCE = 0.02  # of a step
 FEW = 10  # steps, of which one can tell how many they are
@@ -109,19 +110,17 @@ def _rounding(prepared: Prepared, rng: np.random.Generator) -> Float[ndarray, "s
 
 
 def encoder_torque(
-    model: TorqueModel,
-    parameters: Float[ndarray, " parameters"],
+    torque: Torque,
     prepared: Sequence[Prepared],
     deviations: Sequence[Float[ndarray, " joints"]] | None = None,
 ) -> list[Float[ndarray, "rows joints"]]:
     """The same in the band (`fine_encoder_torque`)."""
-    errors = fine_encoder_torque(model, parameters, prepared, deviations)
+    errors = fine_encoder_torque(torque, prepared, deviations)
     return [p.band.apply(error) for p, error in zip(prepared, errors, strict=True)]
 
 
 def fine_encoder_torque(
-    model: TorqueModel,
-    parameters: Float[ndarray, " parameters"],
+    torque: Torque,
     prepared: Sequence[Prepared],
     deviations: Sequence[Float[ndarray, " joints"]] | None = None,
 ) -> list[Float[ndarray, "samples joints"]]:
@@ -131,8 +130,7 @@ def fine_encoder_torque(
     told any more. Errors of a given deviation are drawn sample by sample.
 
     Args:
-        model: Whose torque.
-        parameters: Of it.
+        torque: Of a model with its parameters.
         prepared: Recordings.
         deviations: (n,) of each one's encoders [rad]; of the rounding that comes again in every
             repetition if None.
@@ -154,5 +152,5 @@ def fine_encoder_torque(
             dq=p.motion.dq + rate,
             ddq=p.motion.ddq + acceleration,
         )
-        errors.append(model.torque(parameters, there) - model.torque(parameters, p.motion))
+        errors.append(torque(there) - torque(p.motion))
     return errors

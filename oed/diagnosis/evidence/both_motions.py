@@ -31,6 +31,8 @@ def narrowed(
     own = covariance[shapes, shapes]
     follow = covariance[:, shapes] @ np.linalg.pinv(own, hermitian=True)
     rest = covariance - follow @ own @ follow.T
+    # Of the shapes themselves nothing is left but rounding, which may be a negative variance.
+    rest[shapes] = rest[:, shapes] = 0.0
     along = slopes @ follow
     weighed = along / misfit[:, None]
     told, shared = along.T @ weighed, slopes.T @ weighed

@@ -16,8 +16,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.linear_fit import Projection
-from oed.diagnosis.fit.repeat_mean import single_repetitions
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.workbench import Layout, layout_of
 from oed.diagnosis.search.workshop import Workshop
 
@@ -41,12 +39,10 @@ def noise_bias(
     """
     gram, moment = np.zeros((len(parameters),) * 2), np.zeros(len(parameters))
     mean = shop.mean.rows
-    for k, recording in enumerate(shop.estimation if shop.mean is not shop.full else ()):
-        scale, hidden = mean.scales[k : k + 1], mean.hidden[k : k + 1]
-        weights = mean.weights[slice(*mean.starts[k : k + 2])]
+    for k, recording in enumerate(mean.prepared):
         evaluated = [
-            evaluate(layout_of(shop.baseline, Rows((s,), mean.noise, scale, weights, hidden)))
-            for s in single_repetitions(recording)
+            evaluate(layout_of(shop.baseline, mean.alone(k, single)))
+            for single in recording.singles
         ]
         if len(evaluated) > 1:
             columns = np.stack([c for c, _ in evaluated])

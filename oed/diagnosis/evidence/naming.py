@@ -20,8 +20,10 @@ from oed.diagnosis.evidence.verdict import (
     preferred_rival,
     riddles,
 )
+from oed.diagnosis.search.exchange import foretelling
 from oed.diagnosis.search.judgement import WORSE, costs
 from oed.diagnosis.search.predict import rms
+from oed.diagnosis.search.ripening import is_late
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
@@ -128,17 +130,22 @@ def _never_worse(
     """The augmented model in its exact form; additions that then raise the held-out error go.
 
     The search judges columns of first order where an effect acts on the whole model. Only the
-    exact form, all parameters refitted together, can prove that nothing got worse.
+    exact form, all parameters refitted together, can prove that nothing got worse. A late torque
+    stays where it is less late and foretells more.
     """
     weights = shop.baseline.noise_share(validation)
     old = rms(errors_of(before, validation), weights) if validation else None
-    kept = selection
+    kept, late = selection, [t for t in selection.trials if is_late(t)]
     while kept.trials:
         final = final_with(shop, kept.found)
         if old is None or not costs(
             old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
         ):
             return kept, final
+        if late:
+            moved = foretelling(shop, kept.trials, late[0])
+            kept, late = kept.exchanged(shop, late[0], moved), late[1:]
+            continue
         reason = "in its exact form it raises the validation error"
         kept = kept.without(shop, kept.trials[-1], reason)
     return kept, before

@@ -93,7 +93,7 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
         last = np.sqrt(np.diag(covariance))
         scale = widest / np.where(last > 0, last, np.inf)
         covariance = covariance * np.outer(scale, scale)
-    covariance = _known(_profiled(shop, found, linear, steps, covariance), covariance)
+    covariance = _profiled(shop, found, linear, steps, covariance)
     if layout is shop.mean:
         bias = noise_bias(
             shop,
@@ -101,18 +101,11 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
             linear.projection.inverse @ linear.projection.coordinates(linear.target),
             linear.projection,
         )
-        covariance = _known(covariance + np.outer(bias, bias), covariance)
+        covariance = covariance + np.outer(bias, bias)
     for k, trial in enumerate(found.chosen):
         if trial.decided:
-            covariance = _known(_with_unseen(shop, found, steps, covariance, k), covariance)
+            covariance = _with_unseen(shop, found, steps, covariance, k)
     return dataclasses.replace(found, covariances=tuple(covariance[p, p] for p in places))
-
-
-def _known(
-    refined: Float[ndarray, "columns columns"], covariance: Float[ndarray, "columns columns"]
-) -> Float[ndarray, "columns columns"]:
-    """A covariance made better, or as it was where that has no finite value."""
-    return refined if np.isfinite(refined).all() else covariance
 
 
 def _profiled(

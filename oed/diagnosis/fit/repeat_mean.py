@@ -26,13 +26,8 @@ def mean_of_repetitions(prepared: Prepared) -> tuple[Prepared, int]:
     index = _common_samples(prepared)
     if index is None:
         return prepared, 1
-    return _averaged(prepared, index), len(index)
-
-
-def single_repetitions(prepared: Prepared) -> list[Prepared]:
-    """The repetitions that `mean_of_repetitions` averages, over the same phases; none if it cannot."""
-    index = _common_samples(prepared)
-    return [] if index is None else [_averaged(prepared, index[[k]]) for k in range(len(index))]
+    singles = tuple(_averaged(prepared, index[[k]]) for k in range(len(index)))
+    return dataclasses.replace(_averaged(prepared, index), singles=singles), len(index)
 
 
 def _common_samples(prepared: Prepared) -> Int[ndarray, "repetitions samples"] | None:

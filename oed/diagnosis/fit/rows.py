@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -15,9 +17,11 @@ from oed.diagnosis.data.band import BLOCK
 from oed.diagnosis.data.direction import direction_error, stopped
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.hidden import Hidden, hidden_in
+from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.whitening import Autoregression
 
 LEAST_BLOCK = 4  # rows
+REMEMBERED = 4  # results that are made of rows and of one model or another
 HALF = 0.5  # of a row's window, from which on it is one of a stop
 
 
@@ -51,6 +55,21 @@ class Rows:
     def count(self) -> int:
         """Rows R of one joint."""
         return len(self.weights)
+
+    @cached_property
+    def remembered(self) -> Recent[Any]:
+        """What was made of these rows and something else."""
+        return Recent(REMEMBERED)
+
+    def alone(self, number: int, prepared: Prepared) -> Rows:
+        """The rows of one recording, or of another in its place that has as many."""
+        return Rows(
+            (prepared,),
+            self.noise,
+            self.scales[number : number + 1],
+            self.weights[slice(*self.starts[number : number + 2])],
+            self.hidden[number : number + 1],
+        )
 
     @property
     def starts(self) -> Int[ndarray, " recordings_and_end"]:

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.calming import worth_beside
 from oed.diagnosis.search.crests import climbed
 from oed.diagnosis.search.judgement import Accepted, held_out_fault, too_little
 from oed.diagnosis.search.open_shapes import decided
@@ -41,12 +42,22 @@ def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
             if not item.stands_in or item.trial.is_free_form:
                 continue
             others, fit = _beside(shop, kept, item)
-            best = at_rest(score(shop.renewed(item.trial), fit), fit, shop.context)
+            worth = worth_beside(others, fit.rows)
+            best = at_rest(score(shop.renewed(item.trial), fit), fit, shop.context, worth)
             if number == 0:
-                best = at_rest(climbed(shop, best, fit), fit, shop.context)
+                best = at_rest(climbed(shop, best, fit), fit, shop.context, worth)
             best = as_built(shop, others, best, fit)
             kept[k] = dataclasses.replace(item, trial=best.trial)
     return kept
+
+
+def foretelling(shop: Workshop, chosen: Sequence[Trial], late: Trial) -> Trial:
+    """A late torque at the shape that foretells best from a motion that is noisy.
+
+    That is less late than the torque is, and an error less where shakes move the arm far.
+    """
+    fit = shop.fit([t for t in chosen if t.key != late.key], shop.layout(late)).fit
+    return at_rest(score(shop.renewed(late), fit), fit, shop.context).trial
 
 
 def decided_shapes(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
@@ -135,7 +146,8 @@ def _best_in_place(
     """The addition with its shape refined, or a better one for its place."""
     others = [a.trial for a in rest]
     fit = shop.fit(others, shop.layout(current.trial)).fit
-    here = at_rest(score(shop.renewed(current.trial), fit), fit, shop.context)
+    worth = worth_beside(others, fit.rows)
+    here = at_rest(score(shop.renewed(current.trial), fit), fit, shop.context, worth)
     here = as_built(shop, others, here, fit)
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)

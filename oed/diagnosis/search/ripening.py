@@ -16,7 +16,16 @@ from numpy import ndarray
 from scipy.optimize import differential_evolution
 
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.scan import Score, implausible, refine, score, score_at
+from oed.diagnosis.search.calming import worth_beside
+from oed.diagnosis.search.scan import (
+    Score,
+    Worth,
+    gain_of,
+    implausible,
+    refine,
+    score,
+    score_at,
+)
 from oed.diagnosis.search.workbench import lags_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, moved
@@ -147,25 +156,30 @@ def _of_population(trial: Trial, fit: LinearFit, context: Context) -> Score:
 
 def _late_at_rest(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
     """A delay or a lag evaluated until it gains nothing that could tell one from the other."""
-    best = _on_what_it_leaves(shop, refine(found, fit, shop.context), others, fit)
+    worth = worth_beside(others, fit.rows)
+    best = _on_what_it_leaves(shop, refine(found, fit, shop.context, worth), others, fit, worth)
     for _ in range(MOST_ROUNDS):
-        again = _on_what_it_leaves(shop, best, others, fit)
-        settled = again.gain < best.gain + SETTLED
-        best = max(best, again, key=lambda s: s.gain)
+        again = _on_what_it_leaves(shop, best, others, fit, worth)
+        settled = worth(again) < worth(best) + SETTLED
+        best = max(best, again, key=worth)
         if settled:
             break
     return best
 
 
 def _on_what_it_leaves(
-    shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit
+    shop: Workshop,
+    found: Score,
+    others: Sequence[Trial],
+    fit: LinearFit,
+    worth: Worth = gain_of,
 ) -> Score:
     """The candidate on the reference torque of a fit with it."""
     layout = shop.layout(found.trial)
     whole = shop.fit([*others, found.trial], layout, bend=False)
     context = shop.context_with(whole)
     trial = moved(found.trial, layout.rows, context, contrast=found.trial.contrast)
-    return refine(score(trial, fit), fit, context)
+    return refine(score(trial, fit), fit, context, worth)
 
 
 def starts(scores: Sequence[Score]) -> list[Score]:

@@ -65,6 +65,14 @@ class Score:
         return float(minus_log_chance(gains, max(self.freedom, 1))[0])
 
 
+Worth = Callable[[Score], float]
+
+
+def gain_of(found: Score) -> float:
+    """What a shape is chosen by, unless noise has a share in it."""
+    return found.gain
+
+
 def minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[ndarray, " count"]:
     """-log of a chi-square's upper tail, by its leading terms where it underflows."""
     exact = -chi2.logsf(np.minimum(gains, 400.0), freedom)
@@ -151,15 +159,19 @@ def _is_better(new: Score, old: Score, context: Context, *, more: bool) -> bool:
     return implausible(old, context) is not None and implausible(new, context) is None
 
 
-def refine(found: Score, fit: LinearFit, context: Context) -> Score:
+def refine(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of) -> Score:
     """The shape of a candidate improved from the scan's best grid point, and its formula there.
 
     A formula of more terms must explain so much more that the evidence asks for them.
     """
-    best, rows = climb(found, fit, context), fit.rows.count
+
+    def evidence(tried: Score) -> float:
+        return tried.evidence(fit.rows.count) - tried.gain + worth(tried)
+
+    best = climb(found, fit, context, worth)
     for start in _other_formulas(best, fit, context):
-        tried = climb(start, fit, context)
-        more = tried.evidence(rows) - best.evidence(rows)
+        tried = climb(start, fit, context, worth)
+        more = evidence(tried) - evidence(best)
         margin = -FORMULA if tried.freedom < best.freedom else FORMULA
         if more > margin and _is_better(tried, best, context, more=True):
             best = tried
@@ -183,12 +195,7 @@ def _other_formulas(found: Score, fit: LinearFit, context: Context) -> Iterator[
                 yield score(moved(there, fit.rows, context, contrast=there.contrast), fit)
 
 
-def climb(
-    found: Score,
-    fit: LinearFit,
-    context: Context,
-    worth: Callable[[Score], float] = lambda tried: tried.gain,
-) -> Score:
+def climb(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of) -> Score:
     """Improve the shape of a candidate, its formula as it is (Nelder and Mead).
 
     Args:
@@ -248,7 +255,7 @@ def score_at(
     return score(tried, fit)
 
 
-def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
+def at_rest(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of) -> Score:
     """The shape of a candidate refined until another round of it gains nothing that matters.
 
     Where shapes trade places, a simplex shrinks in the valley before it has followed it, or at
@@ -256,12 +263,13 @@ def at_rest(found: Score, fit: LinearFit, context: Context) -> Score:
     """
     best = found
     for _ in range(MOST_ROUNDS):
-        again = refine(best, fit, context)
+        again = refine(best, fit, context, worth)
         if again.freedom < best.freedom:  # terms of its formula that the data do not ask for
             best = again
             continue
-        settled = again.gain < best.gain + AT_REST
-        best = again if _is_better(again, best, context, more=again.gain > best.gain) else best
+        gained = worth(again) - worth(best)
+        settled = gained < AT_REST
+        best = again if _is_better(again, best, context, more=gained > 0) else best
         if settled:
             break
     return best

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.search.calming import calmed
+from oed.diagnosis.search.calming import calmed_beside, worth_beside
 from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.scan import Score, inflation_of
 from oed.diagnosis.search.workshop import Workshop
@@ -57,15 +57,15 @@ def telling(
         before, after = (
             unseen.left(shop.fit(chosen, layout, bend=False)) for chosen in (others, whole)
         )
-        quieter = calmed(shop, rival.trial, unseen.rows) if unseen.rows else 0.0
+        quieter = calmed_beside(others, rival.trial, unseen.rows) if unseen.rows else 0.0
         foretold.append(before - after - quieter)
         errors.append(after / unseen.counted)
         found = shop.fit(whole, shop.layout(rival.trial), bend=False)
         left.append(float(inflation_of(found.fit)[acting].mean()))
     unit = np.maximum(np.min(errors, axis=0), 1.0)
     rows = shop.full.rows.count
-    heard = np.array([calmed(shop, r.trial, shop.mean.rows).sum() for r in rivals])
-    explained = (np.array([r.gain for r in rivals]) - heard) / min(left)
+    worth = worth_beside(others, shop.mean.rows)
+    explained = np.array([worth(r) for r in rivals]) / min(left)
     costs = np.array([r.gain - r.evidence(rows) for r in rivals])
     return explained - costs + np.array(foretold) @ (1 / unit)
 

@@ -12,9 +12,12 @@ from numpy import ndarray
 from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.model_columns import filtered_columns
+from oed.diagnosis.fit.motion_noise import calmed
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.predict import prediction_errors
-from oed.diagnosis.search.workbench import Augmented, mean_rows
+from oed.diagnosis.search.workbench import Augmented, lags_of, mean_rows
+
+LEAST_SHARE = 0.1  # of the squares that is left of them without noise
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,14 @@ class Unseen:
         errors = prediction_errors(found, self.rows.prepared, self.columns)
         white = [self.rows.whiten([e[:, [j]] for e in errors], j)[:, 0] for j in range(self.joints)]
         return np.stack(white)
+
+    def share_without_noise(self, found: Augmented) -> Float[ndarray, " joints"]:
+        """(n,) ratio of root mean squares: with noise as the base model makes it, over as it is."""
+        if self.rows is None or len(lags_of(found.chosen)) != 1:
+            return np.ones(self.joints)
+        left = self.left(found)
+        other = sum(calmed(trial.effect, self.rows) for trial in found.chosen)
+        return np.sqrt(np.maximum(left + other, LEAST_SHARE * left) / left)
 
     def left(self, found: Augmented) -> Float[ndarray, " joints"]:
         """(n,) squares that a fit leaves of each joint's white rows."""

@@ -13,9 +13,9 @@ from numpy import ndarray
 from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign, with_widths
 from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.search.predict import fine_torque, prediction_errors, rms
-from oed.diagnosis.search.recent import Recent
 from oed.diagnosis.search.unseen import Unseen
 from oed.diagnosis.search.workbench import (
     Augmented,
@@ -187,12 +187,15 @@ class Workshop:
         return self.full if any(t.between_repetitions for t in chosen) else self.mean
 
     def validation_rms(self, found: Augmented) -> Float[ndarray, " joints"] | None:
-        """Held-out error of each joint [N m]; None without validation recordings."""
+        """Held-out error of each joint [N m]; None without validation recordings.
+
+        With a late torque, as large as if the model made of the noise what it makes without.
+        """
         if not self.validation:
             return None
         errors = prediction_errors(found, self.validation, self.unseen_full.columns)
         valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
-        return rms(valid, self._validation_weights)
+        return rms(valid, self._validation_weights) * self.unseen.share_without_noise(found)
 
     @cached_property
     def unseen(self) -> Unseen:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 from numpy import ndarray
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
@@ -16,8 +17,18 @@ from oed.dynamics.effects.linear_filter import respond
 from oed.dynamics.motion import Motion
 
 
+class Late(MeasurementEffect):
+    """Torque that is recorded late, through a linear filter that does not change with time."""
+
+    @abstractmethod
+    def response(
+        self, frequency: Float[ndarray, " frequencies"]
+    ) -> Complex[ndarray, " frequencies"]:
+        """Gain and phase of the filter at some frequencies [Hz]."""
+
+
 @dataclass(frozen=True)
-class TimeDelay(MeasurementEffect):
+class TimeDelay(Late):
     """Recorded torque at t is the model's torque at t - delay.
 
     The motion is moved, not the torque, so that a change of sign stays sharp. Before the first
@@ -38,9 +49,15 @@ class TimeDelay(MeasurementEffect):
         """The columns along the moved motion."""
         return columns(delayed(motion, self.delay))
 
+    def response(
+        self, frequency: Float[ndarray, " frequencies"]
+    ) -> Complex[ndarray, " frequencies"]:
+        """exp(-s delay)."""
+        return np.exp(-2j * np.pi * frequency * self.delay)
+
 
 @dataclass(frozen=True)
-class FilterLag(MeasurementEffect):
+class FilterLag(Late):
     """Recorded torque is the model's torque through 1 / (1 + T s + kappa T^2 s^2).
 
     kappa = 0 is the first-order lag, 1/4 two equal ones, 1/2 a Butterworth filter; all have
@@ -70,6 +87,13 @@ class FilterLag(MeasurementEffect):
         T = self.time_constant
         second_order = [self.curvature * T**2] if self.curvature > 0 else []
         return respond(motion.t, columns(motion), [1.0], [*second_order, T, 1.0])
+
+    def response(
+        self, frequency: Float[ndarray, " frequencies"]
+    ) -> Complex[ndarray, " frequencies"]:
+        """1 / (1 + T s + kappa T^2 s^2)."""
+        delayed_by = 2j * np.pi * frequency * self.time_constant
+        return 1 / (1 + delayed_by + self.curvature * delayed_by**2)
 
 
 def delayed(motion: Motion, delay: float) -> Motion:
