@@ -43,6 +43,16 @@ def test_covariance_is_the_scatter_of_what_two_motions_decide():
     assert np.all(np.diag(stated) < np.diag(covariance))
 
 
+def test_a_shape_known_beforehand_is_left_no_negative_variance():
+    """Of two shapes, one known from the start and one that the second motion shows far better."""
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        spread = rng.normal(size=(4, 4)) * np.array([1.0, 1.0, 2e-4, 9e-12])[:, None]
+        slopes = rng.normal(size=(30, 4)) * np.array([1.0, 1.0, 1e16, 1.0])
+        stated = narrowed(spread @ spread.T, slice(2, 4), slopes, np.full(30, 2000.0))
+        assert np.all(np.diag(stated) >= 0)
+
+
 def test_what_validation_decided_is_known_better_than_from_the_estimation_alone():
     shop = shop_of(data_set(5, extra=stribeck(1.5)))
     fit = shop.before.fit
