@@ -11,7 +11,7 @@ from oed.diagnosis.search.judgement import Accepted, held_out_fault
 from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
-from oed.diagnosis.search.telling import are_lags, decisive_between, is_of_kind, telling
+from oed.diagnosis.search.telling import decisive_between, is_of_kind, telling
 from oed.diagnosis.search.tilt_review import stood_upright
 from oed.diagnosis.search.turning import GRAVITY, turned
 from oed.diagnosis.search.workshop import Workshop
@@ -19,7 +19,6 @@ from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVALS = 5
-SAME_LIKELIHOOD = 2.0  # difference of -2 log likelihood that a parameter of no use makes
 SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
 
 
@@ -64,12 +63,7 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     for found, value in zip(candidates, others_said, strict=True):
         behind = said - value
         margin = decisive_between(shop, here, found)
-        near = margin
-        if are_lags(here.trial, found.trial):
-            # Of two filters that say the same, that one has a parameter more decides nothing.
-            more = found.freedom - here.freedom
-            near = max(margin, SAME_LIKELIHOOD + more * np.log(shop.full.rows.count))
-        contender = bool(behind < near) and _contends(shop, found, here, others, fit)
+        contender = bool(behind < margin) and _contends(shop, found, here, others, fit)
         trial = found.trial
         rivals.append(Rival(trial.name, trial.joint, float(behind), trial, contender, margin))
     return tuple(rivals)
