@@ -1,6 +1,7 @@
 """Steps of an encoder, and what their rounding does to the torque, against rounded signals."""
 
 import dataclasses
+from functools import partial
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def test_torque_errs_as_much_as_rounded_positions_make_it():
     real = band.apply(
         model.torque(parameters, rounded.motion) - model.torque(parameters, clean.motion)
     )
-    (stated,) = encoder_torque(model, parameters, [rounded])
+    (stated,) = encoder_torque(partial(model.torque, parameters), [rounded])
     assert stated.std(axis=0) == pytest.approx(real.std(axis=0), rel=0.15)
 
 
@@ -95,10 +96,9 @@ def test_rounding_errs_nothing_new_where_a_joint_rests():
     still = (own.t % PERIOD) > PERIOD / 2
     resting = dataclasses.replace(own, q=np.where(still[:, None], own.q[0], own.q))
     robot = imi_scara()
+    model = TorqueModel(robot, (RigidBody(robot),))
     (prepared,) = prepare((resting,), DiagnosisSettings())
-    (errors,) = encoder_torque(
-        TorqueModel(robot, (RigidBody(robot),)), robot.parameters, [prepared]
-    )
+    (errors,) = encoder_torque(partial(model.torque, robot.parameters), [prepared])
     phase = prepared.t % PERIOD
     resting, moving = phase > 0.6 * PERIOD, (phase > 0.1 * PERIOD) & (phase < 0.4 * PERIOD)
     resting &= phase < 0.9 * PERIOD

@@ -17,13 +17,16 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from oed.diagnosis.data.encoder_steps import encoder_torque, rounding_deviation
+from oed.diagnosis.data.encoder_steps import Torque, encoder_torque, rounding_deviation
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.effects.delay import Late
 from oed.dynamics.effects.effect import Effect
+from oed.dynamics.effects.friction import Viscous
+from oed.dynamics.effects.motor import RotorInertia
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.torque_change import TorqueChange
-from oed.dynamics.motion import Motion
+
+SMOOTH = (Viscous, RotorInertia)
 
 
 @dataclass(frozen=True)
@@ -65,19 +68,29 @@ def motion_noise(rows: Rows, reference: ReferenceTorque) -> tuple[MotionNoise, .
         rows: Recordings, or their mean repetitions.
         reference: The torque as modelled.
     """
-    # Motions of single repetitions are not seen again.
-    forgetful = dataclasses.replace(reference)
-    return rows.remembered.get((reference,), lambda: tuple(_of_each(rows, forgetful)))
+    return rows.remembered.get((reference,), lambda: tuple(_of_each(rows, reference)))
+
+
+def _smooth(reference: ReferenceTorque) -> ReferenceTorque:
+    """The part that grows with acceleration and speed."""
+    kept, values, start = [], [], 0
+    for effect in reference.others:
+        stop = start + len(effect.parameters)
+        if isinstance(effect, SMOOTH):
+            kept.append(effect)
+            values += reference.coefficients[start:stop]
+        start = stop
+    return ReferenceTorque(reference.robot, tuple(kept), tuple(values))
 
 
 def _of_each(rows: Rows, reference: ReferenceTorque) -> Iterator[MotionNoise]:
-    def torque(motion: Motion) -> Float[ndarray, "samples joints"]:
-        return reference.parts(motion).sum(axis=2)
-
+    # Motions of single repetitions are not seen again.
+    whole, smooth = _torque_of(dataclasses.replace(reference)), _torque_of(_smooth(reference))
     for k, p in enumerate(rows.prepared):
         own = rows.alone(k, p)
         deviations = rounding_deviation(p.repeated_steps) if p.singles else p.position_noise
-        (encoders,) = encoder_torque(torque, [p], [deviations])
+        # Errors are drawn that may turn a joint round where it hardly moves: these rows tell less.
+        (encoders,) = encoder_torque(smooth, [p], [deviations])
         (felt,) = _spectra(own, [encoders])
         frequency = np.fft.rfftfreq(p.rows, 1 / p.band.analysis_rate)
         power, shared = np.abs(felt) ** 2, np.zeros_like(felt)
@@ -86,7 +99,7 @@ def _of_each(rows: Rows, reference: ReferenceTorque) -> Iterator[MotionNoise]:
                 _spectra(own, _differences(each))
                 for each in (
                     [s.torque for s in p.singles],
-                    [s.band.apply(torque(s.motion)) for s in p.singles],
+                    [s.band.apply(whole(s.motion)) for s in p.singles],
                 )
             )
             # Over M - 1 for one repetition, over M more for the mean.
@@ -95,6 +108,10 @@ def _of_each(rows: Rows, reference: ReferenceTorque) -> Iterator[MotionNoise]:
             power = power + share * np.sum(np.abs(modelled) ** 2, axis=0)
             shared = share * np.sum(modelled * np.conj(measured), axis=0)
         yield MotionNoise(frequency, power, shared)
+
+
+def _torque_of(reference: ReferenceTorque) -> Torque:
+    return lambda motion: reference.parts(motion).sum(axis=2)
 
 
 def _differences(
