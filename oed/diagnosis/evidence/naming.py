@@ -83,7 +83,7 @@ def _sure(
         if doubtful is None:
             doubtful, reason = impossible_load(found), "no body has such inertial parameters"
         if doubtful is None:
-            doubtful, reason = _implausible(shop, found)
+            doubtful, reason = _implausible(shop, selection, found)
         if doubtful is None:
             doubtful = _harmful(shop, selection.trials)
             reason = "beside all other additions it raises the validation error"
@@ -92,19 +92,24 @@ def _sure(
         selection = selection.without(shop, doubtful, reason)
 
 
-def _implausible(shop: Workshop, found: Augmented) -> tuple[Trial | None, str]:
+def _implausible(
+    shop: Workshop, selection: Selection, found: Augmented
+) -> tuple[Trial | None, str]:
     """A name whose parameters cannot be what it says, as they are after all; with the reason.
 
-    They were plausible when it was added; beside others, and refined, they may have run away.
+    They were plausible when it was added; beside others, and refined, they may have run away. Of
+    several, such as a coupling and its mirror image, the one that explained least goes first.
     """
+    gains = {item.trial.key: item.gain for item in selection.accepted}
+    worst: tuple[Trial | None, str] = (None, "")
     for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
         if trial.is_free_form or trial.name == GRAVITY:
             continue
         check = CATALOGUE[trial.name].plausible
         reason = check(shop.context, trial.target, trial.values, coefficients)
-        if reason is not None:
-            return trial, reason
-    return None, ""
+        if reason is not None and (worst[0] is None or gains[trial.key] < gains[worst[0].key]):
+            worst = (trial, reason)
+    return worst
 
 
 def _harmful(shop: Workshop, chosen: tuple[Trial, ...]) -> Trial | None:

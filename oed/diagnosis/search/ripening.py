@@ -34,7 +34,7 @@ from oed.dynamics.effects.catalogue import CATALOGUE, Context
 STARTS = 3  # parts of the first shape's range that are each searched
 KEPT = 2  # of these that are evaluated anew
 ROUNDS = 4  # of the best of them
-FEW_SHAPES = 3  # of which a simplex finds the best
+FEW_SHAPES = 4  # of which a simplex finds the best
 POPULATION = 12  # members for each shape where there are more
 GENERATIONS = 22
 PROMISED = 1e-3  # of what a free size would gain counts where a fixed one gains nothing

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy import ndarray
 
-from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.effects.deflection import deflect
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.rigid_body import RigidBody
@@ -14,7 +14,13 @@ from oed.dynamics.effects.transmission import JointElasticity
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot
-from tests.dynamics.effects.arms import context_of, scara, smooth_motion, vertical_arm
+from tests.dynamics.effects.arms import (
+    context_of,
+    parameters_of,
+    scara,
+    smooth_motion,
+    vertical_arm,
+)
 from tests.dynamics.effects.two_mass import Gear, two_mass_torque
 
 FREQUENCY, DAMPING = 8.0, 0.1
@@ -58,12 +64,33 @@ def test_deflection_is_that_of_an_oscillator(hertz: float) -> None:
         assert series[late] == pytest.approx(exact[late], abs=5e-3 * np.abs(exact).max())
 
 
-def test_friction_stays_with_the_motor() -> None:
+def test_friction_of_the_motor_stays_with_it() -> None:
     model = TorqueModel.standard(vertical_arm())
     motion = smooth_motion(model.robot)
     entry, context = CATALOGUE["joint_elasticity"], context_of(vertical_arm(), motion)
-    seen = entry.apply(context, 1, (FREQUENCY, DAMPING, 0.2), np.ones(1)).columns(motion)
+    seen = entry.apply(context, 1, (FREQUENCY, DAMPING, 0.2, 0.0), np.ones(1)).columns(motion)
     assert np.array_equal(seen[:, :, 20:], model.columns(motion)[:, :, 20:])
+
+
+@pytest.mark.parametrize("bearing", [0.6, 1.0])
+@pytest.mark.parametrize("joint", [0, 1])
+def test_friction_of_the_links_acts_behind_the_spring(joint: int, bearing: float) -> None:
+    robot, rotor = vertical_arm(), 0.3
+    motion = smooth_motion(robot, duration=3.0, step=1e-3)
+    model = TorqueModel.standard(robot, sign_width=0.01)
+    parameters = parameters_of(model)
+    context = Context.of(model, parameters, [motion])
+    rigid = model.torque(parameters, motion)
+    friction = rigid - model.torque(np.concatenate([robot.parameters, np.zeros(4)]), motion)
+    gear = Gear(FREQUENCY, DAMPING, rotor, coulomb=2.0 * bearing, width=0.01, viscous=bearing)
+    true = two_mass_torque(robot, motion, joint, gear) + friction
+    true[:, joint] -= bearing * friction[:, joint]
+    entry, values = CATALOGUE["joint_elasticity"], (FREQUENCY, DAMPING, rotor, bearing)
+    seen = entry.apply(context, joint, values, np.ones(1)).torque(parameters, motion)
+    settled = motion.t > 1.4
+    error, change = (seen - true)[settled], (rigid - true)[settled]
+    # Of second order in a bend of some mrad, as without friction there.
+    assert (np.linalg.norm(error, axis=0) < 0.06 * np.linalg.norm(change, axis=0)).all()
 
 
 @pytest.mark.parametrize("joint", [0, 1])
@@ -73,7 +100,7 @@ def test_exact_form_and_column_differ_in_second_order_of_the_bend(joint: int) ->
     rigid = context.model.torque(context.parameters, motion)
     entry, shares = CATALOGUE["joint_elasticity"], []
     for frequency in (12.0, 24.0):  # a quarter of the bend
-        values = (frequency, 0.1, 0.3)
+        values = (frequency, 0.1, 0.3, 0.0)
         exact = entry.apply(context, joint, values, np.ones(1)).torque(context.parameters, motion)
         model = context.model.with_effects(entry.build(context, joint, values))
         linear = model.torque(np.append(context.parameters, 1.0), motion)

@@ -17,6 +17,7 @@ from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInertia
 
 ONE_WAY = 0.05  # a ratio below this: the motor is the joint's own, recorded in another row
+FALLING = 0.5  # share of its friction at rest that a motor may lose at top speed
 SMALL = 0.1  # of what else a motor does, up to which a part of it may be noise
 LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
 
@@ -102,6 +103,8 @@ def _both_ways(context: Context, other: int, estimates: Float[ndarray, " columns
     added = viscous * float(context.top_speed[other])
     driving = abs(inertia) * float(context.top_acceleration[other])
     if added * coulomb >= 0 or abs(coulomb) < SMALL * abs(added):
+        return None
+    if abs(added) < FALLING * abs(coulomb):
         return None
     if max(abs(added), abs(coulomb)) < driving:
         return None

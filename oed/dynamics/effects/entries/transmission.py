@@ -28,26 +28,32 @@ LEAST_PLAY = 0.03  # of the gear's bend between the largest torques of both sign
 def _gear(
     kind: Callable[..., Transmission], context: Context, target: Target, *values: float
 ) -> Transmission:
+    """A gear from its frequency, damping, share of the rotor, gap and share of friction behind it."""
     first = context.model.effects[0]
     if isinstance(first, RigidBody):
         posture = tuple(float(x) for x in context.position_range.mean(axis=1))
-        return kind(joint_of(target), *values, posture, context.reference, len(first.parameters))
+        places = (posture, context.reference, len(first.parameters))
+        return _rubbing_behind(kind(joint_of(target), *values, *places), context)
     raise ValueError(f"{kind.__name__} needs the rigid body first, not {first.name}")
 
 
+def _rubbing_behind(gear: Transmission, context: Context) -> Transmission:
+    # The equation of motion needs friction that brakes.
+    coulomb, viscous = (
+        max(gear.bearing * f(gear.joint), 0.0) for f in (context.coulomb, context.viscous)
+    )
+    width = max(context.sign_width(gear.joint), LEAST_WIDTH)
+    return dataclasses.replace(gear, rubbing=Rubbing(coulomb, width, viscous))
+
+
 def _spring(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
-    return _gear(JointElasticity, context, target, *values, 0.0, 0.0)
+    frequency, damping, rotor_share, bearing = values
+    return _gear(JointElasticity, context, target, frequency, damping, rotor_share, 0.0, bearing)
 
 
 def _play(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
     gap, frequency, damping, rotor_share, bearing = values
-    gear = _gear(Backlash, context, target, frequency, damping, rotor_share, gap, bearing)
-    # The equation of motion needs friction that brakes.
-    coulomb, viscous = (
-        max(bearing * f(gear.joint), 0.0) for f in (context.coulomb, context.viscous)
-    )
-    width = max(context.sign_width(gear.joint), LEAST_WIDTH)
-    return dataclasses.replace(gear, rubbing=Rubbing(coulomb, width, viscous))
+    return _gear(Backlash, context, target, frequency, damping, rotor_share, gap, bearing)
 
 
 def _has_play(
@@ -92,6 +98,7 @@ JOINT_ELASTICITY = CatalogueEntry(
         Shape("frequency", "Hz", 2.0, 40.0, "log", 12, 8.0),
         Shape("damping", "1", 0.005, 0.5, "log", 3, 0.05),
         Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4),
+        Shape("bearing", "1", 0.0, 1.0, "linear", 1, 0.0),
     ),
     build=_change_by(_spring),
     plausible=by_construction,
@@ -101,11 +108,11 @@ JOINT_ELASTICITY = CatalogueEntry(
         equation="τ = H(q - δ e_j) + R(q) - R(q - δ e_j), "
         "K δ + D δ' + (M_jj - J) δ'' = H_j(q) - R_j(q), "
         "R the torque of the rotor, a body of inertia J that the rigid arm counts with link j; "
-        "ω² = K / (M_jj - J)",
+        "ω² = K / (M_jj - J); a share of the joint's friction behind the spring, at q' - δ'",
         source="Spong 1987, J. Dynamic Systems, Measurement, and Control 109(4), 310-318; Pham, "
         "Gautier, Poignet 2001, IEEE Int. Conf. Robotics and Automation",
         parameters="ω/2π 2.5 to 20 Hz, of the arm on the spring with its motor held; ζ; the "
-        "rotor's share of the inertia",
+        "rotor's share of the inertia; the share of friction behind the spring",
         signature="residual grows with the square of frequency, then rings, also at other joints",
         confused_with=("filter_lag", "time_delay", "rotor_inertia"),
         exposed_by="a broad band of frequencies; an encoder on the link",
