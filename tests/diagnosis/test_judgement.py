@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.search import selection
 from oed.diagnosis.search.judgement import PRICE, WORSE, costs
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import data_set
+from tests.diagnosis.arm import data_set, stribeck
+from tests.diagnosis.shop import shop_of
 
 FLOOR = np.array([0.5, 0.1])
 OLD = np.array([1.0, 0.2])
@@ -90,3 +92,16 @@ def test_a_name_that_foretells_less_than_nothing_goes(monkeypatch):
     found = diagnose(dataset, model, settings)
     assert not found.effects
     assert "torque_offset" in {r.name for r in found.refused}
+
+
+def test_friction_that_rises_from_standstill_is_told_beside_friction_of_the_position():
+    """A curve of the speed would mend the formula of the latter, and explain much less."""
+
+    def extra(q, dq, ddq):
+        torque = stribeck(2.0, speed=0.05)(q, dq, ddq)
+        torque[:, 0] += 2.0 * np.cos(1.5 * q[:, 0] + 0.4) * np.sign(dq[:, 0])
+        return torque
+
+    names = ("stribeck", "position_dependent_friction")
+    _, found = selection.search(shop_of(data_set(5, extra=extra), candidates=names))
+    assert {a.trial.key for a in found.accepted} == {(name, 0) for name in names}

@@ -22,6 +22,7 @@ from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 STATIC = "position"  # family of torque at rest, which no lag that is a little wrong leaves
+FAR_LESS = 1.25  # ratio of gains
 COVERED = 0.3  # share of a gain that is left where another term explains the rest
 # Share of an earlier effect's gain from which on an effect that looks like nothing else may be there.
 MUCH_LESS = 0.002
@@ -187,14 +188,17 @@ def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequen
 def _mend_that_covers(
     shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
 ) -> str | None:
-    """A free-form term of an earlier effect's own coordinates that covers a candidate."""
-    if candidate.trial.is_free_form:
-        return None
+    """A free-form term of an earlier effect's own coordinates that covers a candidate.
+
+    None does that explains less by far, though it has more parameters.
+    """
     layout = shop.layout(candidate.trial)
-    for mend in _free_forms_of(shop, earlier.trial):
+    mends = [] if candidate.trial.is_free_form else _free_forms_of(shop, earlier.trial)
+    for mend in mends:
         fit = shop.fit([*others, mend], layout).fit
         left = score(candidate.trial, fit).gain
-        if left < COVERED * candidate.gain:
+        own = score(mend, shop.fit(others, layout).fit).gain
+        if left < COVERED * candidate.gain < COVERED * FAR_LESS * own:
             return str(mend.key[0])
     return None
 
@@ -275,18 +279,14 @@ def costs(
         # Where a joint lacks most of what it does, all that is added moves its error: what others
         # win counts as the joint's likelihood does, and in squares of the floor no less is won.
         shares, squares = -2 * np.log(ratio), (old**2 - new**2) / floor**2
-        dear = _lost(shares) > price * _won(shares) or _lost(squares) > _won(squares)
+        dear = _won(-shares) > price * _won(shares) or _won(-squares) > _won(squares)
     else:
         dear = True
     return bool(np.mean(ratio**2) >= 1 or (ratio.max() > WORSE and dear))
 
 
 def _won(falls: Float[ndarray, " joints"]) -> float:
-    return float(falls[falls > 0].sum())
-
-
-def _lost(falls: Float[ndarray, " joints"]) -> float:
-    return float(-falls[falls < 0].sum())
+    return float(np.maximum(falls, 0.0).sum())
 
 
 def refusal(candidate: Score | Accepted, reason: str) -> Refused:
