@@ -150,7 +150,7 @@ def run_case(case: Case) -> Outcome:
     at_hand = [scene.record(scene.log, rng, "at_hand") for _ in range(case.runs)]
     tables = [lay(scene, [pair]) for pair in at_hand]
     found = [table.compare(duel) for table in tables]
-    rows = tables[0].shop.full.rows.count
+    in_fit, in_evidence = _leads(tables, found)
     apart = [_apart(t, f) for t, f in zip(tables, found, strict=True)]
     predicted = [
         confusion(table.shop, (own.trial, own.coefficients, other.trial), rng)
@@ -163,9 +163,8 @@ def run_case(case: Case) -> Outcome:
         for pair in at_hand[: case.designed_runs]
     ]
     after = [table.compare(duel) for table in extended]
-    more = extended[0].shop.full.rows.count
     decisive = DiagnosisSettings().decisive
-    lead = [own.evidence(more) - other.evidence(more) for own, other in after]
+    then_in_fit, lead = _leads(extended, after)
     return {
         "status": "done",
         "size": size,
@@ -174,16 +173,16 @@ def run_case(case: Case) -> Outcome:
         "formula": float(np.mean([error_rate(x) for x in apart])),
         "predicted_fit": float(np.mean([p.by_fit for p in predicted])),
         "predicted_name": float(np.mean([p.by_name for p in predicted])),
-        "wrong_fit": _count(_lead_in_fit(found) < 0),
-        "wrong_name": _count(_lead_in_evidence(found, rows) < 0),
+        "wrong_fit": _count(in_fit < 0),
+        "wrong_name": _count(in_evidence < 0),
         "designed_separation": following.separation,
         "designed_formula": error_rate(following.separation),
         "designed_predicted": following.error_rate,
-        "designed_wrong_fit": _count(_lead_in_fit(after) < 0),
-        "designed_wrong_name": _count(np.array(lead) < 0),
-        "designed_decided": _count(np.array(lead) >= decisive),
-        "designed_misled": _count(np.array(lead) <= -decisive),
-        "at_hand_decided": _count(_lead_in_evidence(found, rows) >= decisive),
+        "designed_wrong_fit": _count(then_in_fit < 0),
+        "designed_wrong_name": _count(lead < 0),
+        "designed_decided": _count(lead >= decisive),
+        "designed_misled": _count(lead <= -decisive),
+        "at_hand_decided": _count(in_evidence >= decisive),
         "first_decided": int(lead[0] >= decisive),
         "seconds": time.perf_counter() - start,
     }
@@ -231,12 +230,15 @@ def _apart(table: Table, found: tuple[Score, Score]) -> float:
     return separation(table.shop, own.trial, own.coefficients, other.trial)
 
 
-def _lead_in_fit(found: Sequence[tuple[Score, Score]]) -> np.ndarray:
-    return np.array([own.gain - other.gain for own, other in found])
-
-
-def _lead_in_evidence(found: Sequence[tuple[Score, Score]], rows: int) -> np.ndarray:
-    return np.array([own.evidence(rows) - other.evidence(rows) for own, other in found])
+def _leads(
+    tables: Sequence[Table], found: Sequence[tuple[Score, Score]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of the hidden effect over its rival, in fit and in evidence."""
+    both = list(zip(tables, found, strict=True))
+    return (
+        np.array([table.lead_in_fit(pair) for table, pair in both]),
+        np.array([table.lead_in_evidence(pair) for table, pair in both]),
+    )
 
 
 def _count(which: np.ndarray) -> int:

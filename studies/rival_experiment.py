@@ -18,8 +18,10 @@ from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.rivals.discrimination import NextExperiment, design_discriminating, separation
+from oed.diagnosis.search.calming import worth_beside
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, refine, scan
+from oed.diagnosis.search.telling import telling
 from oed.diagnosis.search.workbench import lay_out
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -110,8 +112,19 @@ class Table:
         torque = lay_out(shop.baseline, self.clean, mean=True).torque
         fit = shop.before.fit
         fit = dataclasses.replace(fit, residual=fit.projection.residual(torque))
-        scores = [refine(s, fit, shop.context) for s in scan(_pool(shop, duel), fit, shop.context)]
-        return _in_order(scores, duel)
+        worth = worth_beside((), fit.rows)
+        found = scan(_pool(shop, duel), fit, shop.context)
+        return _in_order([refine(s, fit, shop.context, worth) for s in found], duel)
+
+    def lead_in_fit(self, found: tuple[Score, Score]) -> float:
+        """By how much the hidden effect explains more of what the arm does than its rival."""
+        own, other = map(worth_beside((), self.shop.mean.rows), found)
+        return own - other
+
+    def lead_in_evidence(self, found: tuple[Score, Score]) -> float:
+        """By how much it tells more, as the diagnosis names."""
+        own, other = telling(self.shop, (), found)
+        return float(own - other)
 
 
 def set_up(duel: Duel, size: float) -> Scene:

@@ -21,7 +21,7 @@ from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.own_time import in_own_time
-from oed.diagnosis.evidence.proof import RoleProof, error_in_floors, prove
+from oed.diagnosis.evidence.proof import RoleProof, prove
 from oed.diagnosis.evidence.taken_up import with_moments_of
 from oed.diagnosis.evidence.verdict import (
     CLEAR_UNSEEN,
@@ -33,13 +33,13 @@ from oed.diagnosis.evidence.verdict import (
     describe_unlocated,
     riddles,
 )
-from oed.diagnosis.evidence.withheld import withheld
+from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.chance import keeps_step
 from oed.diagnosis.search.judgement import Refused
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.selection import search
+from oed.diagnosis.search.selection import search, with_stand_ins
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -119,7 +119,8 @@ def diagnose(
     """Find what a torque model lacks, from a data set alone.
 
     Args:
-        dataset: Recordings with roles; "test" is looked at last, and only to report.
+        dataset: Recordings with roles; "test" is looked at last: to report, and to
+            take back names that it contradicts.
         model: The base model.
         settings: How to look.
         say: Receives lines of progress.
@@ -178,11 +179,18 @@ def _named(
     found, selection = search(shop, refused, upright=upright)
     layout = found.layout_for(selection.trials)
     before = fit_final(found.declared, layout, found.declared.model)
-    selection, after, effects = named(found, selection, validation, before)
+    kept, after, effects = named(found, selection, validation, before)
+    if len(_names(kept)) < len(_names(selection)):
+        kept, after, effects = named(found, with_stand_ins(found, kept), validation, before)
+    selection = kept
     if found.is_turned and all(t.name != GRAVITY for t in selection.trials):
         # The tables stand as the tilt has turned them, and all that was added stands on them.
         return _named(shop, validation, selection.refused, upright=True)
     return _Result(found, selection, before, after, effects)
+
+
+def _names(selection: Selection) -> list[Trial]:
+    return [t for t in selection.trials if not t.is_free_form]
 
 
 def _conclude(
@@ -203,14 +211,15 @@ def _conclude(
     left = lack_of_fit(after.fit, freedom)
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
-    seen, unseen = (error_in_floors(proof, floor, role) for role in ("estimation", "validation"))
+    errors = Errors.of(proof, floor)
+    seen, unseen = errors.seen, errors.unseen
     unexplained += tuple(
         u
         for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
         if keeps_step(shop, selection.trials, u.joint)
         or (unseen[u.joint] > CLEAR_UNSEEN and _keeps_step_unseen(shop, selection.trials, u.joint))
     )
-    effects, unexplained = withheld(shop, selection, effects, unexplained, (seen, unseen))
+    effects, unexplained = withheld(shop, selection, effects, unexplained, errors)
     return Diagnosis(
         verdict=decide(effects, unexplained),
         effects=effects,

@@ -9,7 +9,7 @@ import numpy as np
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import error_in_floors
 from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, Unexplained
-from oed.diagnosis.evidence.withheld import SURELY
+from oed.diagnosis.evidence.withheld import MOSTLY, SURELY
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.report.page import Picture, Table, Text
 
@@ -26,7 +26,9 @@ OWN_TIME = (
 WITHHELD = (
     "What a name of the catalogue fits best, beside a free-form term of its joint, is not claimed "
     f"to be that where it explains less than {SURELY:.3g} times what the joint still lacks of the "
-    "validation recordings. It makes the model better, and may be a part of something else."
+    "validation recordings, where its name alone foretells nothing, or where all additions explain "
+    f"less than {MOSTLY:.3g} times what the joint still lacks of the test recordings. It makes the "
+    "model better, and may be a part of something else."
 )
 FAR_OFF = 4.0  # noise floors of validation error, from which on a mistake in the file is likely
 MISTAKES = (

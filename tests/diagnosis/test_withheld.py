@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained
-from oed.diagnosis.evidence.withheld import withheld
+from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import _foretelling_most
@@ -25,12 +25,16 @@ def sprung():
 @pytest.mark.parametrize(
     ("gain", "errors", "curve_on", "claimed"),
     [
-        (0.3, (4.0, 5.0), 1, False),  # a third of the error, and the joint still lacks five floors
-        (0.3, (4.0, 5.0), 0, True),  # another joint lacks something
-        (0.3, (4.0, 1.5), 1, True),  # it lacks little
-        (0.3, (1.5, 5.0), 1, True),  # it lacks little where the arm has been
-        (0.8, (4.0, 5.0), 1, True),  # without the name it would lack 25
-        (None, (4.0, 5.0), 1, True),  # nobody can say
+        (0.3, (4.0, 5.0, 0, 0), 1, False),  # a third, and the joint still lacks five floors
+        (0.3, (4.0, 5.0, 0, 0), 0, True),  # another joint lacks something
+        (0.3, (4.0, 1.5, 0, 0), 1, True),  # it lacks little
+        (0.3, (1.5, 5.0, 0, 0), 1, True),  # it lacks little where the arm has been
+        (0.8, (4.0, 5.0, 0, 0), 1, True),  # without the name it would lack 25
+        (None, (4.0, 5.0, 0, 0), 1, True),  # nobody can say
+        (-0.01, (1.0, 1.0, 0, 0), 1, False),  # it foretells nothing
+        (0.5, (1.0, 1.0, 6.0, 5.0), 0, False),  # the test shows that most of it is something else
+        (0.5, (1.0, 1.0, 9.0, 5.0), 0, True),  # it shows that there is more, but less
+        (0.5, (1.0, 1.0, 1.5, 1.4), 0, True),  # nothing: it moves the joint too little
     ],
 )
 def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
@@ -41,8 +45,8 @@ def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
     effect = FoundEffect("joint_spring", 1, (), 1e-6, gain, (), item.trial)
     curve = Unexplained(curve_on, ("q_1", "dq_2"), 0.5, "f(q_1, dq_2)", stands_in=True)
     own = np.arange(2) == 1
-    seen, unseen = (np.where(own, x, 1.0) for x in errors)
-    effects, unexplained = withheld(shop, selection, [effect], (curve,), (seen, unseen))
+    found = Errors(*(np.where(own, x, 1.0) for x in errors))
+    effects, unexplained = withheld(shop, selection, [effect], (curve,), found)
     assert [e.name for e in effects] == ["joint_spring"] * claimed
     assert unexplained[0] is curve
     for u in unexplained[1:]:

@@ -1,13 +1,15 @@
-"""Names that are not claimed, because too much of their joint has none."""
+"""Names that are not claimed, because too much of their joint has none, or they foretell nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.evidence.proof import RoleProof, error_in_floors
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained, riddles
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.workshop import Workshop
@@ -17,6 +19,40 @@ from oed.diagnosis.search.workshop import Workshop
 # recordings; both are squares of the validation error, in noise floors.
 SURELY = 5.0
 CLEAR = 3.0
+CLEAR_WHERE_FITTED = 2.0
+# Squares of the test error that a joint's additions explain, over what they leave of it.
+MOSTLY = 1.5
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Root mean squares of a joint's errors, in noise floors; zero without recordings of a role.
+
+    Attributes:
+        seen: (n,) of the augmented model on the estimation recordings.
+        unseen: (n,) on the validation recordings, which may lie beyond what the others say.
+        before: (n,) of the base model on the test recordings.
+        after: (n,) of the augmented model on them.
+    """
+
+    seen: Float[ndarray, " joints"]
+    unseen: Float[ndarray, " joints"]
+    before: Float[ndarray, " joints"]
+    after: Float[ndarray, " joints"]
+
+    @classmethod
+    def of(cls, proofs: Sequence[RoleProof], floor: Float[ndarray, " joints"]) -> Errors:
+        """Those of some proofs.
+
+        Args:
+            proofs: Of the roles that there are.
+            floor: (n,) noise [N m].
+        """
+        before = [p.before / floor for p in proofs if p.role == "test"]
+        seen, unseen, after = (
+            error_in_floors(proofs, floor, role) for role in ("estimation", "validation", "test")
+        )
+        return cls(seen, unseen, before[0] if before else np.zeros(len(floor)), after)
 
 
 def withheld(
@@ -24,7 +60,7 @@ def withheld(
     selection: Selection,
     effects: Sequence[FoundEffect],
     unexplained: tuple[Unexplained, ...],
-    errors: tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]],
+    errors: Errors,
 ) -> tuple[tuple[FoundEffect, ...], tuple[Unexplained, ...]]:
     """Names that are claimed; what has none, with the terms of those that are not.
 
@@ -35,24 +71,29 @@ def withheld(
         selection: What was added.
         effects: All names that hold.
         unexplained: What has no name.
-        errors: (n,) errors of the augmented model, in noise floors: on the estimation recordings,
-            and on the validation recordings, which may lie beyond what the others say of an effect.
+        errors: Before and after.
     """
-    seen, unseen = errors
     curves = {u.joint for u in riddles(effects, unexplained) if u.depends_on}
     claimed, resembling = [], []
     for effect in effects:
         joint = effect.joint
-        if (
-            joint is None
-            or joint not in curves
-            or seen[joint] ** 2 - 1 < CLEAR
-            or _is_sure(effect, float(unseen[joint]))
-        ):
+        if joint is None or _is_claimed(effect, joint, errors, beside_curves=joint in curves):
             claimed.append(effect)
         else:
             resembling.append(_without_name(shop, selection, effect, joint))
     return tuple(claimed), (*unexplained, *resembling)
+
+
+def _is_claimed(effect: FoundEffect, joint: int, errors: Errors, *, beside_curves: bool) -> bool:
+    if effect.validation_gain is not None and effect.validation_gain < 0:
+        return False  # beside a curve it may be worth something, but not what its name says
+    # The test recordings chose nothing: a claim that they contradict is none.
+    missed = float(errors.after[joint]) ** 2 - 1
+    if missed > CLEAR and float(errors.before[joint]) ** 2 - 1 < (1 + MOSTLY) * missed:
+        return False
+    if not beside_curves or float(errors.seen[joint]) ** 2 - 1 < CLEAR_WHERE_FITTED:
+        return True
+    return _is_sure(effect, float(errors.unseen[joint]))
 
 
 def _is_sure(effect: FoundEffect, unseen: float) -> bool:

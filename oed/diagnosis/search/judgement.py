@@ -181,7 +181,7 @@ def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequen
     if earlier.trial.shapes and _families(earlier) & _families(candidate):
         return False
     free = [m for t in (own, earlier.trial) for m in _free_forms_of(shop, t)]
-    fit = shop.fit(others, shop.layout(own)).fit
+    fit = shop.fit(others, shop.mean).fit
     return bool(free) and none_explains_more(free, fit, candidate.gain, list(own.group))
 
 
@@ -197,7 +197,7 @@ def _mend_that_covers(
     for mend in mends:
         fit = shop.fit([*others, mend], layout).fit
         left = score(candidate.trial, fit).gain
-        own = score(mend, shop.fit(others, layout).fit).gain
+        own = score(mend, shop.fit(others, shop.layout(mend)).fit).gain
         if left < COVERED * candidate.gain < COVERED * FAR_LESS * own:
             return str(mend.key[0])
     return None

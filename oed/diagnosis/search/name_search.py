@@ -38,6 +38,7 @@ class NameSearch:
         paired: Joints in which two names of any kind were.
         late: Free-form terms that names were looked for in the place of, and names found there.
         p_value: Of a tilt, if the tables are turned.
+        beside: Free-form terms beside which signs are read off.
     """
 
     shop: Workshop
@@ -50,6 +51,7 @@ class NameSearch:
     paired: set[int] = field(default_factory=set)
     late: set[tuple[str, object]] = field(default_factory=set)
     p_value: float = 0.0
+    beside: tuple[Trial, ...] = ()
 
     def add_names(self) -> None:
         """Add, exchange and drop names until none passes all tests."""
@@ -75,7 +77,7 @@ class NameSearch:
                 self.accepted += fresh
             self._settle(fresh)
             self.turn_again()
-            sharper = self.shop.sharpened([a.trial for a in self.accepted])
+            sharper = self._sharper()
             if sharper is not None:
                 self.shop = sharper
                 self._settle(fresh)
@@ -83,6 +85,25 @@ class NameSearch:
                 # They fell beside the others, or change places for ever.
                 self.barred |= {a.trial.key for a in fresh}
             seen.append(self._names())
+
+    def sharpen(self, whole: Sequence[Accepted]) -> bool:
+        """Whether signs are other ones beside what has no name; once, and the tables with them.
+
+        What one joint lacks bends what the model makes of another, and may pass there for a sign
+        that turns slowly.
+        """
+        free = [a.trial for a in whole if a.stands_in and a.trial.is_free_form]
+        if self.beside or not free:
+            return False
+        self.beside = tuple(free)
+        sharper = self._sharper()
+        if sharper is None:
+            return False
+        self.shop = sharper
+        return True
+
+    def _sharper(self) -> Workshop | None:
+        return self.shop.sharpened([*(a.trial for a in self.accepted), *self.beside])
 
     def _next_ones(self, room: int) -> list[Accepted]:
         """The next name; of an arm of many joints those of several joints."""

@@ -44,6 +44,21 @@ def search(
     return _concluded(found, accepted, refused, tilts)
 
 
+def with_stand_ins(shop: Workshop, selection: Selection) -> Selection:
+    """The names of a selection, and free-form terms anew for what they leave.
+
+    Some were found beside names that fell since, and do not do what these did.
+
+    Args:
+        shop: The tables that the selection stands on.
+        selection: With the names that are left.
+    """
+    refused = list(selection.refused)
+    names = [a for a in selection.accepted if not a.trial.is_free_form]
+    whole = drop_needless(shop, _with_free_forms(shop, names, refused), refused)
+    return Selection.of(shop, whole, refused)
+
+
 def _added(
     shop: Workshop, refused: list[Refused], *, upright: bool
 ) -> tuple[Workshop, list[Accepted], float]:
@@ -57,6 +72,8 @@ def _added(
     while True:
         state.add_names()
         unreviewed = _with_free_forms(state.shop, state.accepted, refused)
+        if state.sharpen(unreviewed):
+            continue
         whole = review_names(state.shop, unreviewed, refused)
         names = [a for a in whole if not a.trial.is_free_form]
         fallen = {a.trial.key for a in state.accepted} - {a.trial.key for a in names}
