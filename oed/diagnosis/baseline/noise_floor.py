@@ -8,6 +8,7 @@ what a rich free-form fit leaves; that is stated, and it makes every later test 
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -53,6 +54,12 @@ class NoiseFloor:
             np.where(own, self.deviation, other.deviation),
             np.where(own, self.dilution, other.dilution),
         )
+
+    @property
+    def uncoloured(self) -> NoiseFloor:
+        """White noise as loud."""
+        noise = tuple(Autoregression.white(d) for d in self.deviation)
+        return dataclasses.replace(self, noise=noise)
 
 
 def repetition_series(

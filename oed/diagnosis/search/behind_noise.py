@@ -2,11 +2,13 @@
 
 Without repetitions, noise is what a rich fit of the motion leaves, and rows of it that err
 together count as few. A torque that the rich fit cannot follow, such as a load taken up on the
-way, is then the noise that hides it. Beside the effect that it is, the noise proves to be far less.
+way, is then the noise that hides it. With repetitions, it is what these differ by, and friction
+that warms up in few of them is in it. Beside the effect that it is, the noise proves to be far less.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -20,6 +22,8 @@ from oed.diagnosis.terms.trials import Trial
 SLOW = 8.0  # correlated rows that count as one, from which on noise is suspected to be none
 QUIETER = 0.2  # share of it that a candidate may leave, at one joint or more
 TRIED = 3  # candidates
+# The same of what changes between repetitions, and its gain in noise that it is part of.
+LESS, NOTICED = 0.7, 20.0
 
 
 def quieter_beside(
@@ -32,15 +36,36 @@ def quieter_beside(
         pool: Candidates, over the grids of their shapes.
         others: Additions.
     """
+    repeated = shop.mean is not shop.full
+    suspects = _changing(shop, pool, others) if repeated else _slow(shop, pool, others)
+    for trial in suspects:
+        beside = shop.sharpened([*others, trial])
+        left = LESS if repeated else QUIETER
+        if beside is None:
+            continue
+        if np.any((_loudness(beside) < left * _loudness(shop))[list(trial.group)]):
+            yield beside, trial
+
+
+def _slow(shop: Workshop, pool: Sequence[Trial], others: Sequence[Trial]) -> list[Trial]:
+    """What acts where noise changes slowly."""
     slow = np.flatnonzero(shop.baseline.floor.dilution > SLOW)
     if not len(slow):
-        return
+        return []
     found = ranked(shop, pool, others, shop.settings.refined, thorough=True)
     acting = [s for s in found if not set(slow).isdisjoint(s.trial.group)]
-    for candidate in sorted(acting, key=lambda s: -s.gain)[:TRIED]:
-        beside = shop.sharpened([*others, candidate.trial])
-        if beside is not None and np.any((_loudness(beside) < QUIETER * _loudness(shop))[slow]):
-            yield beside, candidate.trial
+    return [s.trial for s in sorted(acting, key=lambda s: -s.gain)[:TRIED]]
+
+
+def _changing(shop: Workshop, pool: Sequence[Trial], others: Sequence[Trial]) -> list[Trial]:
+    """What changes from one repetition to the next; whitened noise would hide its own colour."""
+    keys = {t.key for t in pool if t.between_repetitions}
+    plain = shop.on(dataclasses.replace(shop.baseline, floor=shop.baseline.floor.uncoloured))
+    own = [t for t in plain.physical if t.key in keys]
+    if not own:
+        return []
+    found = ranked(plain, own, [plain.renewed(t) for t in others], shop.settings.refined)
+    return [shop.renewed(s.trial) for s in found if s.gain > NOTICED][:TRIED]
 
 
 def _loudness(shop: Workshop) -> Float[ndarray, " joints"]:

@@ -29,6 +29,8 @@ SYSTEMATIC = 0.01
 # A delayed torque that is interpolated between samples is a little of a lag too: by a second
 # moment of up to an eighth of a sample's square. Twice that.
 SAMPLED = 1 / 4
+# Share of what two late torques make of noise by which it may be wrong: few repetitions show it.
+UNCERTAIN = 1 / 4
 # Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling, a
 # spring of a spring with a gap, an offset of a spring in a joint.
 NESTED = frozenset({"lag", "acceleration", "compliance", "even in speed"})
@@ -110,8 +112,19 @@ def decisive_between(shop: Workshop, one: Score, other: Score) -> float:
     """How much more one candidate must tell than another to be the one that is meant."""
     decisive = shop.settings.decisive
     if is_of_kind(one.trial, other.trial):
-        return max(decisive, _systematic(shop, one, other) * max(one.gain, other.gain))
+        margin = max(decisive, _systematic(shop, one, other) * max(one.gain, other.gain))
+        return margin + UNCERTAIN * _noise_between(shop, one, other)
     return decisive
+
+
+def _noise_between(shop: Workshop, one: Score, other: Score) -> float:
+    """White squares of noise that one late torque takes away and another does not."""
+    if not are_lags(one.trial, other.trial):
+        return 0.0
+    unseen = shop.unseen_by([one.trial, other.trial]).rows
+    tables = [shop.mean.rows, *([unseen] if unseen else [])]
+    own, its = (sum(calmed_beside((), s.trial, r).sum() for r in tables) for s in (one, other))
+    return abs(float(own - its))
 
 
 def _systematic(shop: Workshop, one: Score, other: Score) -> float:

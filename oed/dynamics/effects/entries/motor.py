@@ -16,7 +16,7 @@ from oed.dynamics.effects.entries.plausibility import (
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInertia
 
-ONE_WAY = 0.05  # a ratio below this: the motor is the joint's own, recorded in another row
+ONE_WAY = 0.05  # a ratio below this: the joint hardly turns the motor, which is recorded in its row
 FALLING = 0.5  # share of its friction at rest that a motor may lose at top speed
 SMALL = 0.1  # of what else a motor does, up to which a part of it may be noise
 LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
@@ -62,7 +62,7 @@ def _coupling(
     width = max(context.sign_width(joint), context.sign_width(other))
     if abs(values[0]) < ONE_WAY:
         return CrossCoupling(joint, other, width)
-    return MotorCoupling((other, joint), (values[0], 1.0), width)
+    return MotorCoupling((joint, other), (values[0], 1.0), width)
 
 
 def _coupling_plausible(
@@ -75,11 +75,11 @@ def _coupling_plausible(
         _, other = pair_of(target)
         return finite(estimates) or _both_ways(context, other, estimates)
     if abs(values[0]) < LEAST_RATIO:
-        return f"at a ratio of {values[0]:.2g} the motor is the joint's own"
+        return f"at a ratio of {values[0]:.2g} the motor does not turn with the joint"
     inertia, viscous, coulomb = (float(x) for x in estimates)
     joint, other = pair_of(target)
     speed, acceleration = (
-        float(top[joint] + abs(values[0]) * top[other])
+        float(top[other] + abs(values[0]) * top[joint])
         for top in (context.top_speed, context.top_acceleration)
     )
     friction = viscous * speed + coulomb
@@ -124,8 +124,8 @@ MOTOR_COUPLING = CatalogueEntry(
     equivalent=("the pair in the other order, for ratios of 1 and -1",),
     holds=("rotor_inertia",),
     page=EffectPage(
-        equation="r_j (I_a u' + F_v u + F_c sgn u), u = dq_j + r dq_i, on both joints; at r = 0: "
-        "I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j, I_x ddq_j on joint i",
+        equation="on joint j, r times what is on joint i: I_a u' + F_v u + F_c sgn u, u = dq_i + r "
+        "dq_j; at r = 0: I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j, I_x ddq_j on joint i",
         source="Janot, Vandanjon, Gautier 2014, IEEE Trans. Control Systems Technology 22(1), "
         "132-145 (wrist of the Stäubli TX40)",
         parameters="inertia in kg m², viscous in N m s/rad and Coulomb friction in N m of the "
