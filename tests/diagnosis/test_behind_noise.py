@@ -51,3 +51,32 @@ def test_noise_of_rows_that_count_is_not_suspected():
     dataset = data_set(1, roles=("estimation", "validation"), repetitions=2)
     shop = shop_of(dataset, surrogates=39, refined=4)
     assert not list(quieter_beside(shop, shop.physical, ()))
+
+
+def warming_shop(size, constant):
+    """Three repetitions of an arm whose second joint warms up during the first."""
+
+    def extra(q, dq, ddq):
+        cold = size * np.exp(-np.arange(len(q)) / RATE / constant)
+        return np.stack([0 * cold, cold * np.sign(dq[:, 1])], axis=1)
+
+    dataset = data_set(2, extra=extra, roles=("estimation", "validation"))
+    return shop_of(dataset, surrogates=39, refined=4)
+
+
+def test_friction_that_warms_up_in_one_repetition_is_no_noise():
+    shop = warming_shop(1.4, 6.0)
+    found = list(quieter_beside(shop, shop.physical, ()))
+    beside, trial = found[0]
+    assert trial.key == ("thermal_drift", 1)
+    assert trial.values[0] == pytest.approx(6.0, rel=0.2)
+    # What is left is the noise of an arm that does not warm up.
+    cool = warming_shop(0.0, 6.0).baseline.floor.deviation[1]
+    assert shop.baseline.floor.deviation[1] > 1.5 * cool
+    assert beside.baseline.floor.deviation[1] == pytest.approx(cool, rel=0.05)
+
+
+def test_noise_that_differs_between_repetitions_is_noise():
+    dataset = data_set(5, colour=0.3, roles=("estimation", "validation"))
+    shop = shop_of(dataset, surrogates=39, refined=4)
+    assert not list(quieter_beside(shop, shop.physical, ()))

@@ -10,6 +10,7 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit.motion_noise import calmed
 from oed.diagnosis.search.calming import worth_beside
 from oed.diagnosis.search.scan import gain_of, refine, score
+from oed.diagnosis.search.telling import decisive_between
 from oed.diagnosis.search.workbench import lags_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -73,6 +74,21 @@ def test_a_delay_quietens_next_to_nothing_and_other_effects_nothing(laid_out):
     assert np.all(np.abs(calmed(delay.effect, rows)) < 0.1 * calmed(lag_of(shop).effect, rows))
     offset = next(t for t in shop.physical if t.name == "torque_offset")
     assert calmed(offset.effect, rows) == pytest.approx(0.0)
+
+
+def test_what_noise_alone_may_make_of_the_difference_decides_nothing(laid_out):
+    shop, _ = laid_out
+    delay = min(
+        (t for t in shop.physical if t.name == "time_delay"), key=lambda t: abs(t.values[0] - LATE)
+    )
+    offset = next(t for t in shop.physical if t.key == ("torque_offset", 0))
+    lag, delay, offset = (score(t, shop.before.fit) for t in (lag_of(shop), delay, offset))
+    quieter = calmed(lag.trial.effect, shop.unseen_by([lag.trial]).rows).sum()
+    usual = decisive_between(shop, lag, offset)
+    assert usual == shop.settings.decisive
+    # As much as the estimate scatters by.
+    assert decisive_between(shop, lag, delay) > usual + 0.12 * quieter
+    assert 0.12 * quieter > 2 * usual
 
 
 def test_a_lag_gains_nothing_on_a_delay_by_what_encoders_wander():

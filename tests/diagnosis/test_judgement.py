@@ -11,7 +11,7 @@ from oed.diagnosis.search.judgement import PRICE, WORSE, costs
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import data_set, stribeck
+from tests.diagnosis.arm import RATE, data_set, stribeck
 from tests.diagnosis.shop import shop_of
 
 FLOOR = np.array([0.5, 0.1])
@@ -103,5 +103,17 @@ def test_friction_that_rises_from_standstill_is_told_beside_friction_of_the_posi
         return torque
 
     names = ("stribeck", "position_dependent_friction")
+    _, found = selection.search(shop_of(data_set(5, extra=extra), candidates=names))
+    assert {a.trial.key for a in found.accepted} == {(name, 0) for name in names}
+
+
+def test_a_change_between_repetitions_is_judged_beside_what_a_curve_would_mend():
+    """The curve has the rows of a mean repetition, the change those of all of them."""
+
+    def extra(q, dq, ddq):
+        cold = np.exp(-np.arange(len(q)) / RATE / 10.0)
+        return np.stack([3.0 * q[:, 0] + 0.8 * cold * np.sign(dq[:, 0]), 0 * cold], axis=1)
+
+    names = ("joint_spring", "thermal_drift")
     _, found = selection.search(shop_of(data_set(5, extra=extra), candidates=names))
     assert {a.trial.key for a in found.accepted} == {(name, 0) for name in names}

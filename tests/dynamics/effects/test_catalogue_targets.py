@@ -1,6 +1,7 @@
 """Where effects of the catalogue may sit, and what they know of one another."""
 
 import numpy as np
+import pytest
 
 from oed.dynamics.effects import State, TorqueOffset
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -22,6 +23,22 @@ def test_a_motor_couples_neighbours_or_joints_of_a_wrist():
     targets = set(coupling.targets(context_of(panda())))
     neighbours = {(i, j) for i in range(7) for j in range(7) if abs(i - j) == 1}
     assert targets == neighbours | {(4, 6), (6, 4)}
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3])
+def test_a_coupled_joint_has_in_its_row_the_friction_of_anothers_motor(ratio):
+    robot = imi_scara()
+    coupling = CATALOGUE["motor_coupling"].build(context_of(robot), (0, 1), (ratio,))
+    motion = smooth_motion(robot)
+    state = State(motion.t, *motion.components)
+    _, viscous, _ = coupling.entries(state)
+    speed = motion.dq[:, 1] + ratio * motion.dq[:, 0]
+    if ratio == 0:
+        assert set(viscous) == {0}
+        assert np.asarray(viscous[0]) == pytest.approx(speed)
+    else:
+        assert np.asarray(viscous[0]) == pytest.approx(ratio * speed)
+        assert np.asarray(viscous[1]) == pytest.approx(speed)
 
 
 def test_the_torque_of_reference_holds_what_was_found_so_far():
