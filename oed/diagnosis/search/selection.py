@@ -18,20 +18,51 @@ from oed.diagnosis.search.turning import accepted_tilt, turned_beside
 from oed.diagnosis.search.workshop import Workshop
 
 FAR_LESS = 0.5  # of a squared error
+MUCH = 2.0  # mean squared validation error, in squares of the noise floor
 
 
 def search(
-    shop: Workshop, refused: Sequence[Refused] = (), *, upright: bool = False
+    shop: Workshop,
+    refused: Sequence[Refused] = (),
+    *,
+    upright: bool = False,
+    barred: frozenset[tuple[str, object]] = frozenset(),
 ) -> tuple[Workshop, Selection]:
     """Add, exchange and drop until nothing passes all tests; the tables may be made anew.
+
+    Where names fall at last and much is left, another search goes on without them: they may have
+    kept out what is there.
 
     Args:
         shop: The laid-out data.
         refused: What an earlier search turned down.
         upright: Whether no tilt may be named.
+        barred: Keys of names that an earlier search has seen to fall.
     """
+    found, whole, selection = _searched(shop, refused, upright=upright, barred=barred)
+    kept = {a.trial.key for a in selection.accepted}
+    fallen = {a.trial.key for a in whole if not a.trial.is_free_form} - kept
+    error = _unseen_error(found, selection.accepted)
+    if fallen <= barred or error < MUCH:
+        return found, selection
+    other = search(shop, selection.refused, upright=upright, barred=barred | fallen)
+    return (
+        other
+        if _unseen_error(other[0], other[1].accepted) < FAR_LESS * error
+        else (found, selection)
+    )
+
+
+def _searched(
+    shop: Workshop,
+    refused: Sequence[Refused],
+    *,
+    upright: bool,
+    barred: frozenset[tuple[str, object]],
+) -> tuple[Workshop, list[Accepted], Selection]:
+    """Tables, all that was added to them, and what of it stays."""
     refused = list(refused)
-    found, accepted, p_value = _added(shop, refused, upright=upright)
+    found, accepted, p_value = _added(shop, refused, upright=upright, barred=barred)
     tilts = []
     if found.is_turned:
         tilt = accepted_tilt(found, shop, p_value)
@@ -40,8 +71,9 @@ def search(
             tilts = [tilt]
         else:
             refused.append(refusal(tilt, fault))
-            found, accepted, _ = _added(shop, refused, upright=True)
-    return _concluded(found, accepted, refused, tilts)
+            found, accepted, _ = _added(shop, refused, upright=True, barred=barred)
+    found, selection = _concluded(found, accepted, refused, tilts)
+    return found, accepted, selection
 
 
 def with_stand_ins(shop: Workshop, selection: Selection) -> Selection:
@@ -60,14 +92,19 @@ def with_stand_ins(shop: Workshop, selection: Selection) -> Selection:
 
 
 def _added(
-    shop: Workshop, refused: list[Refused], *, upright: bool
+    shop: Workshop,
+    refused: list[Refused],
+    *,
+    upright: bool,
+    barred: frozenset[tuple[str, object]],
 ) -> tuple[Workshop, list[Accepted], float]:
     """Named effects, then free-form terms; with the p-value of a tilt if the tables are turned.
 
     Where a free-form term makes a name superfluous, others that it kept out have their turn; so
     have names that show only beside what has none.
     """
-    state = NameSearch(shop if upright else (far_tilt(shop) or shop), refused, upright=upright)
+    start = shop if upright else (far_tilt(shop) or shop)
+    state = NameSearch(start, refused, upright=upright, barred=set(barred))
     given_up = []
     while True:
         state.add_names()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -19,6 +21,8 @@ from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInerti
 ONE_WAY = 0.05  # a ratio below this: the joint hardly turns the motor, which is recorded in its row
 FALLING = 0.5  # share of its friction at rest that a motor may lose at top speed
 SMALL = 0.1  # of what else a motor does, up to which a part of it may be noise
+# Of one that turns with both alike, the outer joint is named: each would do. Ratios meet in between.
+ALIKE = 0.9
 LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
 
 
@@ -63,6 +67,14 @@ def _coupling(
     if abs(values[0]) < ONE_WAY:
         return CrossCoupling(joint, other, width)
     return MotorCoupling((joint, other), (values[0], 1.0), width)
+
+
+def _ratios(_context: Context, target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
+    joint, other = pair_of(target)
+    (ratio,) = shapes
+    if joint < other:
+        return (dataclasses.replace(ratio, lower=-ALIKE, upper=ALIKE, usual=()),)
+    return (dataclasses.replace(ratio, lower=-1 / ALIKE, upper=1 / ALIKE),)
 
 
 def _coupling_plausible(
@@ -121,7 +133,8 @@ MOTOR_COUPLING = CatalogueEntry(
     shapes=(Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0, usual=(-1.0, 1.0)),),
     build=_coupling,
     plausible=_coupling_plausible,
-    equivalent=("the pair in the other order, for ratios of 1 and -1",),
+    narrow=_ratios,
+    equivalent=("the pair in the other order, for ratios of 1 and -1: the outer joint is named",),
     holds=("rotor_inertia",),
     page=EffectPage(
         equation="on joint j, r times what is on joint i: I_a u' + F_v u + F_c sgn u, u = dq_i + r "
