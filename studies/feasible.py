@@ -110,6 +110,7 @@ def export(result: FeasibleCalibration, out: Path) -> list[Row]:
             estimate.parameters,
             result.bootstrap.interval(),
             estimate.from_data,
+            estimate.at_bound,
         ),
         out / "parameters.yaml",
         robot=estimate.robot.name,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.effects import Parameter
@@ -23,12 +23,15 @@ class ParameterTable:
         values: (p,) in the units.
         interval: (p, 2) [lower, upper]; None where none was computed.
         from_data: (p,) share of each value that the data decide; the rest is the prior's.
+        at_bound: (p,) whether a demand of physics presses on it: the interval then shows that
+            demand, not how far the truth may be.
     """
 
     parameters: Sequence[Parameter]
     values: Float[ndarray, " p"]
     interval: Float[ndarray, "p 2"] | None
     from_data: Float[ndarray, " p"]
+    at_bound: Bool[ndarray, " p"]
 
 
 def write_parameters(
@@ -60,6 +63,7 @@ def write_parameters(
         if table.interval is not None:
             entry["interval"] = [float(bound) for bound in table.interval[k]]
         entry["from_data"] = round(float(table.from_data[k]), 4)
+        entry["at_bound"] = bool(table.at_bound[k])
         place = "arm" if parameter.joint is None else joints[parameter.joint]
         by_place.setdefault(place, {})[parameter.name] = entry
     document = {

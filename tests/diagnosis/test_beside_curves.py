@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
+from oed.diagnosis.search import selection
 from oed.diagnosis.search.judgement import Accepted
 from oed.diagnosis.search.name_search import NameSearch
 from oed.diagnosis.search.scan import score
@@ -64,3 +65,37 @@ def test_curves_are_found_anew_where_a_name_fell(waving):
     assert (term.joint, term.effect.depends_on) == (0, ("q_2",))
     left = [np.sum(s.found.fit.residual[0] ** 2) for s in (before, after)]
     assert left[1] < 0.1 * left[0]
+
+
+@pytest.mark.parametrize("mended", [True, False])
+def test_a_search_goes_on_without_names_that_fell(waving, monkeypatch, mended):
+    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0, 1e-3)
+    nothing = Selection.of(waving, [], [])
+    curve = with_stand_ins(waving, nothing)
+    barred_so_far = []
+
+    def searched(shop, refused, *, upright, barred):
+        barred_so_far.append(barred)
+        if not barred:
+            return shop, [offset], nothing
+        return shop, [], curve if mended else nothing
+
+    monkeypatch.setattr(selection, "_searched", searched)
+    _, found = selection.search(waving)
+    assert found is (curve if mended else nothing)
+    assert barred_so_far == [frozenset(), {offset.trial.key}]
+
+
+def test_a_search_ends_where_little_is_left(monkeypatch):
+    shop = shop_of(data_set(1), surrogates=39, refined=4)
+    offset = Accepted(trial_of(shop, "torque_offset", 1), 50.0, 1e-3)
+    nothing = Selection.of(shop, [], [])
+    calls = []
+
+    def searched(*_, **__):
+        calls.append(1)
+        return shop, [offset], nothing
+
+    monkeypatch.setattr(selection, "_searched", searched)
+    assert selection.search(shop)[1] is nothing
+    assert len(calls) == 1

@@ -16,6 +16,7 @@ def test_reads_back_with_units_and_intervals(tmp_path):
         values,
         np.column_stack([values - 1, values + 1]),
         np.linspace(0, 1, 24),
+        np.arange(24) == 10,
     )
     path = write_parameters(
         table,
@@ -29,6 +30,8 @@ def test_reads_back_with_units_and_intervals(tmp_path):
     mass = read["parameters"]["joint_2"]["m_2"]
     assert mass["value"] == values[10]
     assert mass["unit"] == "kg"
+    assert mass["at_bound"] is True
+    assert read["parameters"]["joint_1"]["m_1"]["at_bound"] is False
     assert mass["interval"] == pytest.approx([values[10] - 1, values[10] + 1])
     assert sum(len(joint) for joint in read["parameters"].values()) == 24
 
@@ -36,7 +39,7 @@ def test_reads_back_with_units_and_intervals(tmp_path):
 def test_no_interval_is_no_interval(tmp_path):
     robot = load_robot("builtin:imi_scara")
     model = build_model("standard", robot)
-    table = ParameterTable(model.parameters, np.ones(24), None, np.ones(24))
+    table = ParameterTable(model.parameters, np.ones(24), None, np.ones(24), np.zeros(24, bool))
     path = write_parameters(
         table, tmp_path / "p.yaml", robot="r", joints=robot.joint_names, method="test"
     )
