@@ -85,7 +85,10 @@ def test_a_name_that_foretells_less_than_nothing_goes(monkeypatch):
 
     offset = np.array([0.8, 0.0])
     dataset = data_set(1, extra=lambda q, dq, ddq: offset + np.zeros_like(q))
-    settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+    names = ("torque_offset", "joint_spring", "stribeck")
+    settings = dataclasses.replace(
+        DiagnosisSettings(), surrogates=39, bootstrap=40, candidates=names
+    )
     model = TorqueModel.standard(dataset.robot)
     assert [e.name for e in diagnose(dataset, model, settings).effects] == ["torque_offset"]
     monkeypatch.setattr(Workshop, "validation_gain", harmed)
