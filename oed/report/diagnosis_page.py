@@ -31,10 +31,11 @@ NOT_FITTED: dict[tuple[str, ...], str] = {  # by the roles that there are beside
     (): "Every recording was fitted: none was kept to prove it on.",
     ("validation",): "The validation recordings were not fitted; they decide what the estimation "
     "recordings leave open of an effect's shape.",
-    ("test",): "The test recordings were not fitted, and had no part in anything.",
+    ("test",): "The test recordings were not fitted and had no part in the model; a name that they "
+    "contradict is not claimed.",
     ("validation", "test"): "Neither validation nor test recordings were fitted; what the "
-    "estimation recordings leave open of an effect's shape the validation recordings decide, and "
-    "the test recordings had no part in anything.",
+    "estimation recordings leave open of an effect's shape the validation recordings decide. The "
+    "test recordings had no part in the model; a name that they contradict is not claimed.",
 }
 ANYWAY = (
     " Were it the other one, its torque could still pass for the first: where λ is small, the plainer "

@@ -56,6 +56,20 @@ def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
     assert len(unexplained) == 2 - claimed
 
 
+def test_what_lies_between_two_joints_is_claimed_if_neither_contradicts_it(sprung):
+    shop, _ = sprung
+    coupling = trial_of(shop, "motor_coupling", (1, 0), (0.5,))
+    selection = Selection.of(shop, [Accepted(coupling, 100.0, 1e-6)], [])
+    effect = FoundEffect("motor_coupling", 1, (), 1e-6, 0.5, (), coupling)
+    ones = np.ones(2)
+    for joint in range(2):
+        before, after = (np.where(np.arange(2) == joint, x, 1.0) for x in (6.0, 5.0))
+        errors = Errors(ones, ones, before, after)
+        assert withheld(shop, selection, [effect], (), errors)[0] == ()
+    errors = Errors(ones, ones, np.full(2, 6.0), ones)
+    assert withheld(shop, selection, [effect], (), errors)[0] == (effect,)
+
+
 def test_names_fall_only_for_what_foretells_about_as_much(sprung):
     shop, selection = sprung
     named, nothing = list(selection.accepted), []

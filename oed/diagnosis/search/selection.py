@@ -8,7 +8,7 @@ import numpy as np
 
 from oed.diagnosis.search.exchange import decided_shapes, rested
 from oed.diagnosis.search.judgement import Accepted, Refused, at_home, refusal
-from oed.diagnosis.search.name_search import NameSearch
+from oed.diagnosis.search.name_search import FEW, NameSearch
 from oed.diagnosis.search.pickups import take_up_again
 from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names
 from oed.diagnosis.search.selected import Selection
@@ -43,9 +43,10 @@ def search(
     kept = {a.trial.key for a in selection.accepted}
     fallen = {a.trial.key for a in whole if not a.trial.is_free_form} - kept
     error = _unseen_error(found, selection.accepted)
-    if fallen <= barred or error < MUCH:
+    # Not twice, and not of an arm of many joints: it takes minutes.
+    if barred or not fallen or error < MUCH or shop.context.n > FEW:
         return found, selection
-    other = search(shop, selection.refused, upright=upright, barred=barred | fallen)
+    other = search(shop, selection.refused, upright=upright, barred=frozenset(fallen))
     return (
         other
         if _unseen_error(other[0], other[1].accepted) < FAR_LESS * error
