@@ -22,13 +22,12 @@ from scipy.stats import norm
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import error_rate, separation
 from oed.diagnosis.search.scan import Score
-from oed.diagnosis.settings import DiagnosisSettings
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.discrimination_summary import write_summary
 from studies.interrupt import RESUMES, leave
-from studies.rival_experiment import Duel, Table, design, lay, tune
+from studies.rival_experiment import Decision, Duel, Table, design, lay, tune
 
 # Two forms of the bench that look alike, and the joint at which they act.
 PAIRS = (
@@ -150,7 +149,7 @@ def run_case(case: Case) -> Outcome:
     at_hand = [scene.record(scene.log, rng, "at_hand") for _ in range(case.runs)]
     tables = [lay(scene, [pair]) for pair in at_hand]
     found = [table.compare(duel) for table in tables]
-    in_fit, in_evidence = _leads(tables, found)
+    in_fit, decisions = _compared(tables, found)
     apart = [_apart(t, f) for t, f in zip(tables, found, strict=True)]
     predicted = [
         confusion(table.shop, (own.trial, own.coefficients, other.trial), rng)
@@ -163,8 +162,7 @@ def run_case(case: Case) -> Outcome:
         for pair in at_hand[: case.designed_runs]
     ]
     after = [table.compare(duel) for table in extended]
-    decisive = DiagnosisSettings().decisive
-    then_in_fit, lead = _leads(extended, after)
+    then_in_fit, then = _compared(extended, after)
     return {
         "status": "done",
         "size": size,
@@ -173,17 +171,17 @@ def run_case(case: Case) -> Outcome:
         "formula": float(np.mean([error_rate(x) for x in apart])),
         "predicted_fit": float(np.mean([p.by_fit for p in predicted])),
         "predicted_name": float(np.mean([p.by_name for p in predicted])),
-        "wrong_fit": _count(in_fit < 0),
-        "wrong_name": _count(in_evidence < 0),
+        "wrong_fit": sum(lead < 0 for lead in in_fit),
+        "wrong_name": sum(d.wrong for d in decisions),
         "designed_separation": following.separation,
         "designed_formula": error_rate(following.separation),
         "designed_predicted": following.error_rate,
-        "designed_wrong_fit": _count(then_in_fit < 0),
-        "designed_wrong_name": _count(lead < 0),
-        "designed_decided": _count(lead >= decisive),
-        "designed_misled": _count(lead <= -decisive),
-        "at_hand_decided": _count(in_evidence >= decisive),
-        "first_decided": int(lead[0] >= decisive),
+        "designed_wrong_fit": sum(lead < 0 for lead in then_in_fit),
+        "designed_wrong_name": sum(d.wrong for d in then),
+        "designed_decided": sum(d.decided for d in then),
+        "designed_misled": sum(d.misled for d in then),
+        "at_hand_decided": sum(d.decided for d in decisions),
+        "first_decided": int(then[0].decided),
         "seconds": time.perf_counter() - start,
     }
 
@@ -230,19 +228,12 @@ def _apart(table: Table, found: tuple[Score, Score]) -> float:
     return separation(table.shop, own.trial, own.coefficients, other.trial)
 
 
-def _leads(
+def _compared(
     tables: Sequence[Table], found: Sequence[tuple[Score, Score]]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Of the hidden effect over its rival, in fit and in evidence."""
+) -> tuple[list[float], list[Decision]]:
+    """By how much the hidden effects fit better than their rivals, and what is named."""
     both = list(zip(tables, found, strict=True))
-    return (
-        np.array([table.lead_in_fit(pair) for table, pair in both]),
-        np.array([table.lead_in_evidence(pair) for table, pair in both]),
-    )
-
-
-def _count(which: np.ndarray) -> int:
-    return int(np.sum(which))
+    return [t.lead_in_fit(pair) for t, pair in both], [t.decision(pair) for t, pair in both]
 
 
 if __name__ == "__main__":

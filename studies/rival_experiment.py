@@ -21,7 +21,7 @@ from oed.diagnosis.rivals.discrimination import NextExperiment, design_discrimin
 from oed.diagnosis.search.calming import worth_beside
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, refine, scan
-from oed.diagnosis.search.telling import telling
+from oed.diagnosis.search.telling import decisive_between, most_telling_first, telling
 from oed.diagnosis.search.workbench import lay_out
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -95,6 +95,21 @@ class Scene:
 
 
 @dataclass(frozen=True)
+class Decision:
+    """What the diagnosis makes of the hidden effect and its rival.
+
+    Attributes:
+        wrong: The rival is named.
+        decided: The hidden effect leads by a decisive difference.
+        misled: Its rival does.
+    """
+
+    wrong: bool
+    decided: bool
+    misled: bool
+
+
+@dataclass(frozen=True)
 class Table:
     """Recordings laid out for the diagnosis, and what they would be without torque noise."""
 
@@ -121,10 +136,17 @@ class Table:
         own, other = map(worth_beside((), self.shop.mean.rows), found)
         return own - other
 
-    def lead_in_evidence(self, found: tuple[Score, Score]) -> float:
-        """By how much it tells more, as the diagnosis names."""
-        own, other = telling(self.shop, (), found)
-        return float(own - other)
+    def decision(self, found: tuple[Score, Score]) -> Decision:
+        """Which of them the diagnosis would name, and whether by a decisive difference."""
+        own, other = found
+        first = most_telling_first(self.shop, sorted(found, key=lambda s: -s.gain), ())[0]
+        said, against = telling(self.shop, (), found)
+        lead, margin = float(said - against), decisive_between(self.shop, own, other)
+        return Decision(
+            wrong=first.trial.name != own.trial.name,
+            decided=lead >= margin,
+            misled=lead <= -margin,
+        )
 
 
 def set_up(duel: Duel, size: float) -> Scene:

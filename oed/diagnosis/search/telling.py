@@ -26,8 +26,8 @@ RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be th
 # Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
 # err in proportion to the signal.
 SYSTEMATIC = 0.01
-# A delayed torque that is interpolated between samples is a little of a lag too: by a second
-# moment of up to an eighth of a sample's square. Twice that.
+# A delayed torque that is interpolated between samples, or a mean over them, is a little of a lag
+# too: by a second moment of up to an eighth of a sample's square. Twice that.
 SAMPLED = 1 / 4
 # Share of what two late torques make of noise by which it may be wrong: few repetitions show it.
 UNCERTAIN = 1 / 4
@@ -134,7 +134,7 @@ def _systematic(shop: Workshop, one: Score, other: Score) -> float:
     band = shop.estimation[0].band
     shortest = min(one.trial.values[0], other.trial.values[0])
     share = SAMPLED * 2 * np.pi * band.cutoff / (band.rate**2 * shortest)
-    return min(SYSTEMATIC, share**2)
+    return min(1.0, share**2)
 
 
 def may_replace(shop: Workshop, here: Score, rival: Score) -> bool:
