@@ -93,12 +93,12 @@ def test_a_gear_of_which_nothing_is_known_is_doubted():
 
 
 def coupled(ratio):
-    """A motor that turns with both joints, the first one's share of its speed the ratio."""
+    """The first joint's motor, of whose speed the second joint's share is the ratio."""
 
     def torque(q, dq, ddq):
-        speed, rate = (x[:, 1] + ratio * x[:, 0] for x in (dq, ddq))
+        speed, rate = (x[:, 0] + ratio * x[:, 1] for x in (dq, ddq))
         own = 0.05 * rate + 0.3 * speed + 0.5 * np.sign(speed)
-        return np.stack([ratio * own, own], axis=1)
+        return np.stack([own, ratio * own], axis=1)
 
     return torque
 

@@ -21,7 +21,7 @@ from oed.diagnosis.evidence.verdict import (
     riddles,
 )
 from oed.diagnosis.search.exchange import foretelling
-from oed.diagnosis.search.judgement import costs
+from oed.diagnosis.search.judgement import WORSE, costs
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.ripening import is_late
 from oed.diagnosis.search.selected import Selection
@@ -121,7 +121,7 @@ def _harmful(shop: Workshop, chosen: tuple[Trial, ...]) -> Trial | None:
         if trial.is_free_form or (trial.name == GRAVITY and shop.is_turned):
             continue
         gain = shop.validation_gain(chosen, trial)
-        if gain is not None and gain < 0:
+        if gain is not None and gain < 1 - WORSE:
             return trial
     return None
 
