@@ -31,12 +31,13 @@ from oed.diagnosis.evidence.verdict import (
     decide,
     describe_unexplained,
     describe_unlocated,
+    outdone_by_tilt,
     riddles,
 )
 from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.search.accepted import Refused
 from oed.diagnosis.search.chance import keeps_step
-from oed.diagnosis.search.judgement import Refused
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import search, with_stand_ins
@@ -174,9 +175,14 @@ def _named(
     refused: Sequence[Refused] = (),
     *,
     upright: bool = False,
+    barred: frozenset[tuple[str, object]] = frozenset(),
 ) -> _Result:
-    """Search, and name what holds; without a tilt where that proves to be none."""
-    found, selection = search(shop, refused, upright=upright)
+    """Search, and name what holds; without a tilt where that proves to be none.
+
+    Where a tilt would tell more by far than a name that was found first, the search is made
+    anew without that name: to turn the tables changes what all others are worth.
+    """
+    found, selection = search(shop, refused, upright=upright, barred=barred)
     layout = found.layout_for(selection.trials)
     before = fit_final(found.declared, layout, found.declared.model)
     kept, after, effects = named(found, selection, validation, before)
@@ -186,7 +192,12 @@ def _named(
     if found.is_turned and all(t.name != GRAVITY for t in selection.trials):
         # The tables stand as the tilt has turned them, and all that was added stands on them.
         return _named(shop, validation, selection.refused, upright=True)
-    return _Result(found, selection, before, after, effects)
+    result = _Result(found, selection, before, after, effects)
+    hidden = None if upright or barred else outdone_by_tilt(effects, shop.settings.decisive)
+    if hidden is not None:
+        other = _named(shop, validation, selection.refused, barred=frozenset({hidden.key}))
+        return other if any(t.name == GRAVITY for t in other.selection.trials) else result
+    return result
 
 
 def _names(selection: Selection) -> list[Trial]:

@@ -7,7 +7,7 @@ import pytest
 
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.search import selection
-from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.name_search import NameSearch
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.selected import Selection

@@ -9,7 +9,7 @@ from oed.diagnosis.evidence.contributions import (
     contributions,
 )
 from oed.diagnosis.evidence.final_model import fit_final, install
-from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.selected import Selection
 from tests.diagnosis.arm import NOISE, data_set
 from tests.diagnosis.shop import shop_of, trial_of

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.diagnosis import diagnose
-from oed.diagnosis.search.judgement import Accepted, share_needed
+from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.search.judgement import share_needed
 from oed.diagnosis.search.review import drop_needless, review_names
 from oed.diagnosis.search.scan import refine, score
 from oed.diagnosis.search.selection import search

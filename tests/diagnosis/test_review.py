@@ -8,7 +8,7 @@ import pytest
 
 from oed.diagnosis.evidence.final_model import fit_final, install, lost_when_repeated
 from oed.diagnosis.evidence.verdict import doubtful_name
-from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.review import review_names
 from oed.diagnosis.search.scan import at_rest, implausible, scan, score
 from oed.diagnosis.search.standing_in import next_free_form

@@ -8,7 +8,7 @@ import pytest
 from oed.diagnosis.baseline.sign_width import widths_of
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.contenders import find_rivals
-from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.selection import search

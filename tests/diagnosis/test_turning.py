@@ -8,7 +8,7 @@ import pytest
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
 from oed.diagnosis.search import turning
-from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, INERTIA, VISCOUS, data_set, rigid

@@ -5,7 +5,7 @@ import pytest
 
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained
 from oed.diagnosis.evidence.withheld import Errors, withheld
-from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import _foretelling_most
 from tests.diagnosis.arm import data_set

@@ -12,7 +12,7 @@ import pytest
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.verdict import Unexplained
-from oed.diagnosis.search.judgement import Refused
+from oed.diagnosis.search.accepted import Refused
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel

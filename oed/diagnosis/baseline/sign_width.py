@@ -26,7 +26,7 @@ from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.effects import Coulomb
 from oed.dynamics.torque_model import TorqueModel
 
-LARGEST_WIDTH = 0.05  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
+LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
 SMALLEST_WIDTH = 1e-4
 POINTS = 14
 # Fall of -2 log likelihood that a wider sign must bring, besides Schwarz's log of the rows.

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.judgement import Accepted, held_out_fault
+from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.search.judgement import held_out_fault
 from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, implausible, inflation_of, score

@@ -16,7 +16,7 @@ from oed.diagnosis.evidence.estimates import Estimated, estimates, from_declared
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
-from oed.diagnosis.search.judgement import is_own
+from oed.diagnosis.search.leftovers import is_own
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.telling import are_lags, foretells_most, is_of_kind
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
@@ -199,6 +199,15 @@ def outdone(effects: Sequence[FoundEffect], decisive: float) -> Trial | None:
                 and rival.evidence < -decisive
                 and not is_of_kind(rival.trial, effect.trial)
             ):
+                return effect.trial
+    return None
+
+
+def outdone_by_tilt(effects: Sequence[FoundEffect], decisive: float) -> Trial | None:
+    """A name in whose place a base that is not level tells more by far."""
+    for effect in effects:
+        for rival in effect.rivals:
+            if rival.contender and rival.name == GRAVITY and rival.evidence < -decisive:
                 return effect.trial
     return None
 

@@ -9,9 +9,11 @@ from itertools import combinations
 import numpy as np
 
 from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.calming import worth_beside
 from oed.diagnosis.search.crests import climbed
-from oed.diagnosis.search.judgement import Accepted, held_out_fault, too_little
+from oed.diagnosis.search.judgement import held_out_fault
+from oed.diagnosis.search.leftovers import too_little
 from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.ripening import is_unripe

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.search.judgement import COVERED, Accepted, share_needed
+from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.search.judgement import share_needed
+from oed.diagnosis.search.leftovers import COVERED
 from oed.diagnosis.search.scan import Score, score
 from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.workbench import Layout

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
+from oed.diagnosis.search.accepted import Accepted, Refused, at_home, refusal
 from oed.diagnosis.search.behind_noise import quieter_beside
 from oed.diagnosis.search.exchange import MANY, settled
 from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms
-from oed.diagnosis.search.judgement import Accepted, Refused, at_home, refusal
 from oed.diagnosis.search.next_name import next_names
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.turning import GRAVITY, turned

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from oed.diagnosis.search.accepted import Accepted, Refused, refusal
 from oed.diagnosis.search.free_form_rivals import better_free_form
-from oed.diagnosis.search.judgement import Accepted, Refused, judge, refusal
+from oed.diagnosis.search.judgement import judge
 from oed.diagnosis.search.pickups import with_own_moments
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.telling import most_telling_first

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from oed.diagnosis.search.judgement import Accepted, Refused, refusal
+from oed.diagnosis.search.accepted import Accepted, Refused, refusal
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial

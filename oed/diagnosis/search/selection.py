@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from oed.diagnosis.search.accepted import Accepted, Refused, at_home, refusal
 from oed.diagnosis.search.exchange import decided_shapes, rested
-from oed.diagnosis.search.judgement import Accepted, Refused, at_home, refusal
 from oed.diagnosis.search.name_search import FEW, NameSearch
 from oed.diagnosis.search.pickups import take_up_again
 from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names

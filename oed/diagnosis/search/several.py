@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.search.judgement import Accepted, Refused, costs, judge
+from oed.diagnosis.search.accepted import Accepted, Refused
+from oed.diagnosis.search.judgement import costs, judge
 from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial

@@ -8,14 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from oed.diagnosis.search.accepted import Accepted, Refused, refusal
 from oed.diagnosis.search.chance import chance_of_slow_noise
-from oed.diagnosis.search.judgement import (
-    Accepted,
-    Refused,
-    held_out_fault,
-    judge,
-    refusal,
-)
+from oed.diagnosis.search.judgement import held_out_fault, judge
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, score
 from oed.diagnosis.search.telling import RIVAL_SHARE

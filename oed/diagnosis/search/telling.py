@@ -18,6 +18,7 @@ from numpy import ndarray
 from oed.diagnosis.search.calming import calmed_beside, worth_beside
 from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.scan import Score, inflation_of
+from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -198,12 +199,16 @@ def _foretold_share(
     shop: Workshop, others: Sequence[Trial], added: Trial, joints: list[int]
 ) -> float:
     """Share of the validation squares beyond noise that an addition removes from some joints."""
-    layout = shop.layout_for([*others, added])
-    unseen = shop.unseen_by([*others, added])
-    before, after = (
-        unseen.left(shop.fit(chosen, layout, bend=False))[joints].sum()
-        for chosen in (others, [*others, added])
-    )
+    whole = [*others, added]
+    layout, unseen = shop.layout_for(whole), shop.unseen_by(whole)
+    after = unseen.left(shop.fit(whole, layout, bend=False))[joints].sum()
+    if added.name == GRAVITY and shop.is_turned:  # the tables have most of it already
+        level = shop.upright
+        rest = [level.renewed(t) for t in others]
+        fit = level.fit(rest, level.layout_for(rest), bend=False)
+        before = level.unseen_by(rest).left(fit)[joints].sum()
+    else:
+        before = unseen.left(shop.fit(others, layout, bend=False))[joints].sum()
     excess = before - unseen.counted[joints].sum()
     return float((before - after) / excess) if excess > 0 else 0.0
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.search.judgement import Accepted
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of
 from oed.diagnosis.search.turning import GRAVITY, far_turned, moment_fault, squares_under
@@ -57,8 +57,8 @@ def tilt_fault(shop: Workshop, standing: list[Accepted]) -> str | None:
     cost = 2 * np.log(shop.full.rows.count)
     if gain < cost:
         return f"gains {gain:.3g} beside the other additions"
-    before, after = upright.validation_rms(old), shop.validation_rms(new)
-    if before is not None and after is not None and np.mean((after / before) ** 2) >= 1:
+    lowered = validation_gain_of_tilt(shop, trials)
+    if lowered is not None and lowered <= 0:
         return "beside the other additions it does not lower the validation error"
     if chance < COMPLETE:
         return None

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.linear_fit import LinearFit, span_of_model
-from oed.diagnosis.search.judgement import Accepted, at_home
+from oed.diagnosis.search.accepted import Accepted, at_home
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
 from oed.dynamics.effects import RigidBody

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from oed.diagnosis.search.accepted import Accepted, Refused
 from oed.diagnosis.search.free_form_rivals import gain_together
-from oed.diagnosis.search.judgement import Accepted, Refused
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of, none_explains_more
 from oed.diagnosis.search.several import several_at_once

@@ -1,0 +1,161 @@
+"""Whether a candidate does more than to wipe up what an earlier addition left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.search.scan import Score, inflation_of, none_explains_more, score
+from oed.diagnosis.search.workbench import Layout
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+STATIC = "position"  # family of torque at rest, which no lag that is a little wrong leaves
+FAR_LESS = 1.25  # ratio of gains
+COVERED = 0.3  # share of a gain that is left where another term explains the rest
+# Share of an earlier effect's gain from which on an effect that looks like nothing else may be there.
+MUCH_LESS = 0.002
+
+
+def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> str | None:
+    """Why a candidate only wipes up what an earlier addition left; None if it does more."""
+    for earlier in accepted:
+        if not set(earlier.trial.group) & set(candidate.trial.group):
+            continue
+        share = candidate.gain / max(
+            _gain_of_earlier(shop, accepted, earlier, candidate.trial), 1e-300
+        )
+        if share >= shop.settings.mending_share:
+            continue
+        others = [a.trial for a in accepted]
+        if share < shop.settings.mop_up_floor and not (
+            share >= MUCH_LESS and _like_nothing_else(shop, candidate, others)
+        ):
+            return f"gains {share:.1%} of what {earlier.trial.name} gained"
+        if _outdoes(shop, candidate, earlier, others):
+            continue
+        if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
+            return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
+        mend = _mend_that_covers(shop, candidate, earlier, others)
+        if mend is not None:
+            return f"{mend} would mend the formula of {earlier.trial.name} as well"
+    others = [a.trial for a in accepted]
+    residual = shop.fit(others, shop.layout(candidate.trial)).fit.residual
+    share = candidate.gain / float(np.sum(residual[list(candidate.trial.group)] ** 2))
+    if share < shop.settings.least_share:
+        return f"removes {share:.2%} of the residual's variance"
+    return None
+
+
+def _gain_of_earlier(
+    shop: Workshop, accepted: list[Accepted], earlier: Accepted, trial: Trial
+) -> float:
+    """What an earlier addition gains beside the others, at the joints on which a trial acts.
+
+    No more than at its acceptance: others may have taken its place meanwhile.
+    """
+    if set(earlier.trial.group) <= set(trial.group):
+        return earlier.gain
+    others = [a.trial for a in accepted if a is not earlier]
+    gain = gain_at(shop, list(trial.group), others, earlier.trial, shop.layout(trial))
+    return min(earlier.gain, max(gain, 0.0))
+
+
+def gain_at(
+    shop: Workshop,
+    joints: list[int],
+    others: Sequence[Trial],
+    trial: Trial,
+    layout: Layout,
+) -> float:
+    """Fall of the white squares of some joints by an addition, beside others."""
+    before, after = (
+        float(np.sum(shop.fit(chosen, layout).fit.residual[joints] ** 2))
+        for chosen in (others, [*others, trial])
+    )
+    return before - after
+
+
+def _like_nothing_else(shop: Workshop, candidate: Score, others: Sequence[Trial]) -> bool:
+    """Whether no curve of any coordinates explains as much as an effect of few parameters does.
+
+    What a wrong formula leaves, or smoothing, looks like a curve sooner than like another effect.
+    """
+    if candidate.trial.is_free_form or shop.layout(candidate.trial) is not shop.mean:
+        return False
+    fit = shop.fit(others, shop.mean).fit
+    joints = list(candidate.trial.group)
+    margin = shop.settings.free_form_margin * float(inflation_of(fit)[joints].mean())
+    free = [t for t in shop.smooth if t.joint in joints and not t.between_repetitions]
+    return candidate.evidence(shop.full.rows.count) > margin and none_explains_more(
+        free, fit, candidate.gain, joints
+    )
+
+
+def _outdoes(shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]) -> bool:
+    """Whether an effect with none but a size to adapt explains all that a curve could beside another.
+
+    A wrong formula leaves what a function of the coordinates explains best, its own or those of
+    what would mend it. One of the same family with a shape might adapt to the other meanwhile.
+    """
+    own = candidate.trial
+    if own.is_free_form or earlier.trial.is_free_form:
+        return False
+    if earlier.trial.fixed and STATIC not in _families(candidate):
+        return False
+    if own.shapes > own.fixed:  # a size in a shape of its own, as of a delay, adapts to nothing
+        return False
+    if earlier.trial.shapes and _families(earlier) & _families(candidate):
+        return False
+    free = [m for t in (own, earlier.trial) for m in _free_forms_of(shop, t)]
+    fit = shop.fit(others, shop.mean).fit
+    return bool(free) and none_explains_more(free, fit, candidate.gain, list(own.group))
+
+
+def _mend_that_covers(
+    shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
+) -> str | None:
+    """A free-form term of an earlier effect's own coordinates that covers a candidate.
+
+    None does that explains less by far, though it has more parameters.
+    """
+    layout = shop.layout(candidate.trial)
+    mends = [] if candidate.trial.is_free_form else _free_forms_of(shop, earlier.trial)
+    for mend in mends:
+        fit = shop.fit([*others, mend], layout).fit
+        left = score(candidate.trial, fit).gain
+        own = score(mend, shop.fit(others, shop.layout(mend)).fit).gain
+        if left < COVERED * candidate.gain < COVERED * FAR_LESS * own:
+            return str(mend.key[0])
+    return None
+
+
+def _free_forms_of(shop: Workshop, named: Trial) -> list[Trial]:
+    """Free-form terms at a named effect's joint of nothing but its coordinates."""
+    return [
+        t
+        for t in shop.smooth
+        if t.joint == named.joint and not t.between_repetitions and is_own(t, named)
+    ]
+
+
+def is_own(free: Trial, named: Trial) -> bool:
+    """Whether a free-form term is but a freer form of a named effect.
+
+    None of the catalogue's effects is a signal whose coefficient varies with position, and what
+    stays the same mends nothing that changes in time.
+    """
+    effect = free.effect
+    if not isinstance(effect, FreeForm) or effect.varies or named.is_free_form:
+        return False
+    if free.between_repetitions != named.between_repetitions:
+        return False
+    return set(effect.depends_on) <= set(named.effect.depends_on)
+
+
+def _families(item: Accepted | Score) -> set[str]:
+    return set() if item.trial.is_free_form else set(CATALOGUE[item.trial.name].families)
