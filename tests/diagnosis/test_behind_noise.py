@@ -13,6 +13,7 @@ from tests.diagnosis.shop import shop_of
 
 LOAD = (0.0, 0.12, 0.02, 0.05)  # base parameters that a load adds to the arm's
 TAKEN_UP = 9.0  # [s]
+NAMES = ("payload_change", "thermal_drift", "torque_offset", "stribeck", "torque_ripple")
 
 
 def load_from(*moments):
@@ -30,7 +31,9 @@ def dazed_shop(extra):
     """Recordings that nobody repeated, and noise of which hardly a row in a hundred counts."""
     dataset = data_set(1, extra=extra, roles=("estimation", "validation"), repetitions=2)
     bare = tuple(dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
-    shop = shop_of(dataclasses.replace(dataset, recordings=bare), surrogates=39, refined=4)
+    shop = shop_of(
+        dataclasses.replace(dataset, recordings=bare), surrogates=39, refined=4, candidates=NAMES
+    )
     floor = dataclasses.replace(shop.baseline.floor, dilution=np.full(2, 300.0))
     return shop.on(dataclasses.replace(shop.baseline, floor=floor))
 
@@ -49,7 +52,7 @@ def test_noise_that_is_noise_stays_so():
 
 def test_noise_of_rows_that_count_is_not_suspected():
     dataset = data_set(1, roles=("estimation", "validation"), repetitions=2)
-    shop = shop_of(dataset, surrogates=39, refined=4)
+    shop = shop_of(dataset, surrogates=39, refined=4, candidates=NAMES)
     assert not list(quieter_beside(shop, shop.physical, ()))
 
 
@@ -61,7 +64,7 @@ def warming_shop(size, constant):
         return np.stack([0 * cold, cold * np.sign(dq[:, 1])], axis=1)
 
     dataset = data_set(2, extra=extra, roles=("estimation", "validation"))
-    return shop_of(dataset, surrogates=39, refined=4)
+    return shop_of(dataset, surrogates=39, refined=4, candidates=NAMES)
 
 
 def test_friction_that_warms_up_in_one_repetition_is_no_noise():
@@ -78,5 +81,5 @@ def test_friction_that_warms_up_in_one_repetition_is_no_noise():
 
 def test_noise_that_differs_between_repetitions_is_noise():
     dataset = data_set(5, colour=0.3, roles=("estimation", "validation"))
-    shop = shop_of(dataset, surrogates=39, refined=4)
+    shop = shop_of(dataset, surrogates=39, refined=4, candidates=NAMES)
     assert not list(quieter_beside(shop, shop.physical, ()))

@@ -27,6 +27,20 @@ def test_errors_that_rise_together_do():
     assert costs(OLD, np.array([1.01, 0.2]), FLOOR)
 
 
+# What may take the place of something that is even in speed, without what is dear to evaluate.
+FRICTION = (
+    "asymmetric_viscous",
+    "torque_offset",
+    "nonlinear_viscous",
+    "stribeck",
+    "presliding_hysteresis",
+    "load_dependent_friction",
+    "joint_spring",
+    "gravity_direction",
+    "torque_gain",
+)
+
+
 @pytest.mark.parametrize(("share", "dear"), [(0.9 * PRICE, False), (1.1 * PRICE, True)])
 def test_a_loss_is_weighed_against_the_gain_as_likelihoods_are(share, dear):
     new = np.array([0.6, OLD[1] * (OLD[0] / 0.6) ** share])
@@ -55,7 +69,9 @@ def test_two_plain_effects_of_one_kind_are_two():
         return np.stack([0.35 * np.abs(dq[:, 0]) + 0.4, np.zeros(len(q))], axis=1)
 
     dataset = data_set(1, extra=lopsided)
-    settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+    settings = dataclasses.replace(
+        DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4, candidates=FRICTION
+    )
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     assert {(e.name, e.joint) for e in found.effects} == {
         ("asymmetric_viscous", 0),
@@ -72,7 +88,9 @@ def test_a_wrong_formula_is_not_mended_by_an_offset():
         return np.stack([extra, np.zeros(len(q))], axis=1)
 
     dataset = data_set(1, extra=curved)
-    settings = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
+    settings = dataclasses.replace(
+        DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4, candidates=FRICTION
+    )
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     assert [(e.name, e.joint) for e in found.effects] == [("asymmetric_viscous", 0)]
 

@@ -14,7 +14,9 @@ from tests.diagnosis.arm import LENGTH, RATE, data_set, rigid
 from tests.diagnosis.shop import shop_of
 
 MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
-SETTINGS = DiagnosisSettings(candidates=("payload_change", "thermal_drift", "joint_spring"))
+SETTINGS = DiagnosisSettings(
+    surrogates=39, bootstrap=40, candidates=("payload_change", "thermal_drift", "joint_spring")
+)
 
 
 def load_from(moments, mass=MASS):

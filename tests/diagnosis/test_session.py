@@ -106,7 +106,9 @@ def test_columns_of_the_mean_repetition_are_the_mean_of_all(kind):
 @pytest.mark.parametrize(("recording", "taken_up"), [(1, TAKEN_UP), (0, 23.0)])
 def test_a_load_that_is_taken_up_in_one_recording_and_stays_is_found(recording, taken_up):
     dataset = data_set(3, extra=load_from(taken_up, recording))
-    settings = DiagnosisSettings(candidates=("payload_change", "thermal_drift"))
+    settings = DiagnosisSettings(
+        surrogates=39, bootstrap=40, candidates=("payload_change", "thermal_drift")
+    )
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     (effect,) = found.effects
     assert effect.name == "payload_change"
@@ -120,7 +122,9 @@ def test_a_load_that_is_taken_up_in_one_recording_and_stays_is_found(recording, 
 @pytest.mark.parametrize(("taken_up", "tolerance"), [(TAKEN_UP, 0.02), (0.0, 1.0)])
 def test_a_load_is_told_by_recordings_that_differ_by_nothing_else(taken_up, tolerance):
     dataset = unrepeated(data_set(3, extra=load_from(taken_up)))
-    settings = DiagnosisSettings(candidates=("payload_change", "thermal_drift"))
+    settings = DiagnosisSettings(
+        surrogates=39, bootstrap=40, candidates=("payload_change", "thermal_drift")
+    )
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     (effect,) = found.effects
     assert effect.name == "payload_change"
@@ -138,7 +142,7 @@ def test_recordings_of_no_known_order_that_differ_by_anything_else_name_no_load(
         return (next(number) > 0) * np.array([1.0, 0.3]) * np.sign(dq)
 
     dataset = unrepeated(data_set(3, extra=rougher))
-    settings = DiagnosisSettings(candidates=("payload_change",))
+    settings = DiagnosisSettings(surrogates=39, bootstrap=40, candidates=("payload_change",))
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     assert not found.effects
 
@@ -146,7 +150,9 @@ def test_recordings_of_no_known_order_that_differ_by_anything_else_name_no_load(
 def test_a_load_that_is_taken_up_between_two_recordings_is_found():
     """No repetition differs from another: only the recordings do."""
     dataset = data_set(3, extra=load_from(taken_up=0.0))
-    settings = DiagnosisSettings(candidates=("payload_change", "thermal_drift", "joint_spring"))
+    settings = DiagnosisSettings(
+        surrogates=39, bootstrap=40, candidates=("payload_change", "thermal_drift", "joint_spring")
+    )
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     (effect,) = found.effects
     assert effect.name == "payload_change"
@@ -171,7 +177,7 @@ def test_a_pause_of_the_log_within_a_repetition_is_no_obstacle():
         repetition=first.repetition[kept],
     )
     dataset = dataclasses.replace(dataset, recordings=(paused, *dataset.recordings[1:]))
-    settings = DiagnosisSettings(candidates=("joint_spring",))
+    settings = DiagnosisSettings(surrogates=39, bootstrap=40, candidates=("joint_spring",))
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     assert found.verdict == "nothing found"
     assert np.all(found.noise_floor > 0)
@@ -204,7 +210,9 @@ def test_a_joint_that_starts_anew_in_each_recording_is_told_by_the_next(share):
         return share * np.exp(-t / 9.0)[:, None] * friction * [1.0, 0.0]
 
     dataset = data_set(3, extra=torque, roles=("estimation", "validation", "test"))
-    settings = DiagnosisSettings(candidates=("payload_change", "thermal_drift", "torque_gain"))
+    settings = DiagnosisSettings(
+        surrogates=39, bootstrap=40, candidates=("payload_change", "thermal_drift", "torque_gain")
+    )
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
     assert [(e.name, e.joint) for e in found.effects] == [("thermal_drift", 0)]
     values = {p.name: p for p in found.effects[0].parameters}

@@ -52,7 +52,9 @@ def test_plain_effects_of_one_joint_are_found_though_a_curve_outdoes_each_alone(
     def torque(q, dq, ddq):
         return np.stack([0 * q[:, 0], 0.3 + 0.12 * ddq[:, 1]], axis=1)
 
-    shop = shop_of(data_set(5, extra=torque, repetitions=1))
+    rivals = ("asymmetric_viscous", "joint_spring", "torque_gain", "gravity_direction")
+    names = ("torque_offset", "rotor_inertia", *rivals)
+    shop = shop_of(data_set(5, extra=torque, repetitions=1), candidates=names)
     _, found = selection.search(shop)
     sizes = {
         t.key: float(c[0]) for t, c in zip(found.trials, found.found.coefficients, strict=True)

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.scan import Score, inflation_of, none_explains_more, score
+from oed.diagnosis.search.scan import Score, at_rest, inflation_of, none_explains_more, score
 from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
@@ -19,6 +20,7 @@ FAR_LESS = 1.25  # ratio of gains
 COVERED = 0.3  # share of a gain that is left where another term explains the rest
 # Share of an earlier effect's gain from which on an effect that looks like nothing else may be there.
 MUCH_LESS = 0.002
+ROUNDS = 3  # in which two effects settle beside one another
 
 
 def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> str | None:
@@ -38,11 +40,17 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if _outdoes(shop, candidate, earlier, others):
             continue
-        if share < shop.settings.family_floor and _families(earlier) & _families(candidate):
+        is_like = bool(_families(earlier) & _families(candidate))
+        is_slight = share < shop.settings.family_floor and is_like
+        mend = None if is_slight else _mend_that_covers(shop, candidate, earlier, others)
+        if not is_slight and mend is None:
+            continue
+        may_be_two = mend is not None or _is_rigid(candidate.trial)
+        if may_be_two and _explain_more_together(shop, candidate, earlier, others):
+            continue
+        if mend is None:
             return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
-        mend = _mend_that_covers(shop, candidate, earlier, others)
-        if mend is not None:
-            return f"{mend} would mend the formula of {earlier.trial.name} as well"
+        return f"{mend} would mend the formula of {earlier.trial.name} as well"
     others = [a.trial for a in accepted]
     residual = shop.fit(others, shop.layout(candidate.trial)).fit.residual
     share = candidate.gain / float(np.sum(residual[list(candidate.trial.group)] ** 2))
@@ -132,6 +140,45 @@ def _mend_that_covers(
         if left < COVERED * candidate.gain < COVERED * FAR_LESS * own:
             return str(mend.key[0])
     return None
+
+
+def _explain_more_together(
+    shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
+) -> bool:
+    """Whether two effects, each at its best beside the other, explain more than any mend does.
+
+    The earlier one was fitted to what both do: what that shape leaves is no measure of either.
+    Free-form terms of all its own coordinates are held against the two, parameters counted.
+    """
+    pair, layout = [earlier.trial, candidate.trial], shop.layout(candidate.trial)
+    if candidate.trial.is_free_form or layout is not shop.mean:
+        return False
+    rest = [t for t in others if t.key != earlier.trial.key]
+    for _ in range(ROUNDS):
+        for k, trial in enumerate(pair):
+            beside = shop.fit([*rest, pair[1 - k]], layout).fit
+            pair[k] = at_rest(score(shop.renewed(trial), beside), beside, shop.context).trial
+    both = shop.fit([*rest, *pair], layout, bend=False).fit
+    chance = float(inflation_of(both)[list(candidate.trial.group)].mean())
+    price = chance * np.log(layout.rows.count)
+
+    def cost(fit: LinearFit, shapes: int) -> float:
+        return fit.squares + price * (fit.projection.rank + shapes)
+
+    own = cost(both, sum(t.shapes for t in pair))
+    mends = _free_forms_of(shop, earlier.trial)
+    return bool(mends) and all(
+        own + chance * shop.settings.decisive
+        < cost(shop.fit([*others, mend], layout, bend=False).fit, earlier.trial.shapes)
+        for mend in mends
+    )
+
+
+def _is_rigid(trial: Trial) -> bool:
+    """Whether nothing but sizes, and how many terms there are, adapts to another effect."""
+    if trial.is_free_form:
+        return False
+    return all(s.scale == "formula" for s in CATALOGUE[trial.name].shapes)
 
 
 def _free_forms_of(shop: Workshop, named: Trial) -> list[Trial]:
