@@ -147,3 +147,12 @@ def test_the_search_goes_on_where_no_tilt_is_found():
     _, selection = search(shop_of(data_set(3, extra=extra), candidates=names))
     found = {(a.trial.name, a.trial.joint) for a in selection.accepted}
     assert found == {("joint_spring", 0), ("position_dependent_friction", 0)}
+
+
+def test_a_spring_beside_a_much_larger_ripple_of_its_joint_is_named():
+    """It explains a fiftieth of what the ripple does, and no curve of position does as well."""
+    names = ("torque_ripple", "joint_spring")
+    torque = on_first(lambda q: 2.4 * np.sin(16 * q) + 0.5 * np.sin(32 * q) + 0.6 * q)
+    shop = shop_of(data_set(3, extra=torque), candidates=names)
+    _, found = search(shop)
+    assert {t.key for t in found.trials} == {(name, 0) for name in names}

@@ -5,10 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.diagnosis import diagnosis
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
 from oed.diagnosis.search import turning
 from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.search.selected import Selection
+from oed.diagnosis.search.telling import foretells_most
+from oed.diagnosis.search.tilt_review import tilt_fault
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, INERTIA, VISCOUS, data_set, rigid
@@ -89,6 +93,42 @@ def test_a_tilt_does_without_moments_that_cannot_be(monkeypatch):
     bare = turning.turned(shop, ())
     assert bare.is_turned
     assert is_bare(bare)
+
+
+def test_a_tilt_that_the_tables_have_foretells_what_they_show_of_it():
+    """Of the few milliradians that are left after the turn nothing could be said."""
+    shop = shop_of(data_set(11, extra=weight_of(np.deg2rad(3.0))))
+    found = turning.turned(shop, ())
+    left = trial_of(found, "gravity_direction", None)
+    assert foretells_most(found, (), left, ())
+    level = turning.turned(shop_of(data_set(11)), ())
+    assert not foretells_most(level, (), trial_of(level, "gravity_direction", None), ())
+
+
+def test_a_tilt_stands_beside_a_name_whose_shape_is_hardly_known():
+    """How a shape would bend is no part of what is foretold with it."""
+    shop = shop_of(data_set(11, extra=weight_of(np.deg2rad(3.0))))
+    found = turning.turned(shop, ())
+    vague = trial_of(found, "nonlinear_viscous", 0, (0.5,))
+    assert tilt_fault(found, [Accepted(vague, 10.0, 1e-9)]) is None
+
+
+def test_a_tilt_that_tells_more_than_a_name_is_looked_for_without_it(monkeypatch):
+    own = diagnosis.search
+    first = []
+
+    def hasty(shop, refused=(), *, upright=False, barred=frozenset()):
+        if not first:
+            first.append(barred)
+            trial = trial_of(shop, "joint_spring", 0)
+            return shop, Selection.of(shop, [Accepted(trial, 100.0, 1e-9)], [])
+        first.append(barred)
+        return own(shop, refused, upright=upright, barred=barred)
+
+    monkeypatch.setattr(diagnosis, "search", hasty)
+    found = diagnosis_of(np.deg2rad(3.0))
+    assert first == [frozenset(), frozenset({("joint_spring", 0)})]
+    assert [e.name for e in found.effects] == ["gravity_direction"]
 
 
 def test_a_tilt_that_proves_to_be_none_does_not_stay_in_the_model(monkeypatch):
