@@ -228,6 +228,7 @@ def _conclude(
         u
         for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
         if keeps_step(shop, selection.trials, u.joint)
+        or min(seen[u.joint], unseen[u.joint]) > CLEAR_UNSEEN  # whatever it is, a floor it is not
         or (unseen[u.joint] > CLEAR_UNSEEN and _keeps_step_unseen(shop, selection.trials, u.joint))
     )
     effects, unexplained = withheld(shop, selection, effects, unexplained, errors)
