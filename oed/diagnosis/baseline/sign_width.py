@@ -8,7 +8,7 @@ size of the friction wherever a joint creeps, and any effect of low speed will o
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -27,6 +27,9 @@ from oed.dynamics.effects import Coulomb
 from oed.dynamics.torque_model import TorqueModel
 
 LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
+# The same where more is missing of the joint: a wide sign may stand in for nearly anything.
+MODEST_WIDTH = 0.05
+COMPLETE = 2.0  # mean squared white residual up to which little is
 SMALLEST_WIDTH = 1e-4
 POINTS = 14
 # Fall of -2 log likelihood that a wider sign must bring, besides Schwarz's log of the rows.
@@ -99,18 +102,27 @@ def _best_width(
     velocity = np.concatenate([p.motion.dq[:, joint] for p in rows.prepared])
     scale = float(np.sqrt(np.mean(velocity**2)))
     lowest = max(effect.width, SMALLEST_WIDTH * scale)
-    highest = LARGEST_WIDTH * scale
-    if lowest >= highest:
-        return effect.width
+    squares = float(np.sum(residual[joint] ** 2))
+    weight = max(float(rows.counted[joint]), 1.0)
+    for highest in (LARGEST_WIDTH * scale, MODEST_WIDTH * scale):
+        if lowest >= highest:
+            break
+        width, gained = _peak(gain, lowest, highest)
+        # What the model lacks is noise to this question.
+        noise = max(1.0, (squares - gained) / weight)
+        if width > MODEST_WIDTH * scale and noise > COMPLETE:
+            continue
+        margin = noise * (DECISIVE + np.log(rows.count))
+        return width if gained > gain(effect.width) + margin else effect.width
+    return effect.width
+
+
+def _peak(gain: Callable[[float], float], lowest: float, highest: float) -> tuple[float, float]:
+    """The width between two that gains most, and how much."""
     grid = np.geomspace(lowest, highest, POINTS)
-    gains = [gain(float(w)) for w in grid]
-    best = int(np.argmax(gains))
+    best = int(np.argmax([gain(float(w)) for w in grid]))
     bounds = np.log(grid[max(best - 1, 0)]), np.log(grid[min(best + 1, POINTS - 1)])
     found = minimize_scalar(
         lambda x: -gain(float(np.exp(x))), bounds=bounds, method="bounded", options={"xatol": 0.02}
     )
-    # What the model lacks is noise to this question.
-    weight = max(float(rows.counted[joint]), 1.0)
-    noise = max(1.0, (float(np.sum(residual[joint] ** 2)) + found.fun) / weight)
-    margin = noise * (DECISIVE + np.log(rows.count))
-    return float(np.exp(found.x)) if -found.fun > gain(effect.width) + margin else effect.width
+    return float(np.exp(found.x)), -float(found.fun)

@@ -20,16 +20,18 @@ from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.scan import Score, inflation_of
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis.terms.trials import Trial, white_group
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.delay import FilterLag
+from oed.dynamics.effects.torque_change import TorqueChange
 
 RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be the one that is meant
 # Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
 # err in proportion to the signal.
 SYSTEMATIC = 0.01
 # A delayed torque that is interpolated between samples, or a mean over them, is a little of a lag
-# too: by a second moment of up to an eighth of a sample's square. Twice that.
-SAMPLED = 1 / 4
+# too: its delays have a variance of up to a quarter of a sample's square. Twice that.
+SAMPLED = 1 / 2
 # Share of what two late torques make of noise by which it may be wrong: few repetitions show it.
 UNCERTAIN = 1 / 4
 # Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling, a
@@ -112,30 +114,51 @@ def most_telling_first(
 def decisive_between(shop: Workshop, one: Score, other: Score) -> float:
     """How much more one candidate must tell than another to be the one that is meant."""
     decisive = shop.settings.decisive
-    if is_of_kind(one.trial, other.trial):
-        margin = max(decisive, _systematic(shop, one, other) * max(one.gain, other.gain))
+    if are_lags(one.trial, other.trial):
+        margin = max(decisive, _of_sampling(shop, one.trial, other.trial))
         return margin + UNCERTAIN * _noise_between(shop, one, other)
+    if is_of_kind(one.trial, other.trial):
+        return max(decisive, SYSTEMATIC * max(one.gain, other.gain))
     return decisive
 
 
 def _noise_between(shop: Workshop, one: Score, other: Score) -> float:
     """White squares of noise that one late torque takes away and another does not."""
-    if not are_lags(one.trial, other.trial):
-        return 0.0
     unseen = shop.unseen_by([one.trial, other.trial]).rows
     tables = [shop.mean.rows, *([unseen] if unseen else [])]
     own, its = (sum(calmed_beside((), s.trial, r).sum() for r in tables) for s in (one, other))
     return abs(float(own - its))
 
 
-def _systematic(shop: Workshop, one: Score, other: Score) -> float:
-    """Share of a gain by which two of a kind differ through smoothing and sampling alone."""
-    if not are_lags(one.trial, other.trial):
-        return SYSTEMATIC
-    band = shop.estimation[0].band
-    shortest = min(one.trial.values[0], other.trial.values[0])
-    share = SAMPLED * 2 * np.pi * band.cutoff / (band.rate**2 * shortest)
-    return min(1.0, share**2)
+def _of_sampling(shop: Workshop, one: Trial, other: Trial) -> float:
+    """By how much a lag may explain more of a delayed torque that was sampled.
+
+    To second order a lag differs from a delay of its mean by the variance of its delays, V, and
+    explains Q more of its own torque. Of a delayed one whose sampling has the variance S it
+    explains Q (2 S / V - 1) more.
+    """
+    variance = max(abs(_variance(one) - _variance(other)), 1e-12)
+    sampled = SAMPLED / shop.estimation[0].band.rate ** 2
+    return max(0.0, 2 * sampled / variance - 1) * _apart(shop, one, other)
+
+
+def _variance(late: Trial) -> float:
+    """Of the delays that a late torque has, as its filter's second cumulant [s^2]."""
+    effect = late.effect
+    filtering = effect.measurement if isinstance(effect, TorqueChange) else None
+    if not isinstance(filtering, FilterLag):
+        return 0.0
+    return filtering.time_constant**2 * (1 - 2 * filtering.curvature)
+
+
+def _apart(shop: Workshop, one: Trial, other: Trial) -> float:
+    """White squares by which two effects differ, on estimation and validation recordings."""
+    unseen = shop.unseen_by([one, other]).rows
+    squares = 0.0
+    for rows in (shop.mean.rows, *([unseen] if unseen else [])):
+        mine, its = (white_group(t.effect, rows) for t in (one, other))
+        squares += sum(float(np.sum((mine[j].sum(1) - its[j].sum(1)) ** 2)) for j in mine)
+    return squares
 
 
 def may_replace(shop: Workshop, here: Score, rival: Score) -> bool:
