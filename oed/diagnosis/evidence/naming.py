@@ -10,6 +10,7 @@ from oed.diagnosis.evidence.final_model import (
     lost_when_repeated,
 )
 from oed.diagnosis.evidence.impossible_load import impossible_load
+from oed.diagnosis.evidence.motorless import motorless
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
@@ -82,6 +83,8 @@ def _sure(
         doubtful, reason = doubtful_name(shop, found), "its own interval holds zero"
         if doubtful is None:
             doubtful, reason = impossible_load(found), "no body has such inertial parameters"
+        if doubtful is None:
+            doubtful, reason = motorless(found), "neither a rotor nor dry friction of it is clear"
         if doubtful is None:
             doubtful, reason = _implausible(shop, selection, found)
         if doubtful is None:
