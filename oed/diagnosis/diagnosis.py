@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -14,10 +15,11 @@ from oed.diagnosis.baseline.baseline import Baseline, find_baseline
 from oed.diagnosis.data.encoder_steps import encoder_torque
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.contradiction import contradicted
 from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.estimates import Estimated
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
+from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.own_time import in_own_time
@@ -37,7 +39,7 @@ from oed.diagnosis.evidence.verdict import (
 from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.accepted import Refused
-from oed.diagnosis.search.chance import keeps_step
+from oed.diagnosis.search.chance import keeps_step, keeps_step_unseen
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import search, with_stand_ins
@@ -144,7 +146,7 @@ def diagnose(
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
     _check_signs(shop, dataset.name)
-    result = _named(shop, by_role["validation"])
+    result = _uncontradicted(_named(shop, by_role["validation"]), by_role["test"])
     accepted, refused = result.selection.accepted, result.selection.refused
     say(f"additions, with and without a name: {len(accepted)}; refused: {len(refused)}")
     return _conclude(result, by_role, settings)
@@ -175,14 +177,14 @@ def _named(
     refused: Sequence[Refused] = (),
     *,
     upright: bool = False,
-    barred: frozenset[tuple[str, object]] = frozenset(),
+    tilted: bool = False,
 ) -> _Result:
     """Search, and name what holds; without a tilt where that proves to be none.
 
-    Where a tilt would tell more by far than a name that was found first, the search is made
-    anew without that name: to turn the tables changes what all others are worth.
+    Where a tilt would tell more by far than a name that was found first, another search begins
+    with it: to turn the tables changes what all others are worth.
     """
-    found, selection = search(shop, refused, upright=upright, barred=barred)
+    found, selection = search(shop, refused, upright=upright, tilted=tilted)
     layout = found.layout_for(selection.trials)
     before = fit_final(found.declared, layout, found.declared.model)
     kept, after, effects = named(found, selection, validation, before)
@@ -193,11 +195,22 @@ def _named(
         # The tables stand as the tilt has turned them, and all that was added stands on them.
         return _named(shop, validation, selection.refused, upright=True)
     result = _Result(found, selection, before, after, effects)
-    hidden = None if upright or barred else outdone_by_tilt(effects, shop.settings.decisive)
-    if hidden is not None:
-        other = _named(shop, validation, selection.refused, barred=frozenset({hidden.key}))
+    if not (upright or tilted) and outdone_by_tilt(effects, shop.settings.decisive):
+        other = _named(shop, validation, selection.refused, tilted=True)
         return other if any(t.name == GRAVITY for t in other.selection.trials) else result
     return result
+
+
+def _uncontradicted(result: _Result, test: tuple[Prepared, ...]) -> _Result:
+    """The same without its names if the test recordings, which chose nothing, contradict them."""
+    selection = result.selection
+    names = () if result.shop.is_turned else _names(selection)
+    if not names or not contradicted(result.shop, selection, result.before, result.after, test):
+        return result
+    for trial in names:
+        selection = selection.without(result.shop, trial, "it does not lower the test error")
+    after = final_with(result.shop, selection.found)
+    return dataclasses.replace(result, selection=selection, after=after, effects=())
 
 
 def _names(selection: Selection) -> list[Trial]:
@@ -229,7 +242,7 @@ def _conclude(
         for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
         if keeps_step(shop, selection.trials, u.joint)
         or min(seen[u.joint], unseen[u.joint]) > CLEAR_UNSEEN  # whatever it is, a floor it is not
-        or (unseen[u.joint] > CLEAR_UNSEEN and _keeps_step_unseen(shop, selection.trials, u.joint))
+        or (unseen[u.joint] > CLEAR_UNSEEN and keeps_step_unseen(shop, selection.trials, u.joint))
     )
     effects, unexplained = withheld(shop, selection, effects, unexplained, errors)
     return Diagnosis(
@@ -253,18 +266,6 @@ def _conclude(
         sign_width=estimation[0].sign_noise,
         shop=shop,
     )
-
-
-def _keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> bool:
-    """Whether the validation recordings, fitted by themselves, leave what keeps step with the arm.
-
-    What is missing may show in their motion alone.
-    """
-    if not shop.validation:
-        return False
-    gears, baseline = shop.gear_ratio, shop.baseline
-    alone = Workshop(baseline, shop.validation, (), shop.settings, gear_ratio=gears)
-    return keeps_step(alone, others, joint)
 
 
 def _with_rounding(baseline: Baseline, before: FinalModel, rows: Rows) -> Float[ndarray, " joints"]:

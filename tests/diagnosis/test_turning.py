@@ -113,21 +113,20 @@ def test_a_tilt_stands_beside_a_name_whose_shape_is_hardly_known():
     assert tilt_fault(found, [Accepted(vague, 10.0, 1e-9)]) is None
 
 
-def test_a_tilt_that_tells_more_than_a_name_is_looked_for_without_it(monkeypatch):
+def test_a_search_begins_with_a_tilt_that_tells_more_than_a_name(monkeypatch):
     own = diagnosis.search
-    first = []
+    begun = []
 
-    def hasty(shop, refused=(), *, upright=False, barred=frozenset()):
-        if not first:
-            first.append(barred)
-            trial = trial_of(shop, "joint_spring", 0)
-            return shop, Selection.of(shop, [Accepted(trial, 100.0, 1e-9)], [])
-        first.append(barred)
-        return own(shop, refused, upright=upright, barred=barred)
+    def hasty(shop, refused=(), *, upright=False, tilted=False):
+        begun.append(tilted)
+        if tilted:
+            return own(shop, refused, upright=upright, tilted=True)
+        trial = trial_of(shop, "joint_spring", 0)
+        return shop, Selection.of(shop, [Accepted(trial, 100.0, 1e-9)], [])
 
     monkeypatch.setattr(diagnosis, "search", hasty)
     found = diagnosis_of(np.deg2rad(3.0))
-    assert first == [frozenset(), frozenset({("joint_spring", 0)})]
+    assert begun == [False, True]
     assert [e.name for e in found.effects] == ["gravity_direction"]
 
 

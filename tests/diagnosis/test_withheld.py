@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained
 from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import _foretelling_most
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -77,3 +80,19 @@ def test_names_fall_only_for_what_foretells_about_as_much(sprung):
     assert _foretelling_most([(shop, named), (shop, nothing)])[1] is named
     again = list(named)
     assert _foretelling_most([(shop, again), (shop, named)])[1] is again
+
+
+@pytest.mark.parametrize(("in_test", "names"), [(0.8, ["torque_offset"]), (-0.8, []), (0.0, [])])
+def test_names_that_the_test_recording_contradicts_are_none(in_test, names):
+    """It chose nothing, so that what only seems to be there has no reason to show in it."""
+    sizes = iter((0.8, 0.8, in_test))
+
+    def offset(q, dq, ddq):
+        return np.broadcast_to([next(sizes), 0.0], q.shape)
+
+    dataset = data_set(1, extra=offset, roles=("estimation", "validation", "test"))
+    settings = DiagnosisSettings(surrogates=39, bootstrap=40, candidates=("torque_offset",))
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert [effect.name for effect in found.effects] == names
+    assert all(np.mean((p.after / p.before) ** 2) <= 1 for p in found.proof)
+    assert ("torque_offset" in {r.name for r in found.refused}) is (not names)

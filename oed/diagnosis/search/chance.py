@@ -83,6 +83,18 @@ def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
     return shop.context.n * _chance_of(shop, left, own, fit, moved_in_time) <= shop.settings.level
 
 
+def keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> bool:
+    """Whether the validation recordings, fitted by themselves, leave what keeps step with the arm.
+
+    What is missing may show in their motion alone.
+    """
+    if not shop.validation:
+        return False
+    gears, baseline = shop.gear_ratio, shop.baseline
+    alone = Workshop(baseline, shop.validation, (), shop.settings, gear_ratio=gears)
+    return keeps_step(alone, others, joint)
+
+
 def _family_wise(
     shop: Workshop,
     candidate: Score,

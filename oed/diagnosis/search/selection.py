@@ -14,7 +14,7 @@ from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
-from oed.diagnosis.search.turning import accepted_tilt, turned_beside
+from oed.diagnosis.search.turning import accepted_tilt, turned, turned_beside
 from oed.diagnosis.search.workshop import Workshop
 
 FAR_LESS = 0.5  # of a squared error
@@ -26,6 +26,7 @@ def search(
     refused: Sequence[Refused] = (),
     *,
     upright: bool = False,
+    tilted: bool = False,
     barred: frozenset[tuple[str, object]] = frozenset(),
 ) -> tuple[Workshop, Selection]:
     """Add, exchange and drop until nothing passes all tests; the tables may be made anew.
@@ -37,9 +38,12 @@ def search(
         shop: The laid-out data.
         refused: What an earlier search turned down.
         upright: Whether no tilt may be named.
+        tilted: Whether to begin with a tilt.
         barred: Keys of names that an earlier search has seen to fall.
     """
-    found, whole, selection = _searched(shop, refused, upright=upright, barred=barred)
+    found, whole, selection = _searched(
+        shop, refused, upright=upright, tilted=tilted, barred=barred
+    )
     kept = {a.trial.key for a in selection.accepted}
     fallen = {a.trial.key for a in whole if not a.trial.is_free_form} - kept
     error = _unseen_error(found, selection.accepted)
@@ -59,11 +63,13 @@ def _searched(
     refused: Sequence[Refused],
     *,
     upright: bool,
+    tilted: bool,
     barred: frozenset[tuple[str, object]],
 ) -> tuple[Workshop, list[Accepted], Selection]:
     """Tables, all that was added to them, and what of it stays."""
     refused = list(refused)
-    found, accepted, p_value = _added(shop, refused, upright=upright, barred=barred)
+    start = shop if upright else ((turned(shop, ()) if tilted else far_tilt(shop)) or shop)
+    found, accepted, p_value = _added(start, refused, upright=upright, barred=barred)
     tilts = []
     if found.is_turned:
         tilt = accepted_tilt(found, shop, p_value)
@@ -104,8 +110,7 @@ def _added(
     Where a free-form term makes a name superfluous, others that it kept out have their turn; so
     have names that show only beside what has none.
     """
-    start = shop if upright else (far_tilt(shop) or shop)
-    state = NameSearch(start, refused, upright=upright, barred=set(barred))
+    state = NameSearch(shop, refused, upright=upright, barred=set(barred))
     given_up = []
     while True:
         state.add_names()
