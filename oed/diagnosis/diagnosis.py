@@ -177,14 +177,14 @@ def _named(
     refused: Sequence[Refused] = (),
     *,
     upright: bool = False,
-    tilted: bool = False,
+    instead_of: frozenset[tuple[str, object]] = frozenset(),
 ) -> _Result:
     """Search, and name what holds; without a tilt where that proves to be none.
 
     Where a tilt would tell more by far than a name that was found first, another search begins
-    with it: to turn the tables changes what all others are worth.
+    with it instead: to turn the tables changes what all others are worth.
     """
-    found, selection = search(shop, refused, upright=upright, tilted=tilted)
+    found, selection = search(shop, refused, upright=upright, instead_of=instead_of)
     layout = found.layout_for(selection.trials)
     before = fit_final(found.declared, layout, found.declared.model)
     kept, after, effects = named(found, selection, validation, before)
@@ -195,8 +195,9 @@ def _named(
         # The tables stand as the tilt has turned them, and all that was added stands on them.
         return _named(shop, validation, selection.refused, upright=True)
     result = _Result(found, selection, before, after, effects)
-    if not (upright or tilted) and outdone_by_tilt(effects, shop.settings.decisive):
-        other = _named(shop, validation, selection.refused, tilted=True)
+    outdone = outdone_by_tilt(effects, shop.settings.decisive)
+    if outdone and not (upright or instead_of):
+        other = _named(shop, validation, selection.refused, instead_of=outdone)
         return other if any(t.name == GRAVITY for t in other.selection.trials) else result
     return result
 

@@ -117,16 +117,16 @@ def test_a_search_begins_with_a_tilt_that_tells_more_than_a_name(monkeypatch):
     own = diagnosis.search
     begun = []
 
-    def hasty(shop, refused=(), *, upright=False, tilted=False):
-        begun.append(tilted)
-        if tilted:
-            return own(shop, refused, upright=upright, tilted=True)
+    def hasty(shop, refused=(), *, upright=False, instead_of=frozenset()):
+        begun.append(instead_of)
+        if instead_of:
+            return own(shop, refused, upright=upright, instead_of=instead_of)
         trial = trial_of(shop, "joint_spring", 0)
         return shop, Selection.of(shop, [Accepted(trial, 100.0, 1e-9)], [])
 
     monkeypatch.setattr(diagnosis, "search", hasty)
     found = diagnosis_of(np.deg2rad(3.0))
-    assert begun == [False, True]
+    assert begun == [frozenset(), frozenset({("joint_spring", 0)})]
     assert [e.name for e in found.effects] == ["gravity_direction"]
 
 

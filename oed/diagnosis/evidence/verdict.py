@@ -203,10 +203,16 @@ def outdone(effects: Sequence[FoundEffect], decisive: float) -> Trial | None:
     return None
 
 
-def outdone_by_tilt(effects: Sequence[FoundEffect], decisive: float) -> bool:
-    """Whether a base that is not level tells more by far than some name in its place."""
-    rivals = (rival for effect in effects for rival in effect.rivals)
-    return any(r.contender and r.name == GRAVITY and r.evidence < -decisive for r in rivals)
+def outdone_by_tilt(
+    effects: Sequence[FoundEffect], decisive: float
+) -> frozenset[tuple[str, object]]:
+    """Keys of names in whose place a base that is not level tells more by far."""
+    return frozenset(
+        effect.trial.key
+        for effect in effects
+        for rival in effect.rivals
+        if rival.contender and rival.name == GRAVITY and rival.evidence < -decisive
+    )
 
 
 def _is_plainer(one: Trial, other: Trial) -> bool:

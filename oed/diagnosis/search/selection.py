@@ -26,7 +26,7 @@ def search(
     refused: Sequence[Refused] = (),
     *,
     upright: bool = False,
-    tilted: bool = False,
+    instead_of: frozenset[tuple[str, object]] = frozenset(),
     barred: frozenset[tuple[str, object]] = frozenset(),
 ) -> tuple[Workshop, Selection]:
     """Add, exchange and drop until nothing passes all tests; the tables may be made anew.
@@ -38,11 +38,11 @@ def search(
         shop: The laid-out data.
         refused: What an earlier search turned down.
         upright: Whether no tilt may be named.
-        tilted: Whether to begin with a tilt.
+        instead_of: Keys of names that a tilt is put in the place of, to begin with.
         barred: Keys of names that an earlier search has seen to fall.
     """
     found, whole, selection = _searched(
-        shop, refused, upright=upright, tilted=tilted, barred=barred
+        shop, refused, upright=upright, tilted=bool(instead_of), barred=barred | instead_of
     )
     kept = {a.trial.key for a in selection.accepted}
     fallen = {a.trial.key for a in whole if not a.trial.is_free_form} - kept
@@ -50,7 +50,13 @@ def search(
     # Not twice, and not of an arm of many joints: it takes minutes.
     if barred or not fallen or error < MUCH or shop.context.n > FEW:
         return found, selection
-    other = search(shop, selection.refused, upright=upright, barred=frozenset(fallen))
+    other = search(
+        shop,
+        selection.refused,
+        upright=upright,
+        instead_of=instead_of,
+        barred=frozenset(fallen),
+    )
     return (
         other
         if _unseen_error(other[0], other[1].accepted) < FAR_LESS * error
