@@ -74,7 +74,7 @@ def test_a_search_goes_on_without_names_that_fell(waving, monkeypatch, mended):
     curve = with_stand_ins(waving, nothing)
     barred_so_far = []
 
-    def searched(shop, refused, *, upright, barred):
+    def searched(shop, refused, *, upright, tilted, barred):
         barred_so_far.append(barred)
         if not barred:
             return shop, [offset], nothing
