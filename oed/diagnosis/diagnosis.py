@@ -27,6 +27,7 @@ from oed.diagnosis.evidence.proof import RoleProof, prove
 from oed.diagnosis.evidence.taken_up import with_moments_of
 from oed.diagnosis.evidence.verdict import (
     CLEAR_UNSEEN,
+    NO_FLOOR,
     FoundEffect,
     Outcome,
     Unexplained,
@@ -242,7 +243,7 @@ def _conclude(
         u
         for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
         if keeps_step(shop, selection.trials, u.joint)
-        or min(seen[u.joint], unseen[u.joint]) > CLEAR_UNSEEN  # whatever it is, a floor it is not
+        or min(seen[u.joint], unseen[u.joint]) > NO_FLOOR
         or (unseen[u.joint] > CLEAR_UNSEEN and keeps_step_unseen(shop, selection.trials, u.joint))
     )
     effects, unexplained = withheld(shop, selection, effects, unexplained, errors)

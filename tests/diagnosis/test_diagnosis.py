@@ -178,7 +178,7 @@ def test_what_is_far_above_the_floor_is_said_though_noise_might_change_as_slowly
     model = TorqueModel.standard(dataset.robot)
     found = diagnose(dataset, model, dataclasses.replace(FAST, max_effects=0))
     proof = {p.role: p.after / found.noise_floor for p in found.proof}
-    assert min(proof["estimation"][0], proof["validation"][0]) > 2.0
+    assert min(proof["estimation"][0], proof["validation"][0]) > module.NO_FLOOR
     assert found.verdict == "unexplained"
     assert [(u.joint, u.depends_on) for u in found.unexplained] == [(0, ())]
 

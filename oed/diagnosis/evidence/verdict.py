@@ -32,6 +32,8 @@ Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 # Error over floor, on recordings that no parameter was fitted to, above which something is missing
 # though no term locates it.
 CLEAR_UNSEEN = 2.0
+# Beyond which it is none, whatever noise does: slow noise was read too low by 2.4 at most.
+NO_FLOOR = 3.0
 OPEN = 0.9  # of the deviation of a shape of which nothing is known
 AT_BOUND = 0.01  # of its range
 
