@@ -148,8 +148,8 @@ def diagnose(
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
     _check_signs(shop, dataset.name)
     result = _uncontradicted(_named(shop, by_role["validation"]), by_role["test"])
-    accepted, refused = result.selection.accepted, result.selection.refused
-    say(f"additions, with and without a name: {len(accepted)}; refused: {len(refused)}")
+    added, refused = len(result.selection.accepted), len(result.selection.refused)
+    say(f"additions, with and without a name: {added}; refused: {refused}")
     return _conclude(result, by_role, settings)
 
 
@@ -228,11 +228,10 @@ def _conclude(
     before = result.before
     after, moments = with_moments_of(shop, selection.found, result.after, by_role["test"])
     baseline, estimation = shop.baseline, by_role["estimation"]
-    layout = shop.layout_for(selection.trials)
     unexplained = describe_unexplained(shop, selection)
     if not any(a.trial.between_repetitions for a in selection.accepted):
         unexplained += in_own_time(after, by_role, baseline)
-    floor = _with_rounding(baseline, before, layout.rows)
+    floor = _with_rounding(baseline, before, shop.layout_for(selection.trials).rows)
     freedom = float(sum(p.rows for p in estimation))
     left = lack_of_fit(after.fit, freedom)
     old, new = errors_of(before, estimation), errors_of(after, estimation)
