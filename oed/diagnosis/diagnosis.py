@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -15,13 +14,11 @@ from oed.diagnosis.baseline.baseline import Baseline, find_baseline
 from oed.diagnosis.data.encoder_steps import encoder_torque
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.evidence.contradiction import contradicted
 from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.estimates import Estimated
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
+from oed.diagnosis.evidence.final_model import FinalModel, errors_of
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
-from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.own_time import in_own_time
 from oed.diagnosis.evidence.proof import RoleProof, prove
 from oed.diagnosis.evidence.taken_up import with_moments_of
@@ -34,17 +31,14 @@ from oed.diagnosis.evidence.verdict import (
     decide,
     describe_unexplained,
     describe_unlocated,
-    outdone_by_tilt,
     riddles,
 )
 from oed.diagnosis.evidence.withheld import Errors, withheld
+from oed.diagnosis.finding import Finding, find, uncontradicted
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.accepted import Refused
 from oed.diagnosis.search.chance import keeps_step, keeps_step_unseen
 from oed.diagnosis.search.predict import rms
-from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.selection import search, with_stand_ins
-from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
@@ -147,7 +141,7 @@ def diagnose(
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
     shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
     _check_signs(shop, dataset.name)
-    result = _uncontradicted(_named(shop, by_role["validation"]), by_role["test"])
+    result = uncontradicted(find(shop, by_role["validation"]), by_role["test"])
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")
     return _conclude(result, by_role, settings)
@@ -161,66 +155,8 @@ def _check_signs(shop: Workshop, name: str) -> None:
     check_dissipation(friction, dq, np.concatenate([p.torque for p in prepared]), name)
 
 
-@dataclass(frozen=True)
-class _Result:
-    """What a search found and what of it has a name."""
-
-    shop: Workshop
-    selection: Selection
-    before: FinalModel
-    after: FinalModel
-    effects: tuple[FoundEffect, ...]
-
-
-def _named(
-    shop: Workshop,
-    validation: tuple[Prepared, ...],
-    refused: Sequence[Refused] = (),
-    *,
-    upright: bool = False,
-    instead_of: frozenset[tuple[str, object]] = frozenset(),
-) -> _Result:
-    """Search, and name what holds; without a tilt where that proves to be none.
-
-    Where a tilt would tell more by far than a name that was found first, another search begins
-    with it instead: to turn the tables changes what all others are worth.
-    """
-    found, selection = search(shop, refused, upright=upright, instead_of=instead_of)
-    layout = found.layout_for(selection.trials)
-    before = fit_final(found.declared, layout, found.declared.model)
-    kept, after, effects = named(found, selection, validation, before)
-    if len(_names(kept)) < len(_names(selection)):
-        kept, after, effects = named(found, with_stand_ins(found, kept), validation, before)
-    selection = kept
-    if found.is_turned and all(t.name != GRAVITY for t in selection.trials):
-        # The tables stand as the tilt has turned them, and all that was added stands on them.
-        return _named(shop, validation, selection.refused, upright=True)
-    result = _Result(found, selection, before, after, effects)
-    outdone = outdone_by_tilt(effects, shop.settings.decisive)
-    if outdone and not (upright or instead_of):
-        other = _named(shop, validation, selection.refused, instead_of=outdone)
-        return other if any(t.name == GRAVITY for t in other.selection.trials) else result
-    return result
-
-
-def _uncontradicted(result: _Result, test: tuple[Prepared, ...]) -> _Result:
-    """The same without its names if the test recordings, which chose nothing, contradict them."""
-    selection = result.selection
-    names = () if result.shop.is_turned else _names(selection)
-    if not names or not contradicted(result.shop, selection, result.before, result.after, test):
-        return result
-    for trial in names:
-        selection = selection.without(result.shop, trial, "it does not lower the test error")
-    after = final_with(result.shop, selection.found)
-    return dataclasses.replace(result, selection=selection, after=after, effects=())
-
-
-def _names(selection: Selection) -> list[Trial]:
-    return [t for t in selection.trials if not t.is_free_form]
-
-
 def _conclude(
-    result: _Result,
+    result: Finding,
     by_role: dict[str, tuple[Prepared, ...]],
     settings: DiagnosisSettings,
 ) -> Diagnosis:

@@ -1,0 +1,120 @@
+"""What a search found and what of it has a name, sought again where a name does not hold."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.contradiction import contradicted
+from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
+from oed.diagnosis.evidence.naming import named
+from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
+from oed.diagnosis.search.accepted import Refused
+from oed.diagnosis.search.judgement import WORSE
+from oed.diagnosis.search.name_search import FEW
+from oed.diagnosis.search.predict import rms
+from oed.diagnosis.search.selected import Selection
+from oed.diagnosis.search.selection import search, with_stand_ins
+from oed.diagnosis.search.turning import GRAVITY
+from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+
+Key = tuple[str, object]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A search's outcome.
+
+    Attributes:
+        shop: The laid-out data, turned where a tilt was found.
+        selection: What was added, with and without a name.
+        before: The base model, fitted.
+        after: The augmented model, fitted.
+        effects: What has a name.
+    """
+
+    shop: Workshop
+    selection: Selection
+    before: FinalModel
+    after: FinalModel
+    effects: tuple[FoundEffect, ...]
+
+
+def find(shop: Workshop, validation: tuple[Prepared, ...]) -> Finding:
+    """Search, and name what holds.
+
+    Where a name falls that the search was sure of, another search goes on without it, for it may
+    have kept out what is there; where a tilt would tell more by far than a name that was found
+    first, another begins with it: to turn the tables changes what all others are worth.
+
+    Args:
+        shop: The laid-out data.
+        validation: Recordings that the exact form must predict.
+    """
+    found, fallen = _found(shop, validation)
+    if fallen and shop.context.n <= FEW:
+        other, _ = _found(shop, validation, found.selection.refused, barred=fallen)
+        if len(other.effects) > len(found.effects) and not _is_worse(other, found, validation):
+            found = other
+    outdone = outdone_by_tilt(found.effects, shop.settings.decisive)
+    if outdone:
+        other, _ = _found(shop, validation, found.selection.refused, instead_of=outdone)
+        if any(t.name == GRAVITY for t in other.selection.trials):
+            return other
+    return found
+
+
+def uncontradicted(found: Finding, test: tuple[Prepared, ...]) -> Finding:
+    """The same without its names if the test recordings, which chose nothing, contradict them.
+
+    Args:
+        found: What the search found.
+        test: Recordings that nothing was chosen by.
+    """
+    selection = found.selection
+    names = () if found.shop.is_turned else _names(selection)
+    if not names or not contradicted(found.shop, selection, found.before, found.after, test):
+        return found
+    for trial in names:
+        selection = selection.without(found.shop, trial, "it does not lower the test error")
+    after = final_with(found.shop, selection.found)
+    return dataclasses.replace(found, selection=selection, after=after, effects=())
+
+
+def _found(
+    shop: Workshop,
+    validation: tuple[Prepared, ...],
+    refused: Sequence[Refused] = (),
+    *,
+    upright: bool = False,
+    instead_of: frozenset[Key] = frozenset(),
+    barred: frozenset[Key] = frozenset(),
+) -> tuple[Finding, frozenset[Key]]:
+    """One search, without a tilt where that proves to be none; and the keys of names that fell."""
+    turned, searched = search(shop, refused, upright=upright, instead_of=instead_of, barred=barred)
+    layout = turned.layout_for(searched.trials)
+    before = fit_final(turned.declared, layout, turned.declared.model)
+    kept, after, effects = named(turned, searched, validation, before)
+    fallen = frozenset(t.key for t in _names(searched)) - {t.key for t in _names(kept)}
+    if len(_names(kept)) < len(_names(searched)):
+        kept, after, effects = named(turned, with_stand_ins(turned, kept), validation, before)
+    if turned.is_turned and all(t.name != GRAVITY for t in kept.trials):
+        # The tables stand as the tilt has turned them, and all that was added stands on them.
+        return _found(shop, validation, kept.refused, upright=True)
+    return Finding(turned, kept, before, after, effects), fallen
+
+
+def _is_worse(one: Finding, other: Finding, validation: tuple[Prepared, ...]) -> bool:
+    """Whether one foretells the validation recordings worse than another."""
+    if not validation:
+        return False
+    weights = one.shop.baseline.noise_share(validation)
+    new, old = (rms(errors_of(f.after, validation), weights) for f in (one, other))
+    return bool((new > WORSE * old).any())
+
+
+def _names(selection: Selection) -> list[Trial]:
+    return [t for t in selection.trials if not t.is_free_form]

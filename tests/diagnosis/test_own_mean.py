@@ -1,0 +1,43 @@
+"""A ripple's own mean, and an offset beside a ripple."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.evidence.own_mean import UNEVEN
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
+
+AMPLITUDE, WAVES, UNEVENNESS = 3.0, 6.0, 0.4  # [N m], a turn, [rad]
+
+
+def _diagnosed(offset: float):
+    def uneven(q, dq, ddq):
+        x = WAVES * q[:, 0] + 1.4
+        wave = AMPLITUDE * np.sin(x + UNEVENNESS * np.sin(x)) + offset
+        return np.stack([wave, 0 * wave], axis=1)
+
+    data = data_set(3, extra=uneven)
+    candidates = ("torque_ripple", "torque_offset", "joint_spring", "asymmetric_viscous")
+    settings = DiagnosisSettings(surrogates=39, refined=4, bootstrap=20, candidates=candidates)
+    return diagnose(data, TorqueModel.standard(data.robot), settings)
+
+
+def test_the_mean_of_an_uneven_ripple_is_its_own():
+    x = np.linspace(0, 2 * np.pi, 1001)[:-1]
+    expected = AMPLITUDE * np.sin(x + UNEVENNESS * np.sin(x)).mean()
+    found = _diagnosed(0.0)
+    (ripple,) = found.effects
+    assert (found.verdict, ripple.name, ripple.joint) == ("explained", "torque_ripple", 0)
+    (mean,) = (p for p in ripple.parameters if p.name == "ripple_mean_1")
+    # Five deviations, and what two waves leave of the third and higher ones.
+    assert mean.value == pytest.approx(expected, abs=5 * mean.std + 0.01)
+    assert all(n not in ("torque_offset", "joint_spring") for n in (e.name for e in found.effects))
+
+
+def test_a_larger_constant_beside_it_is_an_offset():
+    found = _diagnosed(2 * UNEVEN * AMPLITUDE)
+    assert {e.name for e in found.effects} == {"torque_ripple", "torque_offset"}
+    ripple = next(e for e in found.effects if e.name == "torque_ripple")
+    assert not [p for p in ripple.parameters if p.name.startswith("ripple_mean")]
