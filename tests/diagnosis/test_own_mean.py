@@ -9,13 +9,16 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 
-AMPLITUDE, WAVES, UNEVENNESS = 3.0, 6.0, 0.4  # [N m], a turn, [rad]
+AMPLITUDE, WAVES, PHASE, UNEVENNESS = 3.0, 12.0, 1.4, 0.4  # [N m], a turn, [rad], [rad]
+
+
+def _uneven(x):
+    return AMPLITUDE * np.sin(x + PHASE + UNEVENNESS * np.sin(x))
 
 
 def _diagnosed(offset: float):
     def uneven(q, dq, ddq):
-        x = WAVES * q[:, 0] + 1.4
-        wave = AMPLITUDE * np.sin(x + UNEVENNESS * np.sin(x)) + offset
+        wave = _uneven(WAVES * q[:, 0]) + offset
         return np.stack([wave, 0 * wave], axis=1)
 
     data = data_set(3, extra=uneven)
@@ -26,7 +29,7 @@ def _diagnosed(offset: float):
 
 def test_the_mean_of_an_uneven_ripple_is_its_own():
     x = np.linspace(0, 2 * np.pi, 1001)[:-1]
-    expected = AMPLITUDE * np.sin(x + UNEVENNESS * np.sin(x)).mean()
+    expected = _uneven(x).mean()
     found = _diagnosed(0.0)
     (ripple,) = found.effects
     assert (found.verdict, ripple.name, ripple.joint) == ("explained", "torque_ripple", 0)

@@ -127,7 +127,8 @@ TORQUE_RIPPLE = CatalogueEntry(
     fuller=_fuller_ripples,
     narrow=_ripple_harmonics,
     page=EffectPage(
-        equation="a cos(n q) + b sin(n q), with its overtone at 2 n where the data ask for it",
+        equation="a cos(n q) + b sin(n q), with its overtone at 2 n and the mean of an uneven ripple, "
+        "up to a quarter of its amplitude, where the data ask for them",
         source="Holtz and Springob 1996, IEEE Trans. Industrial Electronics 43(2), 309-319; "
         "Taghirad and Bélanger 1998, J. Dynamic Systems, Measurement, and Control 120(4)",
         parameters="a, b in N m, amplitude 3 to 25 % of Coulomb friction; n periods a joint turn: "
