@@ -1,7 +1,7 @@
 """How sharply friction turns where a joint reverses, read off the data.
 
 Below some creeping speed dry friction does not switch but rises with the velocity: grease, and
-every simulator's stand-in for the sign, do that. A sign that is too sharp leaves errors of the
+every simulator's stand-in for the sign, do that, some at once and some by and by. A sign that is too sharp leaves errors of the
 size of the friction wherever a joint creeps, and any effect of low speed will offer to take them.
 """
 
@@ -64,8 +64,7 @@ def with_fitted_sign(
             continue
         projection = project(np.delete(regressor, own[0], axis=2))
         alone = dataclasses.replace(model, effects=(effect,))
-        width = _best_width(alone, rows, projection, projection.residual(torque))
-        effects[place] = dataclasses.replace(effect, width=width)
+        effects[place] = _best_turn(alone, rows, projection, projection.residual(torque))
     return dataclasses.replace(model, effects=tuple(effects))
 
 
@@ -78,24 +77,26 @@ def with_widths(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:
     """The model whose Coulomb terms turn over these velocities [rad/s], in their order."""
     left = iter(widths)
     effects = tuple(
-        dataclasses.replace(effect, width=next(left)) if isinstance(effect, Coulomb) else effect
+        dataclasses.replace(effect, width=next(left), gradual=False)
+        if isinstance(effect, Coulomb)
+        else effect
         for effect in model.effects
     )
     return dataclasses.replace(model, effects=effects)
 
 
-def _best_width(
+def _best_turn(
     alone: TorqueModel, rows: Rows, projection: Projection, residual: Float[ndarray, "joints rows"]
-) -> float:
-    """The width with the largest gain, or its own, of a model of one Coulomb term."""
+) -> Coulomb:
+    """The one term of a model with the turn that gains most, or its own."""
     (effect,) = alone.effects
     if not isinstance(effect, Coulomb):
         raise TypeError(f"{effect.name} has no sign whose width could be fitted")
     joint = effect.joint
 
-    def gain(width: float) -> float:
-        tried = dataclasses.replace(alone, effects=(dataclasses.replace(effect, width=width),))
-        fine = [tried.columns(p.motion)[:, joint] for p in rows.prepared]
+    def gain_of(tried: Coulomb) -> float:
+        model = dataclasses.replace(alone, effects=(tried,))
+        fine = [model.columns(p.motion)[:, joint] for p in rows.prepared]
         group = {joint: rows.whiten_fine(fine, joint)}
         return normal_equations(projection, residual, group).solved().gain
 
@@ -107,14 +108,29 @@ def _best_width(
     for highest in (LARGEST_WIDTH * scale, MODEST_WIDTH * scale):
         if lowest >= highest:
             break
-        width, gained = _peak(gain, lowest, highest)
+        best, gained = _best_shape(effect, gain_of, lowest, highest)
         # What the model lacks is noise to this question.
         noise = max(1.0, (squares - gained) / weight)
-        if width > MODEST_WIDTH * scale and noise > COMPLETE:
+        if best.width > MODEST_WIDTH * scale and noise > COMPLETE:
             continue
         margin = noise * (DECISIVE + np.log(rows.count))
-        return width if gained > gain(effect.width) + margin else effect.width
-    return effect.width
+        return best if gained > gain_of(effect) + margin else effect
+    return effect
+
+
+def _best_shape(
+    effect: Coulomb, gain_of: Callable[[Coulomb], float], lowest: float, highest: float
+) -> tuple[Coulomb, float]:
+    """The width between two that gains most, and how much, of the shape that gains more."""
+    found = []
+    for gradual in (False, True):
+        shaped = dataclasses.replace(effect, gradual=gradual)
+        width, gained = _peak(
+            lambda w, s=shaped: gain_of(dataclasses.replace(s, width=w)), lowest, highest
+        )
+        found.append((dataclasses.replace(shaped, width=width), gained))
+    sharp, gradual = found
+    return gradual if gradual[1] > sharp[1] + DECISIVE else sharp
 
 
 def _peak(gain: Callable[[float], float], lowest: float, highest: float) -> tuple[float, float]:

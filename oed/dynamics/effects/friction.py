@@ -17,10 +17,13 @@ class Coulomb(Effect):
         joint: Index of the joint.
         width: Velocity over which the sign turns, tanh(dq / width) [rad/s]; 0 for the
             exact sign. Measured velocity cannot tell its sign below its own noise.
+        gradual: Whether it turns as dq / sqrt(dq^2 + width^2) instead, which lacks (width / dq)^2 / 2
+            of the whole at speeds where tanh has long arrived.
     """
 
     joint: int
     width: float = 0.0
+    gradual: bool = False
     name = "coulomb"
 
     @property
@@ -35,7 +38,10 @@ class Coulomb(Effect):
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """sgn(dq_j)."""
-        return [{self.joint: state.sign(state.dq[self.joint], self.width)}]
+        dq = state.dq[self.joint]
+        if self.gradual and self.width > state.sign_width:
+            return [{self.joint: dq / (dq * dq + self.width**2) ** 0.5}]
+        return [{self.joint: state.sign(dq, self.width)}]
 
 
 @dataclass(frozen=True)
