@@ -31,6 +31,7 @@ LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal b
 MODEST_WIDTH = 0.05
 COMPLETE = 2.0  # mean squared white residual up to which little is
 SMALLEST_WIDTH = 1e-4
+WIDER = 1.3  # ratio of two widths beyond which they are not alike
 POINTS = 14
 # Fall of -2 log likelihood that a wider sign must bring, besides Schwarz's log of the rows.
 DECISIVE = 10.0
@@ -70,7 +71,20 @@ def with_fitted_sign(
 
 def widths_of(model: TorqueModel) -> list[float]:
     """Width of each Coulomb term [rad/s]."""
-    return [effect.width for effect in model.effects if isinstance(effect, Coulomb)]
+    return [effect.width for effect in _coulomb_terms(model)]
+
+
+def turn_alike(one: TorqueModel, other: TorqueModel) -> bool:
+    """Whether the Coulomb terms of two models turn alike, by shape and about by width."""
+    pairs = zip(_coulomb_terms(one), _coulomb_terms(other), strict=True)
+    return all(
+        a.gradual == b.gradual and max(a.width, b.width) < WIDER * max(min(a.width, b.width), 1e-12)
+        for a, b in pairs
+    )
+
+
+def _coulomb_terms(model: TorqueModel) -> list[Coulomb]:
+    return [effect for effect in model.effects if isinstance(effect, Coulomb)]
 
 
 def with_widths(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign, with_widths
+from oed.diagnosis.baseline.sign_width import turn_alike, with_fitted_sign, with_widths
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
@@ -35,7 +35,6 @@ from oed.dynamics.effects.payload import PickUp
 
 RECENT_FITS = 16  # kept: what is asked of one addition is asked beside the same others
 QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew
-WIDER = 1.3  # ratio of two widths of a sign beyond which the tables are made anew
 
 
 class Workshop:
@@ -101,9 +100,8 @@ class Workshop:
         baseline = self.baseline.with_model(model, self.estimation, known)
         floor = baseline.floor.quietest(self.baseline.floor)
         baseline = dataclasses.replace(baseline, floor=floor)
-        pairs = zip(widths_of(model), widths_of(self.baseline.model), strict=True)
         quieter = baseline.floor.deviation < QUIETER * self.baseline.floor.deviation
-        if not quieter.any() and all(max(a, b) < WIDER * max(min(a, b), 1e-12) for a, b in pairs):
+        if not quieter.any() and turn_alike(model, self.baseline.model):
             return None
         return self.on(baseline)
 
