@@ -31,7 +31,7 @@ LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal b
 MODEST_WIDTH = 0.05
 COMPLETE = 2.0  # mean squared white residual up to which little is
 SMALLEST_WIDTH = 1e-4
-WIDER = 1.3  # ratio of two widths beyond which they are not alike
+WIDER = 1.1  # ratio of two widths beyond which they are not alike
 POINTS = 14
 # Fall of -2 log likelihood that a wider sign must bring, besides Schwarz's log of the rows.
 DECISIVE = 10.0
