@@ -77,3 +77,17 @@ def test_friction_that_falls_as_a_joint_sets_off_is_stribecks(
     shapes, estimates = (exponent, 0.0), np.array([size])
     reason = CATALOGUE["nonlinear_viscous"].plausible(context, 1, shapes, estimates)
     assert (reason is not None and "Stribeck" in reason) is falls
+
+
+@pytest.mark.parametrize(("share", "falls"), [(0.9, False), (1.1, True)])
+def test_friction_that_rises_at_low_speed_alone_is_a_sign_that_turns_slowly(
+    share: float, *, falls: bool
+) -> None:
+    context = context_of(scara(), MOTION)
+    exponent, top = 0.5, float(context.top_speed[1])
+    speed = np.linspace(0.01, top, 400)
+    shapes = (exponent, share * exponent / (1 - exponent) / top)
+    law = speed ** shapes[0] / (1 + shapes[1] * speed)
+    assert bool(np.diff(law)[-1] < 0) is falls
+    reason = CATALOGUE["nonlinear_viscous"].plausible(context, 1, shapes, np.array([0.5]))
+    assert (reason is not None) is falls

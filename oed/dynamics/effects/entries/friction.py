@@ -105,6 +105,9 @@ def _nonlinear_viscous_plausible(
     if estimates[0] < 0 and values[0] < 1:
         return "friction would fall as the joint sets off, which is Stribeck's effect"
     top = float(context.top_speed[joint])
+    # Beyond alpha / (1 - alpha) of its own scale of speed the law falls.
+    if values[0] < 1 and values[1] * top * (1 - values[0]) > values[0]:
+        return "friction would rise at low speed alone, as a sign does that turns slowly"
     at_top = float(estimates[0]) * top ** values[0] / (1.0 + values[1] * top)
     # With a shape near the straight line the two trade places; only their sum is physical.
     whole = at_top + context.viscous(joint) * top
