@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis import diagnosis
+from oed.diagnosis import finding
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
 from oed.diagnosis.search import turning
@@ -114,17 +114,17 @@ def test_a_tilt_stands_beside_a_name_whose_shape_is_hardly_known():
 
 
 def test_a_search_begins_with_a_tilt_that_tells_more_than_a_name(monkeypatch):
-    own = diagnosis.search
+    own = finding.search
     begun = []
 
-    def hasty(shop, refused=(), *, upright=False, instead_of=frozenset()):
+    def hasty(shop, refused=(), *, instead_of=frozenset(), **others):
         begun.append(instead_of)
         if instead_of:
-            return own(shop, refused, upright=upright, instead_of=instead_of)
+            return own(shop, refused, instead_of=instead_of, **others)
         trial = trial_of(shop, "joint_spring", 0)
         return shop, Selection.of(shop, [Accepted(trial, 100.0, 1e-9)], [])
 
-    monkeypatch.setattr(diagnosis, "search", hasty)
+    monkeypatch.setattr(finding, "search", hasty)
     found = diagnosis_of(np.deg2rad(3.0))
     assert begun == [frozenset(), frozenset({("joint_spring", 0)})]
     assert [e.name for e in found.effects] == ["gravity_direction"]

@@ -1,8 +1,9 @@
 """How sharply friction turns where a joint reverses, read off the data.
 
 Below some creeping speed dry friction does not switch but rises with the velocity: grease, and
-every simulator's stand-in for the sign, do that, some at once and some by and by. A sign that is too sharp leaves errors of the
-size of the friction wherever a joint creeps, and any effect of low speed will offer to take them.
+every simulator's stand-in for the sign, do that, some at once and some by and by. A sign that is
+too sharp leaves errors of the size of the friction wherever a joint creeps, and any effect of low
+speed will offer to take them.
 """
 
 from __future__ import annotations
@@ -122,9 +123,14 @@ def _best_turn(
     for highest in (LARGEST_WIDTH * scale, MODEST_WIDTH * scale):
         if lowest >= highest:
             break
-        best, gained = _best_shape(effect, gain_of, lowest, highest)
+        tried = [
+            _best_width(dataclasses.replace(effect, gradual=gradual), gain_of, lowest, highest)
+            for gradual in (False, True)
+        ]
         # What the model lacks is noise to this question.
-        noise = max(1.0, (squares - gained) / weight)
+        noise = max(1.0, (squares - max(gain for _, gain in tried)) / weight)
+        at_once, by_and_by = tried
+        best, gained = by_and_by if by_and_by[1] > at_once[1] + noise * DECISIVE else at_once
         if best.width > MODEST_WIDTH * scale and noise > COMPLETE:
             continue
         margin = noise * (DECISIVE + np.log(rows.count))
@@ -132,19 +138,12 @@ def _best_turn(
     return effect
 
 
-def _best_shape(
-    effect: Coulomb, gain_of: Callable[[Coulomb], float], lowest: float, highest: float
+def _best_width(
+    shaped: Coulomb, gain_of: Callable[[Coulomb], float], lowest: float, highest: float
 ) -> tuple[Coulomb, float]:
-    """The width between two that gains most, and how much, of the shape that gains more."""
-    found = []
-    for gradual in (False, True):
-        shaped = dataclasses.replace(effect, gradual=gradual)
-        width, gained = _peak(
-            lambda w, s=shaped: gain_of(dataclasses.replace(s, width=w)), lowest, highest
-        )
-        found.append((dataclasses.replace(shaped, width=width), gained))
-    sharp, gradual = found
-    return gradual if gradual[1] > sharp[1] + DECISIVE else sharp
+    """The term with the width between two that gains most, and how much."""
+    width, gained = _peak(lambda w: gain_of(dataclasses.replace(shaped, width=w)), lowest, highest)
+    return dataclasses.replace(shaped, width=width), gained
 
 
 def _peak(gain: Callable[[float], float], lowest: float, highest: float) -> tuple[float, float]:
