@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.final_model import fit_final, install, lost_when_repeated
-from oed.diagnosis.evidence.verdict import doubtful_name
 from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.review import review_names
 from oed.diagnosis.search.scan import at_rest, implausible, scan, score
@@ -15,6 +15,8 @@ from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.turning import HEAVIER, moment_fault
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.terms.shape_axes import axis_slope
+from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -57,6 +59,17 @@ def test_a_name_whose_own_interval_holds_zero_is_doubted(deviations, doubted):
         shop.before.fit,
         (np.array([[(0.1 / deviations) ** 2]]),),
     )
+    assert (doubtful_name(shop, found) is trial) is doubted
+
+
+@pytest.mark.parametrize(("deviations", "doubted"), [(1.5, True), (12.0, False)])
+def test_a_torque_that_may_not_be_late_at_all_is_not_called_late(deviations, doubted):
+    """Its size is its time: there is no coefficient that could be zero."""
+    shop = shop_with()
+    trial = trial_of(shop, "time_delay", None, (4e-3,))
+    (shape,) = CATALOGUE["time_delay"].shapes_for(shop.context, None)
+    on_axis = 4e-3 / deviations / axis_slope(4e-3, shape)
+    found = Augmented((trial,), (np.ones(1),), shop.before.fit, (np.array([[on_axis**2]]),))
     assert (doubtful_name(shop, found) is trial) is doubted
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.evidence.verdict import doubtful_name
+from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.search import name_search, selection
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.several import several_at_once

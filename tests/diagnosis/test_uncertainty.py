@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
+from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.profile import left_by, profiled_deviation, widened
 from oed.diagnosis.evidence.uncertainty import robust_covariance, with_uncertainty
-from oed.diagnosis.evidence.verdict import doubtful_name
 from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.search.crests import climbed, crests
 from oed.diagnosis.search.scan import Score, at_rest, score

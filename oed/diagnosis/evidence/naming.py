@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.final_model import (
     FinalModel,
     errors_of,
@@ -17,7 +18,6 @@ from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     describe_effects,
     describe_unexplained,
-    doubtful_name,
     outdone,
     preferred_rival,
     riddles,

@@ -9,16 +9,13 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.stats import chi2
 
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
-from oed.diagnosis.evidence.estimates import Estimated, estimates, from_declared
+from oed.diagnosis.evidence.estimates import Estimated, estimates
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
-from oed.diagnosis.evidence.profile import UNIFORM, axes_of
-from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.search.leftovers import is_own
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.telling import are_lags, foretells_most, is_of_kind
+from oed.diagnosis.search.telling import are_lags, is_of_kind
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
@@ -26,7 +23,6 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects.catalogue import Context
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 # Error over floor, on recordings that no parameter was fitted to, above which something is missing
@@ -34,8 +30,6 @@ Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 CLEAR_UNSEEN = 2.0
 # Beyond which it is none, whatever noise does: slow noise was read too low by 2.4 at most.
 NO_FLOOR = 3.0
-OPEN = 0.9  # of the deviation of a shape of which nothing is known
-AT_BOUND = 0.01  # of its range
 
 
 @dataclass(frozen=True)
@@ -85,48 +79,6 @@ class Unexplained:
     trial: Trial | None = None
 
 
-def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
-    """A name whose coefficients are zero within their uncertainty, at the shapes that they have.
-
-    A search believes the noise to be what repetitions show. Where it is not, the covariance that
-    lets each block of rows err as it does is the wider one, and has the last word (Wald's test,
-    Bonferroni's level for a choice among all candidates). A free form of the same coordinate that
-    mends a name can follow it whole, and says nothing against it. Nor is in doubt what foretells
-    much of what its joints do on a motion that it was not fitted to. What has its size in its
-    shapes is in doubt where none of these is known.
-    """
-    level = shop.settings.level / len({t.key for t in shop.physical})
-    for trial, coefficients, covariance in zip(
-        whole.chosen, whole.coefficients, whole.covariances, strict=True
-    ):
-        if trial.is_free_form or _is_mended(trial, whole.chosen):
-            continue
-        if trial.fixed:
-            if _is_unknown(trial, covariance, shop.context):
-                return trial
-            continue
-        count = len(coefficients)
-        own = at_given_shapes(covariance, count)
-        values = from_declared(shop, trial, coefficients)
-        wald = float(values @ np.linalg.pinv(own, hermitian=True) @ values)
-        others = [t for t in whole.chosen if t is not trial]
-        if chi2.sf(wald, count) > level and not foretells_most(shop, others, trial, ()):
-            return trial
-    return None
-
-
-def _is_unknown(
-    trial: Trial, covariance: Float[ndarray, "columns columns"], context: Context
-) -> bool:
-    """Whether the data leave every shape as open as its range."""
-    deviations = np.sqrt(np.diag(covariance))[-len(trial.values) :]
-    axes = axes_of(trial, context)
-    is_open = [
-        deviations[place] > OPEN * UNIFORM or min(axis, 1 - axis) < AT_BOUND for place, axis in axes
-    ]
-    return bool(axes) and all(is_open)
-
-
 def describe_effects(
     shop: Workshop, selection: Selection, whole: Augmented
 ) -> tuple[FoundEffect, ...]:
@@ -144,7 +96,7 @@ def describe_effects(
         if trial.is_free_form:
             continue
         own = next(a for a in selection.accepted if a.trial.key == trial.key)
-        others = [t for t in selection.trials if t.key != trial.key and not _mends(t, trial)]
+        others = [t for t in selection.trials if t.key != trial.key and not mends(t, trial)]
         found.append(
             FoundEffect(
                 name=trial.name,
@@ -275,7 +227,7 @@ def riddles(
     return tuple(
         u
         for u in unexplained
-        if u.trial is None or not any(_mends(u.trial, e.trial) for e in effects)
+        if u.trial is None or not any(mends(u.trial, e.trial) for e in effects)
     )
 
 
@@ -288,11 +240,6 @@ def decide(effects: Sequence[FoundEffect], unexplained: Sequence[Unexplained]) -
     return "explained" if effects else "nothing found"
 
 
-def _is_mended(trial: Trial, chosen: Sequence[Trial]) -> bool:
-    """Whether a freer form of an effect stands beside it."""
-    return any(_mends(other, trial) for other in chosen)
-
-
-def _mends(other: Trial, trial: Trial) -> bool:
+def mends(other: Trial, trial: Trial) -> bool:
     """Whether another addition is a freer form of an effect."""
     return other.joint == trial.joint and is_own(other, trial)

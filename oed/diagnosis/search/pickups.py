@@ -73,13 +73,14 @@ def _is_held_unseen(shop: Workshop) -> bool:
 def _with_moments(shop: Workshop, others: Sequence[Trial], start: Score) -> Score:
     """A load by the moments that recordings show, and these by the load."""
     best = start
-    for _ in range(ROUNDS):
+    for number in range(ROUNDS):
         whole = shop.fit([*others, best.trial], shop.full, bend=False)
         pickups = read_off(shop, whole, (*shop.estimation[1:], *shop.validation))
         if pickups == shop.pickups:
             break
         shop.take_up(pickups)
-        best = _again(shop, others, best.trial)
+        # Only the first moments may put the load in another swing of the arm.
+        best = _again(shop, others, best.trial, elsewhere=number == 0)
     return best
 
 
@@ -208,11 +209,15 @@ def _by_own_clock(shop: Workshop, others: Sequence[Trial], found: Score) -> Scor
     return max((score(shop.renewed(t), fit) for t in tried), key=lambda s: s.gain)
 
 
-def _again(shop: Workshop, others: Sequence[Trial], trial: Trial) -> Score:
-    """A load on the tables as they are now, at its best moment."""
+def _again(
+    shop: Workshop, others: Sequence[Trial], trial: Trial, *, elsewhere: bool = True
+) -> Score:
+    """A load on the tables as they are now, at its best moment, or at the best one nearby."""
     fit = shop.fit(others, shop.full).fit
     here = score(moved(trial, fit.rows, shop.context, contrast=trial.contrast), fit)
-    if len(shop.estimation) > 1:  # what others show of the load may put it in another swing
+    if (
+        elsewhere and len(shop.estimation) > 1
+    ):  # what others show of the load may put it in another swing
         here = climbed(shop, here, fit)
     return at_rest(here, fit, shop.context)
 
