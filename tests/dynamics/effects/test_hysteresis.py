@@ -1,12 +1,15 @@
 """Presliding friction against closed forms and against Dahl's own equation."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.effects.hysteresis import PreslidingHysteresis, maxwell_elements
-from tests.dynamics.effects.arms import scara, smooth_motion
+from tests.dynamics.effects.arms import context_of, scara, smooth_motion
 
 DISTANCE = 0.02  # [rad]
 
@@ -72,3 +75,22 @@ def test_column_vanishes_away_from_reversals() -> None:
 def test_refuses_a_distance_of_zero() -> None:
     with pytest.raises(ValueError, match="distance"):
         PreslidingHysteresis(0, 0.0)
+
+
+@pytest.mark.parametrize(("share", "plausible"), [(0.9, True), (1.1, False)])
+def test_what_builds_up_may_have_passed_for_viscous_friction(
+    share: float, *, plausible: bool
+) -> None:
+    """Where it builds up over most of the motion, little of it goes with the sign of the speed."""
+    context = context_of(scara(), smooth_motion(scara()))
+    coulomb, viscous, top = 0.05, 9.8, float(context.top_speed[1])
+    parameters = context.parameters.copy()
+    names = [p.name for p in context.model.parameters]
+    parameters[names.index("Fc_2")], parameters[names.index("Fv_2")] = coulomb, viscous
+    context = dataclasses.replace(context, parameters=parameters)
+    built_up = share * (coulomb + viscous * top)
+    assert built_up > 6 * coulomb
+    reason = CATALOGUE["presliding_hysteresis"].plausible(
+        context, 1, (DISTANCE, 0.7), np.array([built_up])
+    )
+    assert (reason is None) is plausible

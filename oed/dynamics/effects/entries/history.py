@@ -18,7 +18,6 @@ from oed.dynamics.effects.entries.plausibility import (
     first_reason,
     joint_of,
     positive,
-    share_of_coulomb,
 )
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.hysteresis import PreslidingHysteresis
@@ -37,7 +36,8 @@ SWING = 0.2  # [s] within which no arm goes to and fro
 MOST_MOMENTS = 400
 STATES = 60  # random states that show which of ten columns differ
 # Of Coulomb friction as it is known without the build-up: where that takes much of the motion, the
-# sign of the velocity explains but a fraction of what slides.
+# sign of the velocity explains but a fraction of what slides. The rest passes for viscous friction,
+# so that all of the friction at full speed is a bound, too.
 MOST_BUILT_UP = 6.0
 
 
@@ -55,13 +55,16 @@ def _hysteresis_plausible(
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    built_up = float(estimates[0])
+    joint, built_up = joint_of(target), float(estimates[0])
+    coulomb = context.coulomb(joint)
+    whole = coulomb + context.viscous(joint) * float(context.top_speed[joint])
+    name, bound = "the friction built up", max(MOST_BUILT_UP * coulomb, whole)
     return first_reason(
         [
             positive(built_up, "the friction that builds up", "N m"),
-            share_of_coulomb(
-                context, joint_of(target), built_up, MOST_BUILT_UP, "the friction built up"
-            ),
+            at_most(built_up, bound, name, "N m", "all friction at full speed")
+            if coulomb > 0
+            else None,
         ]
     )
 
