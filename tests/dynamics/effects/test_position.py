@@ -125,3 +125,15 @@ def test_coupling_is_the_other_joints_motion_and_its_inertia_is_mutual() -> None
     assert not columns[:, 1, 1:].any()
     with pytest.raises(ValueError, match="itself"):
         CrossCoupling(1, 1)
+
+
+@pytest.mark.parametrize(("share", "plausible"), [(1.3, True), (1.7, False)])
+def test_part_of_a_wave_may_exceed_the_friction_that_is_known_without_it(
+    share: float, *, plausible: bool
+) -> None:
+    """Its mean where the arm goes has passed for Coulomb friction; a ripple has no such excuse."""
+    context = context_of(scara(), MOTION)
+    size = np.array([share * context.coulomb(1), 0.0])
+    fault = CATALOGUE["position_dependent_friction"].plausible(context, 1, (1.0, 1.0), size)
+    assert (fault is None) is plausible
+    assert CATALOGUE["torque_ripple"].plausible(context, 1, (20.0, 1.0), size) is not None

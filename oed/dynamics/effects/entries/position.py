@@ -36,6 +36,9 @@ MOTOR_HARMONICS = 4.2
 LEAST_PERIODS = 2.0
 RIPPLE_SHARE = 0.1  # of the peak torque; drives are sold with 1 to 5 %
 LEAST_RANGE = 0.05  # [rad]
+# Of Coulomb friction as it is known without the wave: where the arm sees less than a whole one, its
+# mean there is part of that.
+MOST_UNEVEN = 1.5
 MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not show
 FULLER_WAVES = 4  # with which a ripple is held against any function of position
 FINER = 2  # parts of a step of the scan, to which a second wave is looked for
@@ -88,6 +91,16 @@ def _wave_plausible(
 ) -> str | None:
     amplitude = float(np.linalg.norm(estimates))
     return share_of_coulomb(context, joint_of(target), amplitude, 1.0, "the amplitude")
+
+
+def _uneven_plausible(
+    context: Context,
+    target: Target,
+    _values: tuple[float, ...],
+    estimates: Float[ndarray, " columns"],
+) -> str | None:
+    amplitude = float(np.linalg.norm(estimates))
+    return share_of_coulomb(context, joint_of(target), amplitude, MOST_UNEVEN, "the amplitude")
 
 
 def _ripple_plausible(
@@ -159,7 +172,7 @@ POSITION_DEPENDENT_FRICTION = CatalogueEntry(
     scope="joint",
     shapes=(Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0), WAVES),
     build=_position_friction,
-    plausible=_wave_plausible,
+    plausible=_uneven_plausible,
     narrow=_friction_harmonics,
     page=EffectPage(
         equation="(a cos(k q) + b sin(k q)) s, with its overtone at 2 k where the data ask for it",
