@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
@@ -88,19 +89,11 @@ def _wave_plausible(
     target: Target,
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
+    *,
+    most: float = 1.0,
 ) -> str | None:
     amplitude = float(np.linalg.norm(estimates))
-    return share_of_coulomb(context, joint_of(target), amplitude, 1.0, "the amplitude")
-
-
-def _uneven_plausible(
-    context: Context,
-    target: Target,
-    _values: tuple[float, ...],
-    estimates: Float[ndarray, " columns"],
-) -> str | None:
-    amplitude = float(np.linalg.norm(estimates))
-    return share_of_coulomb(context, joint_of(target), amplitude, MOST_UNEVEN, "the amplitude")
+    return share_of_coulomb(context, joint_of(target), amplitude, most, "the amplitude")
 
 
 def _ripple_plausible(
@@ -172,7 +165,7 @@ POSITION_DEPENDENT_FRICTION = CatalogueEntry(
     scope="joint",
     shapes=(Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0), WAVES),
     build=_position_friction,
-    plausible=_uneven_plausible,
+    plausible=partial(_wave_plausible, most=MOST_UNEVEN),
     narrow=_friction_harmonics,
     page=EffectPage(
         equation="(a cos(k q) + b sin(k q)) s, with its overtone at 2 k where the data ask for it",
