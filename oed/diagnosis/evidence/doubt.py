@@ -33,7 +33,7 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
     Bonferroni's level for a choice among all candidates). A free form of the same coordinate that
     mends a name can follow it whole, and says nothing against it. Nor is in doubt what foretells
     much of what its joints do on a motion that it was not fitted to. The size of a delay or a lag
-    is its time; any other that has its size in its shapes is in doubt where none of these is known.
+    is its time. What has its size in its shapes is in doubt, too, where none of these is known.
 
     Args:
         shop: The laid-out data.
@@ -45,11 +45,11 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
     ):
         if trial.is_free_form or _is_mended(trial, whole.chosen):
             continue
+        if trial.fixed and _is_unknown(trial, covariance, shop.context):
+            return trial
         if trial.fixed and not is_late(trial):
-            if _is_unknown(trial, covariance, shop.context):
-                return trial
             continue
-        if is_late(trial):
+        if trial.fixed:
             wald, count = _lateness(trial, covariance, shop.context), 1
         else:
             count = len(coefficients)
