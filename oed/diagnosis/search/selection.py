@@ -50,18 +50,16 @@ def search(
     # Not twice, and not of an arm of many joints: it takes minutes.
     if barred or not fallen or error < MUCH or shop.context.n > FEW:
         return found, selection
-    other = search(
+    other, _, others = _searched(
         shop,
         selection.refused,
         upright=upright,
-        instead_of=instead_of,
-        barred=frozenset(fallen),
+        tilted=bool(instead_of),
+        barred=frozenset(fallen) | instead_of,
+        enough=FAR_LESS * error,
     )
-    return (
-        other
-        if _unseen_error(other[0], other[1].accepted) < FAR_LESS * error
-        else (found, selection)
-    )
+    foretells_more = _unseen_error(other, others.accepted) < FAR_LESS * error
+    return (other, others) if foretells_more else (found, selection)
 
 
 def _searched(
@@ -71,11 +69,17 @@ def _searched(
     upright: bool,
     tilted: bool,
     barred: frozenset[tuple[str, object]],
+    enough: float = np.inf,
 ) -> tuple[Workshop, list[Accepted], Selection]:
-    """Tables, all that was added to them, and what of it stays."""
+    """Tables, all that was added to them, and what of it stays.
+
+    All of it, if even that does not bring the mean squared validation error below `enough`.
+    """
     refused = list(refused)
     start = shop if upright else ((turned(shop, ()) if tilted else far_tilt(shop)) or shop)
     found, accepted, p_value = _added(start, refused, upright=upright, barred=barred)
+    if _unseen_error(found, accepted) >= enough:
+        return found, accepted, Selection.of(found, accepted, refused)
     tilts = []
     if found.is_turned:
         tilt = accepted_tilt(found, shop, p_value)

@@ -16,8 +16,10 @@ from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.coordinates import OtherTorque
 from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.loads import white_load
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Shape, Target
+from oed.dynamics.effects.payload import PayloadChange
 
 FREE_FORM = "free_form"
 
@@ -93,6 +95,8 @@ def white_group(
         rows: Where.
         contrast: Whether to keep only what differs between repetitions of one phase.
     """
+    if isinstance(effect, PayloadChange) and all(p.laps is None for p in rows.prepared):
+        return white_load(effect, rows, contrast=contrast)
     fine = [_fine_columns(effect, p, contrast=contrast) for p in rows.prepared]
     acting = sorted({joint for blocks in fine for joint in blocks})
     return {

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
@@ -74,11 +76,23 @@ class PayloadChange(Effect):
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """The link's columns where the load is held, zero before."""
-        held = np.asarray(self._since_pickup(state.t) >= 0, dtype=float)
+        held = self.held(state.t)
         gate = float(held) if held.ndim == 0 else held
         memory = self.memory or ReferenceTorque(self.robot)
         columns = memory.link_columns(state, self.link)
         return [{joint: mul(gate, entry) for joint, entry in columns[k].items()} for k in self.kept]
+
+    def held(self, t: Scalar) -> Float[ndarray, "*samples"]:
+        """1 while the load is held, 0 before.
+
+        Args:
+            t: Time of one recording [s].
+        """
+        return np.asarray(self._since_pickup(t) >= 0, dtype=float)
+
+    def throughout(self) -> PayloadChange:
+        """The same, held all the time."""
+        return dataclasses.replace(self, moment=-np.inf, start=0.0, pickups=())
 
     def _since_pickup(self, t: Scalar) -> Scalar:
         """Time since the load was taken up [s], negative before."""
