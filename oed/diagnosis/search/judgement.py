@@ -32,10 +32,22 @@ def judge(
     accepted: list[Accepted],
     pool: Sequence[Trial],
     refused: list[Refused],
+    *,
+    partners: Sequence[Trial] = (),
 ) -> Accepted | None:
-    """All tests in the order of their cost; the first that fails is the reason given."""
-    others = [a.trial for a in accepted]
-    reason = too_little(shop, candidate, accepted) or implausible(candidate, shop.context)
+    """All tests in the order of their cost; the first that fails is the reason given.
+
+    Args:
+        shop: The laid-out data.
+        candidate: Refined beside all others.
+        accepted: Additions so far.
+        pool: All that the search tries.
+        refused: Takes in what is turned down.
+        partners: Further additions beside which it stands, known to be all that there is with it:
+            then it may gain far less than one of them.
+    """
+    others = [*(a.trial for a in accepted), *partners]
+    reason = too_little(shop, candidate, accepted, partners) or implausible(candidate, shop.context)
     p_value = 1.0
     if reason is None:
         p_value = p_value_of(shop, candidate, others, pool)

@@ -23,8 +23,20 @@ MUCH_LESS = 0.002
 ROUNDS = 3  # in which two effects settle beside one another
 
 
-def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> str | None:
-    """Why a candidate only wipes up what an earlier addition left; None if it does more."""
+def too_little(
+    shop: Workshop,
+    candidate: Score,
+    accepted: Sequence[Accepted],
+    partners: Sequence[Trial] = (),
+) -> str | None:
+    """Why a candidate only wipes up what an earlier addition left; None if it does more.
+
+    Args:
+        shop: The laid-out data.
+        candidate: Refined beside all others.
+        accepted: Additions that it may only mend.
+        partners: Others beside which it stands.
+    """
     for earlier in accepted:
         if not set(earlier.trial.group) & set(candidate.trial.group):
             continue
@@ -34,8 +46,10 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
         if share >= shop.settings.mending_share:
             continue
         others = [a.trial for a in accepted]
-        if share < shop.settings.mop_up_floor and not (
-            share >= MUCH_LESS and _like_nothing_else(shop, candidate, others)
+        if (
+            share < shop.settings.mop_up_floor
+            and not (share >= MUCH_LESS and _like_nothing_else(shop, candidate, others))
+            and _foretold_share(shop, candidate, earlier, others) < shop.settings.mop_up_floor
         ):
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if _outdoes(shop, candidate, earlier, others):
@@ -51,7 +65,7 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
         if mend is None:
             return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
         return f"{mend} would mend the formula of {earlier.trial.name} as well"
-    others = [a.trial for a in accepted]
+    others = [*(a.trial for a in accepted), *partners]
     residual = shop.fit(others, shop.layout(candidate.trial)).fit.residual
     share = candidate.gain / float(np.sum(residual[list(candidate.trial.group)] ** 2))
     if share < shop.settings.least_share:
@@ -60,7 +74,7 @@ def too_little(shop: Workshop, candidate: Score, accepted: list[Accepted]) -> st
 
 
 def _gain_of_earlier(
-    shop: Workshop, accepted: list[Accepted], earlier: Accepted, trial: Trial
+    shop: Workshop, accepted: Sequence[Accepted], earlier: Accepted, trial: Trial
 ) -> float:
     """What an earlier addition gains beside the others, at the joints on which a trial acts.
 
@@ -71,6 +85,25 @@ def _gain_of_earlier(
     others = [a.trial for a in accepted if a is not earlier]
     gain = gain_at(shop, list(trial.group), others, earlier.trial, shop.layout(trial))
     return min(earlier.gain, max(gain, 0.0))
+
+
+def _foretold_share(
+    shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
+) -> float:
+    """What a candidate foretells of unseen recordings, as a share of what an earlier addition does.
+
+    They may move where those that it was fitted to do not, as slowly as it needs.
+    """
+    rest = [t for t in others if t.key != earlier.trial.key]
+    whole, joints = [*others, candidate.trial], list(candidate.trial.group)
+    unseen, layout = shop.unseen_by(whole), shop.layout_for(whole)
+    bare, without, within = (
+        float(unseen.left(shop.fit(chosen, layout, bend=False))[joints].sum())
+        for chosen in (rest, others, whole)
+    )
+    if without - within < shop.settings.decisive * max(1.0, within / unseen.counted[joints].sum()):
+        return 0.0
+    return (without - within) / max(bare - without, 1e-300)
 
 
 def gain_at(

@@ -39,6 +39,7 @@ class NameSearch:
         late: Free-form terms that names were looked for in the place of, and names found there.
         p_value: Of a tilt, if the tables are turned.
         beside: Free-form terms beside which signs are read off.
+        history: Tables and names before each addition.
     """
 
     shop: Workshop
@@ -52,12 +53,14 @@ class NameSearch:
     late: set[tuple[str, object]] = field(default_factory=set)
     p_value: float = 0.0
     beside: tuple[Trial, ...] = ()
+    history: list[tuple[Workshop, list[Accepted]]] = field(default_factory=list)
 
     def add_names(self) -> None:
         """Add, exchange and drop names until none passes all tests."""
         most, seen = self.shop.most_effects, [self._names()]
         while len(self.accepted) + self.shop.is_turned < most:
             room = most - len(self.accepted) - self.shop.is_turned
+            self.history.append((self.shop, [*self.accepted]))
             fresh = self._next_ones(room)
             pick = fresh[0] if fresh else None
             if pick is None:
@@ -85,6 +88,25 @@ class NameSearch:
                 # They fell beside the others, or change places for ever.
                 self.barred |= {a.trial.key for a in fresh}
             seen.append(self._names())
+
+    def give_up(self, fallen: set[tuple[str, object]], names: list[Accepted]) -> None:
+        """Go on without names that fell, as if they had not been found where the others were before.
+
+        Beside what is not there, the others settle where they do not belong, and signs with them.
+
+        Args:
+            fallen: Keys of the names.
+            names: The others.
+        """
+        self.barred |= fallen
+        self.accepted = names
+        left = {a.trial.key for a in names}
+        for shop, before in reversed(self.history):
+            if {a.trial.key for a in before} == left and shop.is_turned == self.shop.is_turned:
+                self.shop, self.accepted = shop, before
+                shop.update_context(shop.fit([a.trial for a in before]))
+                break
+        self.turn_again()
 
     def sharpen(self, whole: Sequence[Accepted]) -> bool:
         """Whether signs are other ones beside what has no name; once, and the tables with them.

@@ -22,6 +22,7 @@ from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 CRESTS = 2  # points of the grid, the best of both motions, from which a shape is looked for
+SHARE_BEHIND = "bearing"  # shape of a gear: share of the joint's friction behind it
 MISFIT = 1.1  # variances of the noise on unseen motion, from which on a shape is looked at again
 
 
@@ -37,7 +38,7 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
         found: At the shape that the estimation recordings prefer.
     """
     trial = found.trial
-    if trial.is_free_form or not trial.shapes or is_unripe(trial) or is_late(trial):
+    if trial.is_free_form or not trial.shapes or is_late(trial):
         return found
     if trial.between_repetitions or not shop.validation:
         return found
@@ -47,21 +48,34 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     if told is None:
         return found
     fit = shop.fit(others, shop.layout(trial)).fit
-    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
-    values = (
-        value if shape.scale == "formula" else shape.default
-        for value, shape in zip(trial.values, shapes, strict=True)
-    )
-    usual = dataclasses.replace(trial, values=tuple(values))
-    starts = [found, score(moved(usual, fit.rows, shop.context), fit)]
-    # One motion may rise to another crest than both together do.
-    starts += [score(t, fit) for t in shop.physical if t.key == trial.key]
-    plausible = [s for s in starts if s is found or implausible(s, shop.context) is None]
-    plausible = [*plausible[:2], *sorted(plausible[2:], key=told)[-CRESTS:]]
+    starts = [score(moved(t, fit.rows, shop.context), fit) for t in _usual(shop, trial)]
+    if not is_unripe(trial):  # whose grid stands on another torque
+        # One motion may rise to another crest than both together do.
+        starts += [score(t, fit) for t in shop.physical if t.key == trial.key]
+    plausible = [s for s in starts if implausible(s, shop.context) is None]
+    plausible = [found, *plausible[:1], *sorted(plausible[1:], key=told)[-CRESTS:]]
     best = max((climb(s, fit, shop.context, told) for s in plausible), key=told)
     if not _errs_less(shop, others, best.trial, trial):
         return found
     return dataclasses.replace(best, trial=dataclasses.replace(best.trial, decided=True))
+
+
+def _usual(shop: Workshop, trial: Trial) -> list[Trial]:
+    """A trial at the shapes that are usual, its formula as it is.
+
+    Of a gear, all of the joint's friction before it or behind it: where it sits trades places
+    with all other shapes.
+    """
+    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
+    pairs = list(zip(trial.values, shapes, strict=True))
+    if is_unripe(trial):
+        ways = [
+            tuple(end(s) if s.name == SHARE_BEHIND else v for v, s in pairs)
+            for end in (lambda s: s.lower, lambda s: s.upper)
+        ]
+    else:
+        ways = [tuple(v if s.scale == "formula" else s.default for v, s in pairs)]
+    return [dataclasses.replace(trial, values=values) for values in ways]
 
 
 def _errs_less(shop: Workshop, others: Sequence[Trial], one: Trial, other: Trial) -> bool:

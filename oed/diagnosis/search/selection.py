@@ -132,9 +132,7 @@ def _added(
         fallen = {a.trial.key for a in state.accepted} - {a.trial.key for a in names}
         if fallen:
             given_up.append((state.shop, unreviewed))
-            state.accepted = names
-            state.barred |= fallen
-            state.turn_again()
+            state.give_up(fallen, names)
             continue
         late = state.next_beside(whole)
         if late is None:
@@ -181,7 +179,8 @@ def _concluded(
     shop: Workshop, accepted: list[Accepted], refused: list[Refused], tilts: list[Accepted]
 ) -> tuple[Workshop, Selection]:
     needed = drop_needless(shop, [*tilts, *accepted], refused)[len(tilts) :]
-    needed = drop_superfluous(shop, needed, refused)
+    # At the shape that one motion alone prefers, a name may foretell another worse than none.
+    needed = drop_superfluous(shop, decided_shapes(shop, needed), refused)
     if tilts and len(needed) < len(accepted):  # what fell had its part in the tilt
         shop, needed = turned_beside(shop, needed)
         tilts = [at_home(shop, tilt) for tilt in tilts]

@@ -23,7 +23,12 @@ LEAST = 2  # joints
 
 
 def several_at_once(
-    shop: Workshop, accepted: list[Accepted], kind: Sequence[Trial], refused: list[Refused]
+    shop: Workshop,
+    accepted: list[Accepted],
+    kind: Sequence[Trial],
+    refused: list[Refused],
+    *,
+    are_all: bool = False,
 ) -> list[Accepted]:
     """Joints that need an effect beside one another, with the evidence of each; none if below two.
 
@@ -32,15 +37,18 @@ def several_at_once(
         accepted: Additions so far.
         kind: One effect without shapes, in every joint that does not have it yet.
         refused: Receives the joints that fell at the last tests, where others stay.
+        are_all: Whether nothing is left beside them, so that none is to mend another's formula.
     """
     others, fallen = [a.trial for a in accepted], []
     members = _foretelling(shop, others, _needed(shop, others, kind))
     while len(members) >= LEAST:
         scores = _beside_one_another(shop, others, members)
-        judged = [
-            judge(shop, s, [*accepted, *_unjudged(scores, but=s)], shop.physical, fallen)
-            for s in scores
-        ]
+        judged = []
+        for s in scores:
+            rest = _unjudged(scores, but=s)
+            known, partners = ([], [a.trial for a in rest]) if are_all else (rest, [])
+            known = [*accepted, *known]
+            judged.append(judge(shop, s, known, shop.physical, fallen, partners=partners))
         kept = [found for found in judged if found is not None]
         if len(kept) == len(members):
             refused += fallen

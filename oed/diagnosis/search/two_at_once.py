@@ -57,7 +57,7 @@ def two_at_once(
         return []
     if not _is_all(shop, [*others, *pairs[best]], joint):
         return []
-    found = several_at_once(shop, accepted, pairs[best], refused)
+    found = several_at_once(shop, accepted, pairs[best], refused, are_all=True)
     return found if len(found) == len(pairs[best]) else []
 
 
