@@ -160,15 +160,16 @@ def _asymmetric_plausible(
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint = joint_of(target)
-    viscous = context.viscous(joint)
-    if viscous <= 0:
+    viscous, top = context.viscous(joint), float(context.top_speed[joint])
+    if viscous <= 0 or top <= 0:
         return None
+    # No joint drives itself; without it, some of it passes for friction, or friction for it.
     return at_most(
         float(estimates[0]),
-        1.5 * viscous,
+        1.5 * (viscous + max(context.coulomb(joint), 0.0) / top),
         "the difference of directions",
         "N m s/rad",
-        "1.5 times viscous friction",
+        "1.5 times friction at top speed",
     )
 
 
