@@ -72,10 +72,11 @@ def test_a_search_goes_on_without_names_that_fell(waving, monkeypatch, mended):
     offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0, 1e-3)
     nothing = Selection.of(waving, [], [])
     curve = with_stand_ins(waving, nothing)
-    barred_so_far = []
+    barred_so_far, asked = [], []
 
-    def searched(shop, refused, *, upright, tilted, barred):
+    def searched(shop, refused, *, upright, tilted, barred, enough=np.inf):
         barred_so_far.append(barred)
+        asked.append(enough)
         if not barred:
             return shop, [offset], nothing
         return shop, [], curve if mended else nothing
@@ -84,6 +85,9 @@ def test_a_search_goes_on_without_names_that_fell(waving, monkeypatch, mended):
     _, found = selection.search(waving)
     assert found is (curve if mended else nothing)
     assert barred_so_far == [frozenset(), {offset.trial.key}]
+    # The second is over as soon as it can no longer foretell more by far.
+    assert asked[0] == np.inf
+    assert np.isfinite(asked[1])
 
 
 def test_a_search_ends_where_little_is_left(monkeypatch):
@@ -99,3 +103,20 @@ def test_a_search_ends_where_little_is_left(monkeypatch):
     monkeypatch.setattr(selection, "_searched", searched)
     assert selection.search(shop)[1] is nothing
     assert len(calls) == 1
+
+
+def test_a_second_search_ends_where_its_first_names_foretell_no_more(waving, monkeypatch):
+    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0, 1e-3)
+    concluded = []
+    monkeypatch.setattr(selection, "_added", lambda shop, *_, **__: (shop, [offset], 1.0))
+    monkeypatch.setattr(
+        selection,
+        "_concluded",
+        lambda shop, *_: (shop, concluded.append(1) or Selection.of(shop, [], [])),
+    )
+    now = selection._unseen_error(waving, [offset])
+    for enough in (0.9 * now, 1.1 * now):
+        selection._searched(
+            waving, (), upright=True, tilted=False, barred=frozenset(), enough=enough
+        )
+    assert len(concluded) == 1

@@ -11,6 +11,7 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, NOISE, data_set
+from tests.diagnosis.arm import RATE as ARM_RATE
 
 RATE = 75.0  # [Hz]
 ROWS = 750
@@ -145,3 +146,21 @@ def test_steps_of_encoders_are_loud_at_reversals_alone():
     sizes = zip(baseline.floor.noise, baseline.floor.deviation, strict=True)
     # Where joints move, steps of 0.05 mrad add a tenth to the noise.
     assert [noise.deviation / size for noise, size in sizes] == pytest.approx([1, 1], abs=0.15)
+
+
+def test_recordings_too_short_to_tell_noise_from_motion_are_refused():
+    """A rich fit of a second passes through every sample: no noise, and everything significant."""
+    dataset = data_set(1, roles=("estimation",), repetitions=1)
+    (whole,) = dataset.recordings
+    brief = slice(0, round(2.5 * ARM_RATE))
+    short = dataclasses.replace(
+        whole,
+        t=whole.t[brief],
+        q=whole.q[brief],
+        tau=whole.tau[brief],
+        repetition=None,
+        period=None,
+    )
+    prepared = prepare((short,), DiagnosisSettings())
+    with pytest.raises(ValueError, match="record longer, or repeat the motion"):
+        find_baseline(TorqueModel.standard(dataset.robot), prepared)

@@ -1,11 +1,14 @@
 """A gear is judged on the torque that it leaves, not on that of an arm taken for rigid."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.search import ranking
+from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.ripening import ripened
 from oed.diagnosis.search.scan import refine, scan, score
@@ -17,6 +20,7 @@ from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
 from oed.robot import imi_scara
+from tests.diagnosis.shop import trial_of
 from tests.dynamics.effects.arms import smooth_motion
 from tests.dynamics.effects.two_mass import Gear, two_mass_torque
 
@@ -46,11 +50,25 @@ RIVALS = ("backlash", "presliding_hysteresis", "load_dependent_friction")
 PACE = 5.0  # times as fast: a spring shows in what accelerates
 
 
-def _shop(joint: int, gear: Gear) -> Workshop:
-    """A workshop of an arm with that gear at a joint."""
-    robot, rng = imi_scara(), np.random.default_rng(3)
-    slow = smooth_motion(robot, duration=20.0, step=5e-3)
-    motion = Motion(slow.t / PACE, slow.q, PACE * slow.dq, PACE**2 * slow.ddq)
+def _shop(joint: int, gear: Gear, *, unseen: bool = False) -> Workshop:
+    """A workshop of an arm with that gear at a joint; with a slower validation motion if `unseen`."""
+    rng = np.random.default_rng(3)
+    recordings = [_record(rng, joint, gear, PACE, 80.0 if unseen else 20.0)]
+    if unseen:
+        slower = _record(rng, joint, gear, 0.8 * PACE, duration=80.0)
+        recordings.append(dataclasses.replace(slower, name="validation", role="validation"))
+    settings = DiagnosisSettings()
+    prepared, *others = prepare(tuple(recordings), settings)
+    baseline = find_baseline(TorqueModel.standard(imi_scara()), (prepared,))
+    return Workshop(baseline, (prepared,), tuple(others), settings, gear_ratio=None)
+
+
+def _record(
+    rng: np.random.Generator, joint: int, gear: Gear, pace: float, duration: float = 20.0
+) -> Recording:
+    robot = imi_scara()
+    slow = smooth_motion(robot, duration=duration, step=5e-3)
+    motion = Motion(slow.t / pace, slow.q, pace * slow.dq, pace**2 * slow.ddq)
     friction = COULOMB * np.tanh(motion.dq / WIDTH) + VISCOUS * motion.dq
     torque = two_mass_torque(robot, motion, joint, gear)
     for j in range(2):
@@ -58,11 +76,7 @@ def _shop(joint: int, gear: Gear) -> Workshop:
         torque[:, j] += (1 - behind) * friction[:, j]
     torque = torque + NOISE * rng.normal(size=torque.shape)
     measured = motion.q + 1e-6 * rng.normal(size=motion.q.shape)
-    recording = Recording("estimation", "estimation", motion.t, measured, torque)
-    settings = DiagnosisSettings()
-    prepared = prepare((recording,), settings)
-    baseline = find_baseline(TorqueModel.standard(robot), prepared)
-    return Workshop(baseline, prepared, (), settings, gear_ratio=None)
+    return Recording("estimation", "estimation", motion.t, measured, torque)
 
 
 def test_finds_the_spring_that_the_wrong_torque_hides():
@@ -105,6 +119,25 @@ def test_a_gap_is_found_with_all_its_shapes():
     assert gap == pytest.approx(PLAY.gap, rel=0.15)
     assert rotor_share == pytest.approx(PLAY.rotor, abs=0.1)
     assert bearing == pytest.approx(BEARING, abs=0.05)
+
+
+def test_what_one_motion_leaves_open_of_a_gap_is_decided_by_another():
+    """Where friction sits trades places with all other shapes along a valley of little fall."""
+    shop = _shop(1, PLAY, unseen=True)
+    aside = trial_of(shop, "backlash", 1, (2e-3, 40.0, 0.6, 0.4, 0.9))
+    begun = score(aside, shop.before.fit)
+    found = decided(shop, (), begun)
+
+    def foretold(trial):
+        errors = shop.validation_rms(shop.fit([trial], bend=False))
+        return errors / shop.baseline.floor.deviation
+
+    assert found.trial.decided
+    assert foretold(found.trial)[1] < 0.6 * foretold(begun.trial)[1]
+    gap, frequency, _, _, bearing = found.trial.values
+    assert gap == pytest.approx(PLAY.gap, rel=0.15)
+    assert frequency == pytest.approx(PLAY.frequency, rel=0.2)
+    assert bearing == pytest.approx(BEARING, abs=0.1)
 
 
 def _leading_rival(shop: Workshop) -> Trial:

@@ -2,9 +2,12 @@
 
 import numpy as np
 
+from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.search.judgement import judge
+from oed.diagnosis.search.scan import refine, score
 from oed.diagnosis.search.two_at_once import two_at_once
 from tests.diagnosis.arm import data_set
-from tests.diagnosis.shop import shop_of
+from tests.diagnosis.shop import shop_of, trial_of
 
 
 def on_second_joint(torque):
@@ -39,3 +42,26 @@ def test_one_effect_is_not_made_two():
 
 def test_nothing_is_nothing():
     assert not pair_of(lambda q, dq: np.zeros(len(q)))
+
+
+def test_of_two_that_are_all_one_may_be_far_smaller():
+    """Beside one that may only be a wrong formula, so little would pass for what that leaves."""
+
+    def loud_and_faint(q, dq):
+        return 20.0 * np.sin(9 * q[:, 1]) + 0.12
+
+    dataset = data_set(1, extra=on_second_joint(loud_and_faint))
+    shop = shop_of(dataset, surrogates=39, refined=4)
+    loud = refine(
+        score(trial_of(shop, "torque_ripple", 1, (9.0,)), shop.before.fit),
+        shop.before.fit,
+        shop.context,
+    )
+    faint = score(trial_of(shop, "torque_offset", 1), shop.fit([loud.trial]).fit)
+    refused = []
+    known = [Accepted(loud.trial, loud.gain, 1e-10)]
+    assert judge(shop, faint, known, shop.physical, refused) is None
+    assert "of what torque_ripple gained" in refused[0].reason
+    passed = judge(shop, faint, [], shop.physical, refused, partners=[loud.trial])
+    assert passed is not None
+    assert passed.p_value < shop.settings.level

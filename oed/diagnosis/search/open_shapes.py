@@ -70,8 +70,8 @@ def _usual(shop: Workshop, trial: Trial) -> list[Trial]:
     pairs = list(zip(trial.values, shapes, strict=True))
     if is_unripe(trial):
         ways = [
-            tuple(end(s) if s.name == SHARE_BEHIND else v for v, s in pairs)
-            for end in (lambda s: s.lower, lambda s: s.upper)
+            tuple(getattr(s, end) if s.name == SHARE_BEHIND else v for v, s in pairs)
+            for end in ("lower", "upper")
         ]
     else:
         ways = [tuple(v if s.scale == "formula" else s.default for v, s in pairs)]

@@ -17,7 +17,7 @@ from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.effects.payload import PayloadChange
 
-Columns = dict[int, tuple[Float[ndarray, "samples columns"], Float[ndarray, "rows columns"]]]
+Columns = tuple[Float[ndarray, "samples columns"], Float[ndarray, "rows columns"]]
 
 
 def white_load(
@@ -38,7 +38,7 @@ def white_load(
     return {
         joint: rows.whiten(
             [
-                _partly(*own[joint], held, p.band)
+                _partly(own[joint], held, p.band)
                 for own, held, p in zip(whole, parts, rows.prepared, strict=True)
             ],
             joint,
@@ -47,7 +47,7 @@ def white_load(
     }
 
 
-def _throughout(effect: PayloadChange, prepared: Prepared, *, contrast: bool) -> Columns:
+def _throughout(effect: PayloadChange, prepared: Prepared, *, contrast: bool) -> dict[int, Columns]:
     """Columns of a load that is held all the time, by joint: fine ones, and rows of the band."""
     motion = prepared.mean_motion if contrast else prepared.motion
     fine = effect_columns(effect.throughout(), motion, 0.0)
@@ -65,13 +65,12 @@ def _held_share(
 
 
 def _partly(
-    fine: Float[ndarray, "samples columns"],
-    filtered: Float[ndarray, "rows columns"],
+    columns: Columns,
     share: Float[ndarray, " samples"],
     band: Band,
 ) -> Float[ndarray, "rows columns"]:
     """Filtered columns times a share that changes at a few samples."""
-    window = len(band.taps)
+    (fine, filtered), window = columns, len(band.taps)
     starts = np.arange(len(filtered)) * band.factor
     changes = np.concatenate([[0], np.cumsum(np.diff(share) != 0)])
     result = filtered * share[starts, None]
