@@ -34,7 +34,7 @@ from oed.dynamics.torque_model import TorqueModel
 
 REFITS = 2  # of the base model with the noise that it left
 LEAST_TRUSTED = 0.05  # of a joint's rows
-LEAST_FREEDOM = 5  # rows that the free-form fit leaves to the noise of a joint
+LEAST_FREEDOM = 3  # degrees that a free-form fit leaves to the noise of a joint
 
 
 @dataclass(frozen=True)
