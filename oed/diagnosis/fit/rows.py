@@ -61,11 +61,6 @@ class Rows:
         """What was made of these rows and something else."""
         return Recent(REMEMBERED)
 
-    @cached_property
-    def remembered_loads(self) -> Recent[Any]:
-        """Columns of loads on these rows."""
-        return Recent(REMEMBERED)
-
     def alone(self, number: int, prepared: Prepared) -> Rows:
         """The rows of one recording, or of another in its place that has as many."""
         return Rows(

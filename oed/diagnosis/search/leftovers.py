@@ -49,7 +49,7 @@ def too_little(
         if (
             share < shop.settings.mop_up_floor
             and not (share >= MUCH_LESS and _like_nothing_else(shop, candidate, others))
-            and _foretold_share(shop, candidate, earlier, others) < shop.settings.mop_up_floor
+            and _foretold_of_earlier(shop, candidate, earlier, others) < shop.settings.mop_up_floor
         ):
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if _outdoes(shop, candidate, earlier, others):
@@ -87,7 +87,7 @@ def _gain_of_earlier(
     return min(earlier.gain, max(gain, 0.0))
 
 
-def _foretold_share(
+def _foretold_of_earlier(
     shop: Workshop, candidate: Score, earlier: Accepted, others: Sequence[Trial]
 ) -> float:
     """What a candidate foretells of unseen recordings, as a share of what an earlier addition does.

@@ -103,7 +103,7 @@ class NameSearch:
         left = {a.trial.key for a in names}
         for shop, before in reversed(self.history):
             if {a.trial.key for a in before} == left and shop.is_turned == self.shop.is_turned:
-                self.shop, self.accepted = shop, before
+                self.shop, self.accepted = shop, [*before]
                 shop.update_context(shop.fit([a.trial for a in before]))
                 break
         self.turn_again()

@@ -45,9 +45,8 @@ def several_at_once(
         scores = _beside_one_another(shop, others, members)
         judged = []
         for s in scores:
-            rest = _unjudged(scores, but=s)
-            known, partners = ([], [a.trial for a in rest]) if are_all else (rest, [])
-            known = [*accepted, *known]
+            known = accepted if are_all else [*accepted, *_unjudged(scores, but=s)]
+            partners = [m for m in members if m is not s.trial] if are_all else []
             judged.append(judge(shop, s, known, shop.physical, fallen, partners=partners))
         kept = [found for found in judged if found is not None]
         if len(kept) == len(members):

@@ -30,7 +30,7 @@ def white_load(
         rows: Where.
         contrast: Whether to keep only what differs between repetitions of one phase.
     """
-    whole = rows.remembered_loads.get(
+    whole = rows.remembered.get(
         (effect.robot, effect.link, effect.kept, contrast),
         lambda: [_throughout(effect, p, contrast=contrast) for p in rows.prepared],
     )

@@ -136,6 +136,10 @@ class Context:
         """Current estimate of viscous friction [N m s/rad]; 0 if the model has none."""
         return self._friction[Viscous].get(joint, 0.0)
 
+    def friction_at_top_speed(self, joint: int) -> float:
+        """Coulomb and viscous friction at the fastest that the joint moves [N m]."""
+        return self.coulomb(joint) + self.viscous(joint) * float(self.top_speed[joint])
+
     def has_offset(self, joint: int) -> bool:
         """Whether the model already has a constant torque on the joint."""
         return any(

@@ -6,7 +6,6 @@ import numba
 import numpy as np
 
 MOST_STEPS = 40  # of the equation of a step in time: each halves its bracket at least
-SLIDES = 20.0  # widths of the sign, from which on its tanh is 1 in double precision
 EXACT = 1e-3  # of the sign's width: speeds closer than this are one
 
 
@@ -47,7 +46,7 @@ def deflect(t, load, inertia, gear, brake):
         needed = load[k] + viscous * links
         heavy = inertia[k] + h * viscous
         flank = half if place > 0 else -half
-        if abs(place) <= half + h * h * (abs(needed) + coulomb) / heavy and half > 0.0:
+        if half > 0.0 and abs(place) <= half + h * h * (abs(needed) + coulomb) / heavy:
             # Free of the gear it may land on either flank, or on none.
             a[k] = _against_coulomb((needed, heavy), (links, h), sign)
             flank = min(max(place + h * h * a[k], -half), half)
@@ -65,9 +64,8 @@ def deflect(t, load, inertia, gear, brake):
 def _against_coulomb(equation, step, brake):
     """Solve heavy a = needed + coulomb tanh((links - h a) / width).
 
-    Links that slide before and after the step have all of Coulomb friction. Elsewhere, Newton
-    steps on the speed y = links - h a after it, which a bracket holds: the equation rises with y,
-    and where Coulomb friction lies between its bounds so does y.
+    Newton steps on the speed y = links - h a after the step, which a bracket holds: the equation
+    rises with y, and where Coulomb friction lies between its bounds so does y.
 
     Args:
         equation: needed and heavy.
@@ -77,11 +75,6 @@ def _against_coulomb(equation, step, brake):
     (needed, heavy), (links, h), (coulomb, width) = equation, step, brake
     if coulomb == 0.0:
         return needed / heavy
-    sliding = (needed + (coulomb if links > 0 else -coulomb)) / heavy
-    if min(abs(links), abs(links - h * sliding)) > SLIDES * width and (
-        links * (links - h * sliding) > 0
-    ):
-        return sliding
     low, high = links - h * (needed + coulomb) / heavy, links - h * (needed - coulomb) / heavy
     # The sign as a line within its width is near enough for a start.
     slope = coulomb / width

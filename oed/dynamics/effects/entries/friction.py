@@ -166,7 +166,7 @@ def _asymmetric_plausible(
     # No joint drives itself; without it, some of it passes for friction, or friction for it.
     return at_most(
         float(estimates[0]),
-        1.5 * (viscous + max(context.coulomb(joint), 0.0) / top),
+        1.5 * max(viscous, context.friction_at_top_speed(joint) / top),
         "the difference of directions",
         "N m s/rad",
         "1.5 times friction at top speed",

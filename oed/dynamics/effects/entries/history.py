@@ -57,7 +57,7 @@ def _hysteresis_plausible(
 ) -> str | None:
     joint, built_up = joint_of(target), float(estimates[0])
     coulomb = context.coulomb(joint)
-    whole = coulomb + context.viscous(joint) * float(context.top_speed[joint])
+    whole = context.friction_at_top_speed(joint)
     name, bound = "the friction built up", max(MOST_BUILT_UP * coulomb, whole)
     return first_reason(
         [
@@ -149,7 +149,7 @@ def _thermal_plausible(
     viscous, coulomb = (float(x) for x in estimates)
     top = float(context.top_speed[joint])
     excess = viscous * top + coulomb
-    warm = context.viscous(joint) * top + context.coulomb(joint)
+    warm = context.friction_at_top_speed(joint)
     if warm <= 0:
         return positive(excess, "the excess friction of the cold joint", "N m")
     if excess > 0:
