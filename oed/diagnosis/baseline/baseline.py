@@ -207,13 +207,15 @@ def _free_form_floor(
         ]
         residual = np.stack([f.residual for f in found], axis=1)
         deviation = np.array([np.std(residual[trusted[:, j], j]) for j in range(joints)])
-    for j, (f, rows) in enumerate(zip(found, trusted.sum(axis=0), strict=True)):
+    counted = trusted.sum(axis=0)
+    for j, (f, rows) in enumerate(zip(found, counted, strict=True)):
         if rows - f.rank < LEAST_FREEDOM:
             raise ValueError(
                 f"joint {j + 1}: {rows} samples in the analysis band for {f.rank} functions of "
                 f"the motion: too few to tell noise from it; record longer, or repeat the motion"
             )
-    freedom = np.array([max(0.2, 1 - f.rank / len(torque)) for f in found])
+    ranks = np.array([f.rank for f in found])
+    freedom = np.maximum(0.2, 1 - ranks / counted)
     ends = np.cumsum([p.rows for p in prepared])[:-1]
     return floor_from_free_form(np.split(residual, ends), np.split(trusted, ends), freedom)
 

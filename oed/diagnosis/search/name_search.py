@@ -18,6 +18,7 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 FEW = 3  # joints of an arm whose effects are added one by one
+SHARPENED = 3  # times at most that tables are made anew after a name
 AT_ONCE = 3  # names that are added at once to an arm of more
 # What nearly every joint has a little of; tried together where none alone does what is missing.
 TOGETHER = ("torque_offset", "rotor_inertia", "asymmetric_viscous")
@@ -80,8 +81,11 @@ class NameSearch:
                 self.accepted += fresh
             self._settle(fresh)
             self.turn_again()
-            sharper = self._sharper()
-            if sharper is not None:
+            # A floor that is read beside a first estimate holds what that lacks of the last.
+            for _ in range(SHARPENED):
+                sharper = self._sharper()
+                if sharper is None:
+                    break
                 self.shop = sharper
                 self._settle(fresh)
             if pick is not None and self._names() in seen:

@@ -76,7 +76,7 @@ class Workshop:
         None where neither changes enough to matter. What the first fit could not explain may
         have passed for a sign that turns slowly, and without repetitions for noise.
         """
-        layout = self.mean
+        layout = self.layout_for(chosen)
         found = self.fit(chosen, layout)
         # From the sharpest on: a width that stood in for what is now added must come back.
         sharpest = with_widths(self.baseline.model, self.baseline.least_widths)
