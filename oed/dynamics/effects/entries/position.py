@@ -43,8 +43,9 @@ MOST_UNEVEN = 1.5
 MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not show
 FULLER_WAVES = 4  # with which a ripple is held against any function of position
 FINER = 2  # parts of a step of the scan, to which a second wave is looked for
-# Whether a wave has its first overtone: teeth and poles make no pure sines.
+# Whether a wave has its first overtone, and teeth and poles, which make no pure sines, the second.
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
+RIPPLE_WAVES = dataclasses.replace(WAVES, upper=3.0)
 ORDERS = {1.0: LINEAR, 2.0: PROGRESSIVE}  # of a spring, by its formula
 PLACES = 50  # of the range, at which a spring must pull back harder the further it is stretched
 
@@ -127,14 +128,14 @@ TORQUE_RIPPLE = CatalogueEntry(
     name="torque_ripple",
     families=("position",),
     scope="joint",
-    shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0), WAVES),
+    shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0), RIPPLE_WAVES),
     build=_ripple,
     plausible=_ripple_plausible,
     fuller=_fuller_ripples,
     narrow=_ripple_harmonics,
     page=EffectPage(
-        equation="a cos(n q) + b sin(n q), with its overtone at 2 n and the mean of an uneven ripple, "
-        "up to a quarter of its amplitude, where the data ask for them",
+        equation="a cos(n q) + b sin(n q), with overtones at 2 n and 3 n and the mean of an uneven "
+        "ripple, up to a quarter of its amplitude, where the data ask for them",
         source="Holtz and Springob 1996, IEEE Trans. Industrial Electronics 43(2), 309-319; "
         "Taghirad and Bélanger 1998, J. Dynamic Systems, Measurement, and Control 120(4)",
         parameters="a, b in N m, amplitude 3 to 25 % of Coulomb friction; n periods a joint turn: "
