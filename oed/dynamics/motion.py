@@ -39,6 +39,8 @@ class Motion:
         ddq: (N, n) acceleration [rad/s^2 or m/s^2].
         averaged: Whether a sample stands for the mean over its step, not for its instant: a
             velocity that changes its sign between two samples then does so in part at both.
+        noise: One-sided spectral density of each joint's position noise, white [rad^2/Hz]; None
+            of a motion that was not measured.
     """
 
     t: Float[ndarray, " samples"]
@@ -46,6 +48,7 @@ class Motion:
     dq: Float[ndarray, "samples joints"]
     ddq: Float[ndarray, "samples joints"]
     averaged: bool = field(default=False, kw_only=True)
+    noise: tuple[float, ...] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         shapes = {"q": self.q.shape, "dq": self.dq.shape, "ddq": self.ddq.shape}
@@ -67,7 +70,7 @@ class Motion:
 
         Every few samples, since motions that differ do so nearly everywhere.
         """
-        digest = blake2b(repr(self.averaged).encode(), digest_size=16)
+        digest = blake2b(repr((self.averaged, self.noise)).encode(), digest_size=16)
         for component in (self.t, *chain(*self.components)):
             digest.update(component[::STRIDE].tobytes())
             digest.update(component[-1:].tobytes())

@@ -133,7 +133,9 @@ def _prepare_one(
     return Prepared(
         name=recording.name,
         role=recording.role,
-        motion=Motion(t + shift, smooth, dq, ddq, averaged=True)[inner],
+        motion=Motion(
+            t + shift, smooth, dq, ddq, averaged=True, noise=tuple(noise.density.tolist())
+        )[inner],
         fine_torque=tau[inner],
         torque=band.apply(tau[inner]),
         t=rows_t,

@@ -54,6 +54,8 @@ def _averaged(prepared: Prepared, index: Int[ndarray, "repetitions samples"]) ->
     q, dq, ddq, torque = (
         _mean(x, index) for x in (motion.q, motion.dq, motion.ddq, prepared.fine_torque)
     )
+    noise = None if motion.noise is None else tuple(x / count for x in motion.noise)
+    motion = dataclasses.replace(motion, noise=noise)
     mean = dataclasses.replace(motion, t=motion.t[: index.shape[1]], q=q, dq=dq, ddq=ddq)
     q, dq, ddq = (np.tile(x, (count, 1)) for x in (q, dq, ddq))
     laps = dataclasses.replace(motion, t=motion.t[index].ravel(), q=q, dq=dq, ddq=ddq)

@@ -19,12 +19,14 @@ from numpy import ndarray
 
 from oed.dynamics.effects.effect import Effect, State
 from oed.dynamics.effects.rigid_body import RigidBody
+from oed.dynamics.effects.wiener import expected
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import inverse_dynamics, regressor_entries
 from oed.dynamics.scalars import Scalar, add, mul
 from oed.robot import Robot
 
 STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
+SHORTEST = 100  # samples whose spectrum tells anything
 REMEMBERED = 48  # torques of a few recordings: a scan asks for the same ones at each trial value
 
 
@@ -116,9 +118,17 @@ class ReferenceTorque:
             lambda: regressor_entries(self.robot, state.q, state.dq, state.ddq, {link})[own],
         )
 
+    def expected(self, state: State, joint: int) -> list[Scalar]:
+        """Rigid-body torque of a joint [N m] and of a rotor of unit inertia, less encoder noise.
+
+        What the motion is known to drive, and not what differentiated noise would: for what
+        resonates with it.
+        """
+        return self._remembered(f"expected {joint}", state, lambda: self._expected(state, joint))
+
     def inertia(self, state: State, joint: int) -> Scalar:
         """Diagonal entry M_jj of the inertia matrix [kg m^2]."""
-        return self._remembered(f"inertia {joint}", state, lambda: self._inertia(state, joint))[0]
+        return self._column(state, joint)[joint]
 
     def inertia_at(self, posture: tuple[float, ...], joint: int) -> float:
         """M_jj at one posture [kg m^2]."""
@@ -126,7 +136,7 @@ class ReferenceTorque:
         if key not in self._inertias:
             rest = [0.0] * len(posture)
             state = State(0.0, posture, rest, rest)
-            self._inertias[key] = float(self._inertia(state, joint)[0])
+            self._inertias[key] = float(self._inertia(state, joint)[joint])
         return self._inertias[key]
 
     def rotor(self, state: State, joint: int) -> list[Scalar]:
@@ -188,7 +198,21 @@ class ReferenceTorque:
         rest = [0.0] * self.robot.n
         ddq = [1.0 if j == joint else 0.0 for j in range(self.robot.n)]
         weightless = self.robot.with_gravity(np.zeros(3))
-        return [inverse_dynamics(weightless, state.q, rest, ddq)[joint]]
+        return inverse_dynamics(weightless, state.q, rest, ddq)
+
+    def _column(self, state: State, joint: int) -> list[Scalar]:
+        """M_ij of all joints i [kg m^2]."""
+        return self._remembered(f"inertia {joint}", state, lambda: self._inertia(state, joint))
+
+    def _expected(self, state: State, joint: int) -> list[Scalar]:
+        exact = [self.rigid(state)[joint], self.rotor(state, joint)[joint]]
+        motion = state.sampled
+        if motion is None or motion.noise is None or len(motion) < SHORTEST:
+            return exact
+        pairs = zip(self._column(state, joint), motion.noise, strict=True)
+        noise = sum(float(np.mean(np.square(m))) * density for m, density in pairs)
+        signals = [np.asarray(x + np.zeros(len(motion))) for x in exact]
+        return [*expected(signals, 1 / float(np.median(np.diff(motion.t))), noise)]
 
     def _slopes(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
         def moved(q: float, dq: float, ddq: float) -> list[Scalar]:

@@ -135,9 +135,8 @@ class Transmission(MeasurementEffect):
         zeros = np.zeros(len(t))
         rotor, links = self.rotor_inertia, self.declared_inertia - self.rotor_inertia
         speed = state.dq[self.joint] + zeros
-        load = self.reference.rigid(state)[self.joint] + zeros
-        if rotor > 0:
-            load = load - rotor * self.reference.rotor(state, self.joint)[self.joint]
+        rigid, unit = self.reference.expected(state, self.joint)
+        load = rigid - rotor * unit + zeros
         if self.bearing > 0:
             other = self.reference.beside_rigid(state)[self.joint]
             load = load + self.bearing * other - self.rubbing.torque(speed)
