@@ -18,7 +18,7 @@ from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of
-from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
+from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error, lack_of_fit
 from oed.diagnosis.evidence.own_time import in_own_time
 from oed.diagnosis.evidence.proof import RoleProof, prove
 from oed.diagnosis.evidence.taken_up import with_moments_of
@@ -176,11 +176,13 @@ def _conclude(
     proof = _proof(before, after, by_role, baseline, settings)
     errors = Errors.of(proof, floor)
     seen, unseen = errors.seen, errors.unseen
+    foretold = foretold_error(shop.fit(selection.trials, bend=False).fit, shop.unseen_full.white)
     unexplained += tuple(
         u
         for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
         if keeps_step(shop, selection.trials, u.joint)
         or min(seen[u.joint], unseen[u.joint]) > NO_FLOOR
+        or unseen[u.joint] > NO_FLOOR * foretold[u.joint]
         or (unseen[u.joint] > CLEAR_UNSEEN and keeps_step_unseen(shop, selection.trials, u.joint))
     )
     effects, unexplained = withheld(shop, selection, effects, unexplained, errors)

@@ -24,6 +24,7 @@ from oed.diagnosis.fit.whitening import Autoregression, fit_autoregression
 NoiseSource = Literal["repetitions", "free-form fit"]
 LEAST_SHARE_OF_LAST = 0.3  # of the last repetition that must be left for it to count
 BLOCK = 1.0  # [s] over which the loudness of noise is compared
+QUIETER = 0.9  # ratio of two floors that differ
 QUIET = 3.0  # times the lower quartile of the blocks' deviations, beyond which it is no noise
 
 
@@ -54,6 +55,10 @@ class NoiseFloor:
             np.where(own, self.deviation, other.deviation),
             np.where(own, self.dilution, other.dilution),
         )
+
+    def is_below(self, other: NoiseFloor) -> bool:
+        """Whether it is lower by so much at some joint that what was seen above the other counts."""
+        return bool(np.any(self.deviation < QUIETER * other.deviation))
 
     @property
     def uncoloured(self) -> NoiseFloor:

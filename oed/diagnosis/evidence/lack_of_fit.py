@@ -41,3 +41,18 @@ def lack_of_fit(fit: LinearFit, noise_freedom: float) -> LackOfFit:
     mean_square = np.sum(fit.residual**2, axis=1) / freedom
     p_value = f_distribution.sf(mean_square, freedom, max(noise_freedom, 1.0))
     return LackOfFit(np.sqrt(mean_square), p_value, freedom)
+
+
+def foretold_error(
+    fit: LinearFit, white: Float[ndarray, "joints rows base"]
+) -> Float[ndarray, " joints"]:
+    """Root of mean squared error that noise lets expect of another motion, in noise floors.
+
+    Its own noise, and what the noise of the fitted motion made of the base parameters.
+
+    Args:
+        fit: Its first parameters are the base model's.
+        white: White base columns of the other motion.
+    """
+    spread = np.sum((white @ fit.projection.inverse[: white.shape[2]]) ** 2, axis=2)
+    return np.sqrt(1 + spread.mean(axis=1)) if spread.size else np.ones(len(spread))

@@ -81,13 +81,7 @@ class NameSearch:
                 self.accepted += fresh
             self._settle(fresh)
             self.turn_again()
-            # A floor that is read beside a first estimate holds what that lacks of the last.
-            for _ in range(SHARPENED):
-                sharper = self._sharper()
-                if sharper is None:
-                    break
-                self.shop = sharper
-                self._settle(fresh)
+            self._sharpen(fresh)
             if pick is not None and self._names() in seen:
                 # They fell beside the others, or change places for ever.
                 self.barred |= {a.trial.key for a in fresh}
@@ -127,6 +121,20 @@ class NameSearch:
             return False
         self.shop = sharper
         return True
+
+    def _sharpen(self, fresh: Sequence[Accepted]) -> None:
+        """Make the tables anew beside what was added, until they get no quieter.
+
+        A floor that is read beside a first estimate holds what that lacks of the last.
+        """
+        for _ in range(SHARPENED):
+            before, sharper = self.shop.baseline.floor, self._sharper()
+            if sharper is None:
+                return
+            self.shop = sharper
+            self._settle(fresh)
+            if not sharper.baseline.floor.is_below(before):
+                return
 
     def _sharper(self) -> Workshop | None:
         return self.shop.sharpened([*(a.trial for a in self.accepted), *self.beside])

@@ -34,7 +34,6 @@ from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
 from oed.dynamics.effects.payload import PickUp
 
 RECENT_FITS = 16  # kept: what is asked of one addition is asked beside the same others
-QUIETER = 0.9  # ratio of two noise floors below which the tables are made anew
 
 
 class Workshop:
@@ -100,8 +99,7 @@ class Workshop:
         baseline = self.baseline.with_model(model, self.estimation, known)
         floor = baseline.floor.quietest(self.baseline.floor)
         baseline = dataclasses.replace(baseline, floor=floor)
-        quieter = baseline.floor.deviation < QUIETER * self.baseline.floor.deviation
-        if not quieter.any() and turn_alike(model, self.baseline.model):
+        if turn_alike(model, self.baseline.model) and not floor.is_below(self.baseline.floor):
             return None
         return self.on(baseline)
 
