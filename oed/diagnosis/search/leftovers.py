@@ -16,6 +16,9 @@ from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 STATIC = "position"  # family of torque at rest, which no lag that is a little wrong leaves
+# Family of what scales torque: all joints have the links' parameters in common, so that a formula
+# that gives one a little too much looks like a gain of another.
+SCALE = "torque"
 FAR_LESS = 1.25  # ratio of gains
 COVERED = 0.3  # share of a gain that is left where another term explains the rest
 # Share of an earlier effect's gain from which on an effect that looks like nothing else may be there.
@@ -38,11 +41,13 @@ def too_little(
         partners: Others beside which it stands.
     """
     for earlier in accepted:
-        if not set(earlier.trial.group) & set(candidate.trial.group):
+        meet = bool(set(earlier.trial.group) & set(candidate.trial.group))
+        if not meet and SCALE not in _families(earlier) & _families(candidate):
             continue
-        share = candidate.gain / max(
-            _gain_of_earlier(shop, accepted, earlier, candidate.trial), 1e-300
+        gained = (
+            _gain_of_earlier(shop, accepted, earlier, candidate.trial) if meet else earlier.gain
         )
+        share = candidate.gain / max(gained, 1e-300)
         if share >= shop.settings.mending_share:
             continue
         others = [a.trial for a in accepted]
