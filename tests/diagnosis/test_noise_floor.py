@@ -5,17 +5,23 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.diagnosis.baseline import baseline
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.baseline.noise_floor import NoiseFloor, differences, floor_from_repetitions
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.trials import catalogue_trial
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import COULOMB, NOISE, data_set
+from tests.diagnosis.arm import COULOMB, NOISE, data_set, rigid
 from tests.diagnosis.arm import RATE as ARM_RATE
+from tests.diagnosis.shop import shop_of
 
 RATE = 75.0  # [Hz]
 ROWS = 750
 HELD = 50  # samples for which a disturbance stays the same
+LOAD = (0.0, 0.24, 0.04, 0.12)  # base parameters that a load adds to the arm's
+TAKEN_UP = 6.5  # [s]
 SIZE = np.array([0.2, 0.05])  # [N m] of the noise of two joints
 
 
@@ -142,10 +148,54 @@ def test_steps_of_encoders_are_loud_at_reversals_alone():
         extra=lambda q, dq, ddq: 20 * COULOMB * np.sign(dq),
     )
     (prepared,) = prepare(dataset.recordings, DiagnosisSettings())
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), (prepared,))
-    sizes = zip(baseline.floor.noise, baseline.floor.deviation, strict=True)
+    floor = find_baseline(TorqueModel.standard(dataset.robot), (prepared,)).floor
+    sizes = zip(floor.noise, floor.deviation, strict=True)
     # Where joints move, steps of 0.05 mrad add a tenth to the noise.
     assert [noise.deviation / size for noise, size in sizes] == pytest.approx([1, 1], abs=0.15)
+
+
+def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
+    """Each function of a rich fit takes a degree from the rows that were fitted, not from all."""
+    every = 6
+
+    def few(recording, _coulomb, _deviation):
+        rows = np.arange(recording.rows) % every == 0
+        return np.repeat(rows[:, None], 2, axis=1)
+
+    monkeypatch.setattr(baseline, "_trusted_rows", few)
+    found = []
+    for seed in range(12):
+        dataset = data_set(seed, roles=("estimation",), repetitions=2)
+        (whole,) = dataset.recordings
+        prepared = prepare(
+            (dataclasses.replace(whole, repetition=None, period=None),), DiagnosisSettings()
+        )
+        found.append(find_baseline(TorqueModel.standard(dataset.robot), prepared).floor.deviation)
+    taps = prepared[0].band.taps
+    true = NOISE * np.sqrt(taps @ taps)
+    # 12 times some 45 degrees of freedom: the deviation is known within 3 %.
+    assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx(true, rel=0.09)
+
+
+def test_a_load_is_known_by_the_repetitions_that_it_makes_differ():
+    """The mean of repetitions hardly tells a load from the arm: the floor beside it was far off."""
+    clean, shop = (
+        shop_of(data_set(1, extra=extra, roles=("estimation",), repetitions=6))
+        for extra in (None, held_load)
+    )
+    expected = clean.baseline.floor.deviation
+    assert shop.baseline.floor.deviation[0] > 1.15 * expected[0]
+    entry = CATALOGUE["payload_change"]
+    trial = catalogue_trial(entry, shop.context, None, (TAKEN_UP, 1.0), shop.full.rows)
+    sharper = shop.sharpened([trial])
+    assert sharper is not None
+    assert sharper.baseline.floor.deviation == pytest.approx(expected, rel=0.07)
+
+
+def held_load(q, dq, ddq):
+    """Torque of a load that is taken up in the first repetition [N m]."""
+    held = np.arange(len(q)) / ARM_RATE > TAKEN_UP
+    return held[:, None] * rigid(q, dq, ddq, LOAD)
 
 
 def test_recordings_too_short_to_tell_noise_from_motion_are_refused():

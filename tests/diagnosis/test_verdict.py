@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.evidence.contenders import Rival
-from oed.diagnosis.evidence.lack_of_fit import LackOfFit
+from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     Unexplained,
@@ -45,6 +45,20 @@ def test_a_clear_error_is_said_with_its_joint(p_value, seen, unseen):
     # Squares over those of the floor: what is not noise.
     assert found.share == pytest.approx(1 - 1 / max(seen, unseen) ** 2)
     assert decide((), (found,)) == "unexplained"
+
+
+def test_error_of_another_motion_is_foretold_from_noise_alone():
+    """Against many draws of that noise."""
+    rng = np.random.default_rng(4)
+    shop = shop_of(data_set(1, repetitions=1))
+    fit, white = shop.before.fit, shop.unseen_full.white
+    white = white * rng.uniform(20, 60, white.shape[2])  # a motion that asks for far more
+    noise = rng.normal(size=(400, *fit.residual.shape))
+    drawn = np.einsum("jrb,djr->db", fit.projection.basis, noise)
+    errors = np.einsum("jrb,db->djr", white @ fit.projection.inverse[: white.shape[2]], drawn)
+    expected = np.sqrt(1 + np.mean(errors**2, axis=(0, 2)))
+    assert expected.max() > 2
+    assert foretold_error(fit, white) == pytest.approx(expected, rel=0.1)
 
 
 def test_a_joint_that_a_term_names_is_not_named_again():

@@ -15,9 +15,11 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy import fft
+from scipy.integrate import cumulative_trapezoid
 from scipy.signal import welch
 
 RESOLUTION = 4.0  # [s] of a stretch whose spectra are averaged
+AROUND = 0.1  # of a frequency, on either side, over which they are: single ones scatter
 
 
 def expected(
@@ -34,7 +36,8 @@ def expected(
     length = len(signals[0])
     frequency, power = welch(signals[0], fs=rate, nperseg=min(length, round(RESOLUTION * rate)))
     heard = noise * (2 * np.pi * frequency) ** 4
-    share = np.clip(1 - heard / np.maximum(power, np.finfo(float).tiny), 0.0, 1.0)
+    power, heard = (_around(frequency, x) for x in (power, heard))
+    share = 1 - np.minimum(heard, power) / np.where(power > 0, power, 1.0)
     # Mirrored about both ends, so that nothing leaps there.
     long = fft.next_fast_len(3 * length, real=True)
     gain = np.interp(fft.rfftfreq(long, 1 / rate), frequency, share)
@@ -45,3 +48,14 @@ def expected(
         kept = fft.irfft(fft.rfft(padded) * gain, long)
         result.append(kept[length - 1 : 2 * length - 1])
     return result
+
+
+def _around(
+    frequency: Float[ndarray, " lines"], spectrum: Float[ndarray, " lines"]
+) -> Float[ndarray, " lines"]:
+    """Mean of a spectrum around each frequency, that at rest as it is."""
+    total = cumulative_trapezoid(spectrum, frequency, initial=0.0)
+    lower, upper = ((1 + side) * frequency for side in (-AROUND, AROUND))
+    low, high = (np.interp(x, frequency, total) for x in (lower, upper))
+    width = np.minimum(upper, frequency[-1]) - lower
+    return np.where(width > 0, (high - low) / np.where(width > 0, width, 1.0), spectrum)
