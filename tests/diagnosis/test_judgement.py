@@ -7,12 +7,15 @@ import pytest
 
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search import selection
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.judgement import PRICE, WORSE, costs
+from oed.diagnosis.search.leftovers import too_little
+from oed.diagnosis.search.scan import at_rest, score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import RATE, data_set, stribeck
-from tests.diagnosis.shop import shop_of
+from tests.diagnosis.arm import COULOMB, RATE, VISCOUS, data_set, rigid, stribeck
+from tests.diagnosis.shop import shop_of, trial_of
 
 FLOOR = np.array([0.5, 0.1])
 OLD = np.array([1.0, 0.2])
@@ -60,6 +63,30 @@ def test_no_more_is_lost_than_won_in_squares_of_the_floor():
 def test_a_rise_within_the_margin_is_chance():
     new = np.array([0.6, (WORSE - 0.001) * OLD[1]])
     assert not costs(OLD, new, FLOOR, price=0.0)
+
+
+def saturating(limit, gain):
+    """What a drive commands beside the joints' torque: it saturates in one, errs in the other."""
+
+    def extra(q, dq, ddq):
+        torque = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
+        first = limit * np.arctanh(np.clip(torque[:, 0] / limit, -0.999, 0.999))
+        return np.stack([first, (1 + gain) * torque[:, 1]], axis=1) - torque
+
+    return extra
+
+
+@pytest.mark.parametrize("gain", [0.0, 0.02, 0.05])
+def test_a_gain_is_not_what_the_formula_of_another_joints_saturation_lacks(gain):
+    shop = shop_of(data_set(1, extra=saturating(80.0, gain)))
+    start = score(trial_of(shop, "torque_saturation", 0), shop.before.fit)
+    first = at_rest(start, shop.before.fit, shop.context)
+    beside = shop.fit([first.trial]).fit
+    found = score(trial_of(shop, "torque_gain", 1), beside)
+    # Noise alone makes no gain of half a hundredth: the saturation has another formula.
+    assert found.coefficients == pytest.approx([gain], abs=0.008)
+    reason = too_little(shop, found, [Accepted(first.trial, first.gain, 0.0)])
+    assert (reason is None) == (gain > 0)
 
 
 def test_two_plain_effects_of_one_kind_are_two():

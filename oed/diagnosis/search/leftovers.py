@@ -57,7 +57,7 @@ def too_little(
             and _foretold_of_earlier(shop, candidate, earlier, others) < shop.settings.mop_up_floor
         ):
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
-        if _outdoes(shop, candidate, earlier, others):
+        if not meet or _outdoes(shop, candidate, earlier, others):
             continue
         is_like = bool(_families(earlier) & _families(candidate))
         is_slight = share < shop.settings.family_floor and is_like
