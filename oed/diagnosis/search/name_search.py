@@ -123,18 +123,16 @@ class NameSearch:
         return True
 
     def _sharpen(self, fresh: Sequence[Accepted]) -> None:
-        """Make the tables anew beside what was added, until they get no quieter.
+        """Make the tables anew beside what was added, and again while they get quieter.
 
         A floor that is read beside a first estimate holds what that lacks of the last.
         """
-        for _ in range(SHARPENED):
+        for again in range(SHARPENED):
             before, sharper = self.shop.baseline.floor, self._sharper()
-            if sharper is None:
+            if sharper is None or (again and not sharper.baseline.floor.is_below(before)):
                 return
             self.shop = sharper
             self._settle(fresh)
-            if not sharper.baseline.floor.is_below(before):
-                return
 
     def _sharper(self) -> Workshop | None:
         return self.shop.sharpened([*(a.trial for a in self.accepted), *self.beside])
