@@ -102,7 +102,7 @@ def settled(
     moved = {joint for item in fresh for joint in item.trial.group}
     for _ in range(MOST_EXCHANGES):
         trials = [a.trial for a in accepted]
-        shop.update_context(shop.fit(trials))
+        shop.update_context(shop.fit(trials, bend=False))
         changed = False
         for k in range(len(accepted)):
             if fresh and len(accepted) > MANY and moved.isdisjoint(accepted[k].trial.group):

@@ -102,7 +102,7 @@ class NameSearch:
         for shop, before in reversed(self.history):
             if {a.trial.key for a in before} == left and shop.is_turned == self.shop.is_turned:
                 self.shop, self.accepted = shop, [*before]
-                shop.update_context(shop.fit([a.trial for a in before]))
+                shop.update_context(shop.fit([a.trial for a in before], bend=False))
                 break
         self.turn_again()
 
