@@ -8,7 +8,7 @@ import pytest
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search import selection
 from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.judgement import PRICE, WORSE, costs
+from oed.diagnosis.search.judgement import PRICE, WORSE, costs, shapes_beside
 from oed.diagnosis.search.leftovers import too_little
 from oed.diagnosis.search.scan import at_rest, score
 from oed.diagnosis.search.workshop import Workshop
@@ -63,6 +63,22 @@ def test_no_more_is_lost_than_won_in_squares_of_the_floor():
 def test_a_rise_within_the_margin_is_chance():
     new = np.array([0.6, (WORSE - 0.001) * OLD[1]])
     assert not costs(OLD, new, FLOOR, price=0.0)
+
+
+def test_an_addition_is_judged_beside_shapes_that_have_settled():
+    """Friction at a wrong shape foretells its joint badly, with an offset of another or without."""
+
+    def extra(q, dq, ddq):
+        return stribeck(1.5)(q, dq, ddq) + np.array([0.0, 0.5])
+
+    shop = shop_of(data_set(10, extra=extra))
+    wrong = trial_of(shop, "stribeck", 0, (0.5, 4.0, 0.0))
+    offset = trial_of(shop, "torque_offset", 1)
+    (moved,) = shapes_beside(shop, [wrong], offset)
+    before, after = shop.foretold([wrong, offset], [moved, offset])
+    assert after[0] < 0.7 * before[0]
+    assert after == pytest.approx(shop.baseline.floor.deviation, rel=0.25)
+    assert shapes_beside(shop, [offset], wrong) == []
 
 
 def saturating(limit, gain):

@@ -90,17 +90,22 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     floor = shop.baseline.floor.deviation
     if not costs(old, new, floor, price):
         return None
-    if np.min(new / old) < MUCH_LESS and (moved := _shapes_beside(shop, others, trial)):
-        (best,) = shop.foretold((), [*moved, trial])[1:]
+    if np.min(new / old) < MUCH_LESS and (moved := shapes_beside(shop, others, trial)):
+        _, best = shop.foretold(others, [*moved, trial])
         if best is not None and not costs(old, best, floor, price):
             return None
     return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
 
 
-def _shapes_beside(shop: Workshop, others: Sequence[Trial], trial: Trial) -> list[Trial]:
+def shapes_beside(shop: Workshop, others: Sequence[Trial], trial: Trial) -> list[Trial]:
     """Other additions at the shapes that they take beside a further one; none if none has any.
 
     What was found before had to do some of its work, and foretells another motion by that.
+
+    Args:
+        shop: The laid-out data.
+        others: Additions at the shapes that they have without it.
+        trial: The further one.
     """
     moved = list(others)
     shaped = [k for k, t in enumerate(moved) if t.shapes and not t.is_free_form]
