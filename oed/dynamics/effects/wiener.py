@@ -14,7 +14,6 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy import fft
 from scipy.integrate import cumulative_trapezoid
 from scipy.signal import welch
 
@@ -39,13 +38,13 @@ def expected(
     power, heard = (_around(frequency, x) for x in (power, heard))
     share = 1 - np.minimum(heard, power) / np.where(power > 0, power, 1.0)
     # Mirrored about both ends, so that nothing leaps there.
-    long = fft.next_fast_len(3 * length, real=True)
-    gain = np.interp(fft.rfftfreq(long, 1 / rate), frequency, share)
+    long = 1 << (3 * length - 1).bit_length()
+    gain = np.interp(np.fft.rfftfreq(long, 1 / rate), frequency, share)
     result = []
     for signal in signals:
         padded = np.pad(signal, (length - 1, 0), mode="reflect", reflect_type="odd")
         padded = np.pad(padded, (0, long - len(padded)), mode="reflect", reflect_type="odd")
-        kept = fft.irfft(fft.rfft(padded) * gain, long)
+        kept = np.fft.irfft(np.fft.rfft(padded) * gain, long)
         result.append(kept[length - 1 : 2 * length - 1])
     return result
 
