@@ -176,13 +176,16 @@ def _conclude(
     proof = _proof(before, after, by_role, baseline, settings)
     errors = Errors.of(proof, floor)
     seen, unseen = errors.seen, errors.unseen
-    foretold = foretold_error(shop.fit(selection.trials, bend=False).fit, shop.unseen_full.white)
+    # Noise is as loud there as where the model was fitted, slow noise too.
+    expected = np.maximum(seen, 1.0) * foretold_error(
+        shop.fit(selection.trials, bend=False).fit, shop.unseen_full.white
+    )
     unexplained += tuple(
         u
         for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
         if keeps_step(shop, selection.trials, u.joint)
         or min(seen[u.joint], unseen[u.joint]) > NO_FLOOR
-        or unseen[u.joint] > NO_FLOOR * foretold[u.joint]
+        or unseen[u.joint] > NO_FLOOR * expected[u.joint]
         or (unseen[u.joint] > CLEAR_UNSEEN and keeps_step_unseen(shop, selection.trials, u.joint))
     )
     effects, unexplained = withheld(shop, selection, effects, unexplained, errors)
