@@ -56,10 +56,7 @@ def find(shop: Workshop, validation: tuple[Prepared, ...]) -> Finding:
     """
     found, fallen = _found(shop, validation)
     if fallen and shop.context.n <= FEW:
-        refused = found.selection.refused
-        # A tilt that was tried with these names is not tried once more without one of them.
-        upright = any(r.name == GRAVITY for r in refused)
-        other, _ = _found(shop, validation, refused, upright=upright, barred=fallen)
+        other, _ = _found(shop, validation, found.selection.refused, barred=fallen)
         if len(other.effects) > len(found.effects) and not _is_worse(other, found, validation):
             found = other
     outdone = outdone_by_tilt(found.effects, shop.settings.decisive)

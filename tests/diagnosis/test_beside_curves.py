@@ -108,9 +108,7 @@ def test_a_search_ends_where_little_is_left(monkeypatch):
 def test_a_second_search_ends_where_its_first_names_foretell_no_more(waving, monkeypatch):
     offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0, 1e-3)
     concluded = []
-    monkeypatch.setattr(
-        selection, "_added", lambda shop, *_, **__: selection._Added(shop, [offset], 1.0, None)
-    )
+    monkeypatch.setattr(selection, "_added", lambda shop, *_, **__: (shop, [offset], 1.0))
     monkeypatch.setattr(
         selection,
         "_concluded",

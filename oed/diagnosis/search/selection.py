@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,23 +19,6 @@ from oed.diagnosis.search.workshop import Workshop
 
 FAR_LESS = 0.5  # of a squared error
 MUCH = 2.0  # mean squared validation error, in squares of the noise floor
-
-
-@dataclass(frozen=True)
-class _Added:
-    """Additions of a search on its way.
-
-    Attributes:
-        shop: Their tables.
-        whole: Names and free-form terms.
-        p_value: Of a tilt, if the tables are turned.
-        level: Tables and names as they were before a tilt was added; None if it came first.
-    """
-
-    shop: Workshop
-    whole: list[Accepted]
-    p_value: float
-    level: tuple[Workshop, list[Accepted]] | None
 
 
 def search(
@@ -95,21 +77,18 @@ def _searched(
     """
     refused = list(refused)
     start = shop if upright else ((turned(shop, ()) if tilted else far_tilt(shop)) or shop)
-    added = _added(start, refused, upright=upright, barred=barred)
-    found, accepted = added.shop, added.whole
+    found, accepted, p_value = _added(start, refused, upright=upright, barred=barred)
     if _unseen_error(found, accepted) >= enough:
         return found, accepted, Selection.of(found, accepted, refused)
     tilts = []
     if found.is_turned:
-        tilt = accepted_tilt(found, shop, added.p_value)
+        tilt = accepted_tilt(found, shop, p_value)
         fault = tilt_fault(found, [a for a in accepted if a.stands_in])
         if fault is None:
             tilts = [tilt]
         else:
             refused.append(refusal(tilt, fault))
-            level, names = added.level or (shop, [])
-            added = _added(level, refused, upright=True, barred=barred, names=names)
-            found, accepted = added.shop, added.whole
+            found, accepted, _ = _added(shop, refused, upright=True, barred=barred)
     found, selection = _concluded(found, accepted, refused, tilts)
     return found, accepted, selection
 
@@ -135,14 +114,13 @@ def _added(
     *,
     upright: bool,
     barred: frozenset[tuple[str, object]],
-    names: Sequence[Accepted] = (),
-) -> _Added:
-    """Named effects, after those that there are, then free-form terms.
+) -> tuple[Workshop, list[Accepted], float]:
+    """Named effects, then free-form terms; with the p-value of a tilt if the tables are turned.
 
     Where a free-form term makes a name superfluous, others that it kept out have their turn; so
     have names that show only beside what has none.
     """
-    state = NameSearch(shop, refused, upright=upright, accepted=[*names], barred=set(barred))
+    state = NameSearch(shop, refused, upright=upright, barred=set(barred))
     given_up = []
     while True:
         state.add_names()
@@ -163,8 +141,7 @@ def _added(
     shop, whole = _foretelling_most([(state.shop, whole), *given_up])
     if shop.is_turned:
         shop, whole = turned_beside(shop, whole)
-    level = next(((s, a) for s, a in reversed(state.history) if not s.is_turned), None)
-    return _Added(shop, whole, state.p_value, level)
+    return shop, whole, state.p_value
 
 
 def _foretelling_most(
