@@ -8,8 +8,9 @@ import pytest
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search import selection
 from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.judgement import PRICE, WORSE, costs, shapes_beside
+from oed.diagnosis.search.judgement import PRICE, WORSE, costs
 from oed.diagnosis.search.leftovers import too_little
+from oed.diagnosis.search.open_shapes import shapes_beside
 from oed.diagnosis.search.scan import at_rest, score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings

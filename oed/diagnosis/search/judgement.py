@@ -12,8 +12,8 @@ from oed.diagnosis.search.accepted import Accepted, Refused, refusal
 from oed.diagnosis.search.chance import p_value_of
 from oed.diagnosis.search.held_out import cross_validate
 from oed.diagnosis.search.leftovers import is_own, too_little
-from oed.diagnosis.search.open_shapes import decided
-from oed.diagnosis.search.scan import Score, at_rest, implausible, score
+from oed.diagnosis.search.open_shapes import shapes_beside
+from oed.diagnosis.search.scan import Score, implausible
 from oed.diagnosis.search.within import comes_at_once, differs_alone
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -95,26 +95,6 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
         if best is not None and not costs(old, best, floor, price):
             return None
     return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
-
-
-def shapes_beside(shop: Workshop, others: Sequence[Trial], trial: Trial) -> list[Trial]:
-    """Other additions at the shapes that they take beside a further one; none if none has any.
-
-    What was found before had to do some of its work, and foretells another motion by that.
-
-    Args:
-        shop: The laid-out data.
-        others: Additions at the shapes that they have without it.
-        trial: The further one.
-    """
-    moved = list(others)
-    shaped = [k for k, t in enumerate(moved) if t.shapes and not t.is_free_form]
-    for k in shaped:
-        rest = [*moved[:k], *moved[k + 1 :], trial]
-        fit = shop.fit(rest, shop.layout(moved[k])).fit
-        found = at_rest(score(shop.renewed(moved[k]), fit), fit, shop.context)
-        moved[k] = decided(shop, rest, found).trial
-    return moved if shaped else []
 
 
 def costs(

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.search.ripening import is_late, is_unripe
-from oed.diagnosis.search.scan import Score, climb, implausible, inflation_of, score
+from oed.diagnosis.search.scan import Score, at_rest, climb, implausible, inflation_of, score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -58,6 +58,26 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     if not _errs_less(shop, others, best.trial, trial):
         return found
     return dataclasses.replace(best, trial=dataclasses.replace(best.trial, decided=True))
+
+
+def shapes_beside(shop: Workshop, others: Sequence[Trial], trial: Trial) -> list[Trial]:
+    """Other additions at the shapes that they take beside a further one; none if none has any.
+
+    What was found before had to do some of its work, and foretells another motion by that.
+
+    Args:
+        shop: The laid-out data.
+        others: Additions at the shapes that they have without it.
+        trial: The further one.
+    """
+    moved = list(others)
+    shaped = [k for k, t in enumerate(moved) if t.shapes and not t.is_free_form]
+    for k in shaped:
+        rest = [*moved[:k], *moved[k + 1 :], trial]
+        fit = shop.fit(rest, shop.layout(moved[k])).fit
+        found = at_rest(score(shop.renewed(moved[k]), fit), fit, shop.context)
+        moved[k] = decided(shop, rest, found).trial
+    return moved if shaped else []
 
 
 def _usual(shop: Workshop, trial: Trial) -> list[Trial]:
