@@ -8,12 +8,15 @@ import pytest
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.search import selection
 from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.search.free_form_rivals import better_free_form
 from oed.diagnosis.search.name_search import NameSearch
+from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import with_stand_ins
-from oed.diagnosis.terms.trials import Trial
-from tests.diagnosis.arm import data_set
+from oed.diagnosis.terms.trials import Trial, catalogue_trial
+from oed.dynamics.effects.catalogue import CATALOGUE
+from tests.diagnosis.arm import RATE, data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
 SLOW = 0.05  # [rad/s] over which no joint of this arm turns
@@ -120,3 +123,21 @@ def test_a_second_search_ends_where_its_first_names_foretell_no_more(waving, mon
             waving, (), upright=True, tilted=False, barred=frozenset(), enough=enough
         )
     assert len(concluded) == 1
+
+
+def test_a_curve_is_no_rival_of_what_differs_between_repetitions():
+    """Friction that falls with speed and with time: no function of speed explains the latter."""
+    fades = 8.0  # [s]
+
+    def extra(q, dq, ddq):
+        t = np.arange(len(q)) / RATE
+        drift = 0.3 * np.exp(-t / fades) * np.sign(dq[:, 1])
+        return stribeck(1.5, joint=1)(q, dq, ddq) + drift[:, None] * [0, 1]
+
+    shop = shop_of(data_set(2, extra=extra), surrogates=39, refined=4)
+    fit = shop.fit((), shop.full).fit
+    entry = CATALOGUE["thermal_drift"]
+    drift = score(catalogue_trial(entry, shop.context, 1, (fades, 0.0), shop.full.rows), fit)
+    curves = [s for s in ranked(shop, shop.smooth, (), 4) if s.trial.effect.depends_on == ("dq_2",)]
+    assert curves[0].gain > 2 * drift.gain > 0
+    assert better_free_form(shop, drift, curves, ()) is None

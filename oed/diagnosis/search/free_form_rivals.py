@@ -39,8 +39,7 @@ def better_free_form(
             fuller = in_more_terms(shop, candidate.trial, others, shop.layout(rival.trial))
             if fuller is not None and fuller.gain > FULLER * rival.gain:
                 continue
-        apart = candidate.trial.joint != rival.trial.joint
-        if apart and not _covered(shop, candidate, rival, others):
+        if _are_apart(candidate.trial, rival.trial) and not _covered(shop, candidate, rival, others):
             continue
         fit = shop.fit(others, shop.layout(rival.trial)).fit
         if not foretells_most(shop, others, candidate.trial, restrained(rival.trial, fit)):
@@ -65,8 +64,13 @@ def in_more_terms(
     return max(tried, key=lambda s: s.gain)
 
 
+def _are_apart(one: Trial, other: Trial) -> bool:
+    """Whether two additions act on other joints, or one on what differs between repetitions alone."""
+    return one.joint != other.joint or one.between_repetitions != other.between_repetitions
+
+
 def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Trial]) -> bool:
-    """Whether most of a candidate's gain is gone beside a term of another joint."""
+    """Whether most of a candidate's gain is gone beside a term of other rows."""
     layout = shop.layout(candidate.trial)
     fit = shop.fit([*others, rival.trial], layout).fit
     return score(candidate.trial, fit).gain < COVERED * candidate.gain

@@ -61,19 +61,23 @@ class TorqueSaturation(Effect):
 
     Iron saturates: the torque constant falls with the square of current, which is m = 3
     (Hendershot and Miller 2010, section 5); a drive that limits falls more abruptly. The
-    torque computed from current is then below the model's where that is large.
+    torque computed from current is then below the model's where that is large. Deep in
+    saturation one power is no longer enough: the series of a tanh, or of its inverse where the
+    current is what rises, goes on with the power 2 m - 1.
 
     Attributes:
         joint: Index of the joint.
         reference: Gives the torque.
         peak: tau_peak [N m], at which tau_s is lost.
         exponent: m.
+        deep: Whether the next term of the series has its own coefficient.
     """
 
     joint: int
     reference: ReferenceTorque
     peak: float
     exponent: float = 3.0
+    deep: bool = False
     name = "torque_saturation"
 
     def __post_init__(self) -> None:
@@ -82,8 +86,9 @@ class TorqueSaturation(Effect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """tau_s, the torque lost at the peak."""
-        return (Parameter(f"saturation_{self.joint + 1}", "N m", self.joint),)
+        """tau_s, the torque lost at the peak, of every term."""
+        names = ("saturation", "saturation_deep") if self.deep else ("saturation",)
+        return tuple(Parameter(f"{name}_{self.joint + 1}", "N m", self.joint) for name in names)
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -91,12 +96,18 @@ class TorqueSaturation(Effect):
         return (f"tau_{self.joint + 1}",)
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """-|tau/tau_peak|^m sgn(tau)."""
+        """-|tau/tau_peak|^m sgn(tau), and the same of 2 m - 1."""
         torque = self.reference.total(state)[self.joint]
         if is_zero(torque):
-            return [{}]
-        relative = power(_magnitude(torque) / self.peak, self.exponent)
-        return [{self.joint: -relative * sign(torque)}]
+            return [{} for _ in self.parameters]
+        powers = series_powers(self.exponent)[: len(self.parameters)]
+        share, towards = _magnitude(torque) / self.peak, sign(torque)
+        return [{self.joint: -power(share, m) * towards} for m in powers]
+
+
+def series_powers(exponent: float) -> tuple[float, float]:
+    """Powers of a saturation's first two terms: 3 and 5 of a tanh and of its inverse."""
+    return exponent, 2 * exponent - 1
 
 
 def _magnitude(torque: Scalar) -> Scalar:

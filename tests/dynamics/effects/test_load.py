@@ -86,6 +86,30 @@ def test_a_tanh_of_the_torque_is_saturation_too() -> None:
     assert np.sum((lost - size * column) ** 2) < 0.01 * np.sum(lost**2)
 
 
+def test_deep_saturation_follows_the_current_of_a_tanh() -> None:
+    """What the current says is the inverse of a tanh, at three quarters of its limit."""
+    peak = float(np.abs(TOTAL[:, 0]).max())
+    limit = peak / 0.75
+    added = limit * np.arctanh(TOTAL[:, 0] / limit) - TOTAL[:, 0]
+    left = []
+    for deep in (False, True):
+        saturation = TorqueSaturation(0, CONTEXT.reference, peak, 3.0, deep=deep)
+        columns = evaluate(saturation, MOTION, 2)[:, 0]
+        sizes = np.linalg.lstsq(columns, added, rcond=None)[0]
+        left.append(np.std(added - columns @ sizes) / np.std(added))
+    # The series goes on with 1 / 7 of the 7th power: 0.75^4 * 3 / 7 of the first term is left to
+    # be shared by two columns, and 0.75^2 * 3 / 5 to be taken up by one.
+    assert left[0] > 0.05
+    assert left[1] < 0.02
+
+
+@pytest.mark.parametrize(("sizes", "possible"), [([0.3, 0.2], True), ([4.0, -4.0], False)])
+def test_two_terms_of_saturation_may_not_be_large_and_undo_one_another(sizes, possible) -> None:
+    entry, peak = CATALOGUE["torque_saturation"], float(CONTEXT.peak_torque[0])
+    reason = entry.plausible(CONTEXT, 0, (3.0, 2.0), peak * np.array(sizes))
+    assert (reason is None) == possible
+
+
 def test_gain_error_scales_the_joints_whole_torque() -> None:
     entry = CATALOGUE["torque_gain"]
     column = evaluate(entry.build(CONTEXT, 1, ()), MOTION, 2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -15,8 +16,10 @@ from oed.dynamics.effects.entries.plausibility import (
     positive,
 )
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
-from oed.dynamics.effects.load import LoadFriction, TorqueSaturation
+from oed.dynamics.effects.load import LoadFriction, TorqueSaturation, series_powers
 from oed.dynamics.torque_model import TorqueModel
+
+SHARES = 21  # of the peak, at which a saturation of two terms is looked at
 
 
 def _load_friction(context: Context, target: Target, values: tuple[float, ...]) -> LoadFriction:
@@ -61,29 +64,37 @@ LOAD_DEPENDENT_FRICTION = CatalogueEntry(
 
 
 def _saturation(context: Context, target: Target, values: tuple[float, ...]) -> TorqueSaturation:
-    joint = joint_of(target)
-    return TorqueSaturation(joint, context.reference, peak_torque(context, joint), values[0])
+    joint, (exponent, terms) = joint_of(target), values
+    peak = peak_torque(context, joint)
+    return TorqueSaturation(joint, context.reference, peak, exponent, deep=terms > 1)
 
 
 def _saturation_plausible(
     context: Context,
     target: Target,
-    _values: tuple[float, ...],
+    values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    lost, peak = float(estimates[0]), float(context.peak_torque[joint_of(target)])
-    return at_most(abs(lost), 0.6 * peak, "the change at the peak", "N m", "0.6 of the peak")
+    peak = float(context.peak_torque[joint_of(target)])
+    powers = series_powers(values[0])[: len(estimates)]
+    # Of two terms of opposite sign, one may undo at the peak what both do below it.
+    lost = np.linspace(0, 1, SHARES)[:, None] ** powers @ estimates
+    largest = float(np.abs(lost).max())
+    return at_most(largest, 0.6 * peak, "the change at the peak", "N m", "0.6 of the peak")
 
 
 TORQUE_SATURATION = CatalogueEntry(
     name="torque_saturation",
     families=("torque",),
     scope="joint",
-    shapes=(Shape("exponent", "1", 2.0, 50.0, "log", 5, 3.0),),
+    shapes=(
+        Shape("exponent", "1", 2.0, 50.0, "log", 5, 3.0),
+        Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0),
+    ),
     build=_saturation,
     plausible=_saturation_plausible,
     page=EffectPage(
-        equation="-τ_s |τ/τ_peak|^m sgn τ",
+        equation="-τ_s |τ/τ_peak|^m sgn τ; deep in saturation, with a further one of 2 m - 1",
         source="Hendershot and Miller 2010, Design of Brushless Permanent-Magnet Machines, "
         "section 5",
         parameters="τ_s in N m, 3 to 15 % of the peak: lost there if positive, such as by a sensor "
