@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from threadpoolctl import threadpool_limits
 
 from oed.diagnosis.baseline.baseline import Baseline, find_baseline
 from oed.diagnosis.data.encoder_steps import encoder_torque
@@ -108,6 +109,8 @@ class Diagnosis:
         ]
 
 
+# Thousands of small matrices: more threads of BLAS wait for one another, and take twice as long.
+@threadpool_limits.wrap(limits=1)
 def diagnose(
     dataset: DataSet,
     model: TorqueModel,
