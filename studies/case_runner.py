@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 from oed.report.json_file import plain_value, read_json
 from oed.report.progress import progress
 from studies.interrupt import is_interrupt
@@ -138,7 +140,8 @@ class CaseRunner(Generic[CaseT]):
 def _attempt(work: Callable[[CaseT], Outcome], case: CaseT) -> Outcome:
     """The outcome of a case; what went wrong, where something did."""
     try:
-        return work(case)
+        with threadpool_limits(limits=1):  # cases run side by side
+            return work(case)
     except Exception as error:  # whatever one case does, the others go on
         if is_interrupt(error):
             raise KeyboardInterrupt from error

@@ -49,16 +49,18 @@ def test_a_spring_that_tightens_and_an_uneven_ripple_of_one_joint_are_both_named
     assert np.linalg.norm(waves[2:]) == pytest.approx(0.4, abs=0.1)
 
 
-def test_a_ripple_of_three_waves_has_all_of_them():
+@pytest.mark.parametrize(("formula", "multiples"), [(3.0, (1, 2, 3)), (4.0, (1, 2, 0.5))])
+def test_a_ripple_of_three_waves_has_all_of_them(formula, multiples):
     sizes = np.array([0.6, 0.35, 0.2])
 
     def ripple(q):
-        return sum(size * np.sin(k * 9 * q + k) for k, size in enumerate(sizes, start=1))
+        waves = zip(sizes, multiples, strict=True)
+        return sum(size * np.sin(k * 9 * q + k) for size, k in waves)
 
     shop = shop_of(data_set(5, extra=on_first(ripple)), held=False)
     start = score(trial_of(shop, "torque_ripple", 0, (8.9, 1.0)), shop.before.fit)
     found = refine(start, shop.before.fit, shop.context)
-    assert found.trial.values == pytest.approx((9.0, 3.0), abs=0.05)
+    assert found.trial.values == pytest.approx((9.0, formula), abs=0.05)
     amplitudes = np.linalg.norm(found.coefficients.reshape(3, 2), axis=1)
     # The band takes some of what is fast; a wave's noise is a few hundredths.
     assert amplitudes == pytest.approx(sizes, abs=0.06)

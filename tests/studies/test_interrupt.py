@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from studies.case_runner import CaseRunner, RowFile
 from studies.interrupt import leave
@@ -46,3 +48,16 @@ def test_a_case_that_is_interrupted_is_no_case_that_failed(tmp_path: Path) -> No
     with pytest.raises(KeyboardInterrupt):
         work.run([Only()])
     assert not rows.rows()
+
+
+def test_a_study_runs_on_one_thread_of_linear_algebra() -> None:
+    seen = []
+
+    def main() -> None:
+        np.ones((2, 2)) @ np.ones((2, 2))
+        seen.extend(p["num_threads"] for p in threadpool_info() if p["user_api"] == "blas")
+
+    with threadpool_limits(limits=2), pytest.raises(SystemExit):
+        leave(main, "a study")
+    assert seen
+    assert set(seen) == {1}

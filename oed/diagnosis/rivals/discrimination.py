@@ -19,7 +19,6 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import norm
-from threadpoolctl import threadpool_limits
 
 from oed.design.default_limits import with_default_limits
 from oed.design.limits import fill
@@ -66,7 +65,6 @@ class NextExperiment:
     notes: tuple[str, ...]
 
 
-@threadpool_limits.wrap(limits=1)
 def design_discriminating(
     shop: Workshop,
     pairs: Sequence[Pair],

@@ -39,7 +39,9 @@ def better_free_form(
             fuller = in_more_terms(shop, candidate.trial, others, shop.layout(rival.trial))
             if fuller is not None and fuller.gain > FULLER * rival.gain:
                 continue
-        if _are_apart(candidate.trial, rival.trial) and not _covered(shop, candidate, rival, others):
+        if _are_apart(candidate.trial, rival.trial) and not _covered(
+            shop, candidate, rival, others
+        ):
             continue
         fit = shop.fit(others, shop.layout(rival.trial)).fit
         if not foretells_most(shop, others, candidate.trial, restrained(rival.trial, fit)):

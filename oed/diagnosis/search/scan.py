@@ -232,7 +232,12 @@ def climb(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of
         loss,
         start,
         method="Nelder-Mead",
-        options={"initial_simplex": simplex, "maxfev": 20 + 15 * len(start), "xatol": 1e-3, "fatol": AT_REST},
+        options={
+            "initial_simplex": simplex,
+            "maxfev": 20 + 15 * len(start),
+            "xatol": 1e-3,
+            "fatol": AT_REST,
+        },
     )
     return best
 

@@ -43,9 +43,12 @@ MOST_UNEVEN = 1.5
 MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not show
 FULLER_WAVES = 4  # with which a ripple is held against any function of position
 FINER = 2  # parts of a step of the scan, to which a second wave is looked for
-# Whether a wave has its first overtone, and teeth and poles, which make no pure sines, the second.
+# Multiples of a wave's harmonic, by its formula: with its first overtone; with the second, since
+# teeth and poles make no pure sines; with half of it, since an error of a current sensor's gain
+# comes twice an electrical turn, and that of its zero once.
+MULTIPLES = {1: (1.0,), 2: (1.0, 2.0), 3: (1.0, 2.0, 3.0), 4: (1.0, 2.0, 0.5)}
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
-RIPPLE_WAVES = dataclasses.replace(WAVES, upper=3.0)
+RIPPLE_WAVES = dataclasses.replace(WAVES, upper=float(max(MULTIPLES)))
 ORDERS = {1.0: LINEAR, 2.0: PROGRESSIVE}  # of a spring, by its formula
 PLACES = 50  # of the range, at which a spring must pull back harder the further it is stretched
 
@@ -53,7 +56,7 @@ PLACES = 50  # of the range, at which a spring must pull back harder the further
 def _with_overtones(values: tuple[float, ...]) -> tuple[float, ...]:
     """Harmonics of a wave, by its shapes."""
     harmonic, waves = values
-    return tuple(k * harmonic for k in range(1, round(waves) + 1))
+    return tuple(k * harmonic for k in MULTIPLES[round(waves)])
 
 
 def _spaced_by_range(context: Context, joint: int, shape: Shape) -> Shape:
@@ -134,9 +137,10 @@ TORQUE_RIPPLE = CatalogueEntry(
     fuller=_fuller_ripples,
     narrow=_ripple_harmonics,
     page=EffectPage(
-        equation="a cos(n q) + b sin(n q), with overtones at 2 n and 3 n and the mean of an uneven "
-        "ripple, up to a quarter of its amplitude, where the data ask for them",
-        source="Holtz and Springob 1996, IEEE Trans. Industrial Electronics 43(2), 309-319; "
+        equation="a cos(n q) + b sin(n q), with overtones at 2 n and 3 n, or at 2 n and n / 2, and the "
+        "mean of an uneven ripple, up to a quarter of its amplitude, where the data ask for them",
+        source="Holtz and Springob 1996, IEEE Trans. Industrial Electronics 43(2), 309-319; Chung "
+        "and Sul 1998, IEEE Trans. Industry Applications 34(2), 340-345 (n / 2); "
         "Taghirad and Bélanger 1998, J. Dynamic Systems, Measurement, and Control 120(4)",
         parameters="a, b in N m, amplitude 3 to 25 % of Coulomb friction; n periods a joint turn: "
         "gear ratio times motor poles, twice the ratio of a harmonic drive, gear teeth",
