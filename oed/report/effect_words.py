@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from oed.diagnosis.evidence.estimates import UNSEEN_TILT, Estimated
 from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
 from oed.dynamics.effects.effect import Effect
@@ -67,7 +68,7 @@ def known_parameters(
     trial = effect.trial
     shapes = CATALOGUE[effect.name].shapes_for(context, trial.target)
     coefficients = len(effect.parameters) - len(trial.values)
-    notes = [None] * coefficients + [
+    notes = [_size_note(p) for p in effect.parameters[:coefficients]] + [
         _shape_note(p.value, p.std, shape)
         for p, shape in zip(effect.parameters[coefficients:], shapes, strict=True)
     ]
@@ -76,6 +77,12 @@ def known_parameters(
         KnownParameter(p.name, p.value, p.std, _unit(p.unit, effect.joint, joints), note, whole)
         for p, note, whole in zip(effect.parameters, notes, sums, strict=True)
     ]
+
+
+def _size_note(size: Estimated) -> str | None:
+    """Why a tilt has no deviation that was measured; None for all other sizes."""
+    is_open = size.unit == "rad" and size.std >= WHOLE_RANGE * UNSEEN_TILT
+    return "unknown: no joint feels it" if is_open else None
 
 
 def _sums(effect: Effect, coefficients: int) -> list[str | None]:

@@ -8,12 +8,14 @@ import pytest
 from oed.diagnosis import finding
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
+from oed.diagnosis.evidence.estimates import estimates, from_declared
 from oed.diagnosis.search import turning
 from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.tilt_review import tilt_fault
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.effects.gravity import tilt_directions
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, INERTIA, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
@@ -51,6 +53,8 @@ def test_a_tilted_base_is_named_with_its_angle(degrees):
     values = {p.name: p for p in found.effects[0].parameters}
     angle = np.hypot(values["tilt_1"].value, values["tilt_2"].value)
     assert angle == pytest.approx(tilt, rel=0.03)
+    for name, truth in (("tilt_1", tilt), ("tilt_2", 0.0)):
+        assert values[name].value == pytest.approx(truth, abs=4 * values[name].std)
     # Against the gravity that was declared, not against what the tables have been turned to.
     (effect,) = found.effects
     assert found.verdict == "explained"
@@ -60,6 +64,34 @@ def test_a_tilted_base_is_named_with_its_angle(degrees):
     assert all(rival.evidence > SETTINGS.decisive for rival in effect.rivals)
     test = next(p for p in found.proof if p.role == "test")
     assert test.after == pytest.approx(found.noise_floor, rel=0.1)
+
+
+def test_a_tilt_is_as_uncertain_as_draws_of_it_are_spread():
+    """Drawn where the tables have turned to, and read off against the declared vertical."""
+    shop, _ = turning.turned_beside(shop_of(data_set(11, extra=weight_of(np.deg2rad(40.0)))), [])
+    trial = trial_of(shop, "gravity_direction", None)
+    local = np.array([[4e-6, 1e-6], [1e-6, 1e-6]])
+    _, covariance = from_declared(shop, trial, np.zeros(2), local)
+    axes, size = tilt_directions(shop.baseline.model.robot.gravity)
+    draws = np.random.default_rng(0).multivariate_normal(np.zeros(2), local, 20000)
+    pulled = shop.baseline.model.robot.gravity / size + draws @ np.array(axes)
+    sideways, down = pulled[:, :2], -pulled[:, 2]
+    across = np.linalg.norm(sideways, axis=1, keepdims=True)
+    angles = np.arctan2(across[:, 0], down)[:, None] * sideways / across
+    own, _ = tilt_directions(shop.declared.model.robot.gravity)
+    spread = np.cov(angles @ np.array(own)[:, :2].T, rowvar=False)
+    # A variance of 20000 draws is known to 1 %, here to five times that.
+    assert covariance == pytest.approx(spread, abs=0.05 * np.abs(spread).max())
+    assert abs(covariance - local).max() > 0.3 * local.max()
+
+
+def test_a_tilt_that_no_joint_feels_is_unknown():
+    """What no column shows has no deviation of its own, such as a tilt about the axis of all joints."""
+    shop = shop_of(data_set(11))
+    trial = trial_of(shop, "gravity_direction", None)
+    felt, unfelt = estimates(shop, trial, np.array([0.05, 0.0]), np.diag([1e-6, 0.0]))[:2]
+    assert felt.std == pytest.approx(1e-3)
+    assert unfelt.std > 1.5  # [rad], of any angle whatever
 
 
 def test_a_tilt_is_found_beside_a_gain_that_multiplies_its_torque():

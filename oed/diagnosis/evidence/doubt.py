@@ -54,7 +54,7 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
         else:
             count = len(coefficients)
             own = at_given_shapes(covariance, count)
-            values = from_declared(shop, trial, coefficients)
+            values, own = from_declared(shop, trial, coefficients, own)
             wald = float(values @ np.linalg.pinv(own, hermitian=True) @ values)
         others = [t for t in whole.chosen if t is not trial]
         if chi2.sf(wald, count) > level and not foretells_most(shop, others, trial, ()):

@@ -17,6 +17,10 @@ from oed.dynamics.effects.gravity import tilt_directions
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import since
 
+STEP = 1e-4  # [rad] of a difference
+# [rad], of an angle that may be any: a tilt about an axis along which no joint feels gravity.
+UNSEEN_TILT = np.pi / np.sqrt(3)
+
 
 @dataclass(frozen=True)
 class Estimated:
@@ -49,14 +53,14 @@ def estimates(
         coefficients: Of its columns.
         covariance: Of the coefficients and the shapes on their axes.
     """
-    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     count = 0 if trial.fixed else len(coefficients)
-    values = from_declared(shop, trial, coefficients)[:count]
+    values, covariance = from_declared(shop, trial, coefficients, covariance)
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    if trial.name == GRAVITY:
+        deviations = np.where(deviations > 0, deviations, UNSEEN_TILT)
     sizes = [
         Estimated(p.name, float(value), float(std), p.unit)
-        for p, value, std in zip(
-            trial.effect.parameters[:count], values, deviations[:count], strict=True
-        )
+        for p, value, std in zip(trial.effect.parameters[:count], values, deviations, strict=False)
     ]
     return (*sizes, *_shapes(shop, trial, deviations[count:]))
 
@@ -87,9 +91,31 @@ def _unseen_stretch(shop: Workshop, change: PayloadChange) -> float:
     return float(after[0] - before[-1]) if len(before) and len(after) else 0.0
 
 
-def from_declared(shop: Workshop, trial: Trial, coefficients: np.ndarray) -> np.ndarray:
-    """Coefficients, a tilt's counted from the declared gravity."""
+def from_declared(
+    shop: Workshop,
+    trial: Trial,
+    coefficients: Float[ndarray, " columns"],
+    covariance: Float[ndarray, "parameters parameters"],
+) -> tuple[Float[ndarray, " columns"], Float[ndarray, "parameters parameters"]]:
+    """Coefficients and their covariance, a tilt's counted from the declared gravity.
+
+    Turned tables have directions of their own, in which a tilt is estimated.
+
+    Args:
+        shop: The laid-out data.
+        trial: The effect.
+        coefficients: Of its columns.
+        covariance: Of these, and of what comes after them.
+    """
     if trial.name != GRAVITY or not shop.is_turned:
-        return coefficients
+        return coefficients, covariance
     count = len(tilt_directions(shop.baseline.model.robot.gravity)[0])
-    return np.concatenate([total_tilt(shop, coefficients[:count]), coefficients[count:]])
+    here = coefficients[:count]
+    steps = STEP * np.eye(count)
+    slope = np.eye(len(covariance))
+    slope[:count, :count] = np.stack(
+        [(total_tilt(shop, here + h) - total_tilt(shop, here - h)) / (2 * STEP) for h in steps],
+        axis=1,
+    )
+    values = np.concatenate([total_tilt(shop, here), coefficients[count:]])
+    return values, slope @ covariance @ slope.T

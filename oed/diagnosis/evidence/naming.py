@@ -12,7 +12,7 @@ from oed.diagnosis.evidence.final_model import (
 )
 from oed.diagnosis.evidence.impossible_load import impossible_load
 from oed.diagnosis.evidence.motorless import motorless
-from oed.diagnosis.evidence.own_mean import with_own_means
+from oed.diagnosis.evidence.own_parts import with_own_parts
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
@@ -61,7 +61,7 @@ def named(
         if riddles(effects, describe_unexplained(shop, selection)):
             mistaken = outdone(effects, shop.settings.decisive)
         if mistaken is None:
-            return selection, after, with_own_means(effects)
+            return selection, after, with_own_parts(effects)
         reason = "another name would foretell more beside what has none"
         selection = selection.without(shop, mistaken, reason)
 

@@ -112,7 +112,8 @@ JOINT_ELASTICITY = CatalogueEntry(
         source="Spong 1987, J. Dynamic Systems, Measurement, and Control 109(4), 310-318; Pham, "
         "Gautier, Poignet 2001, IEEE Int. Conf. Robotics and Automation",
         parameters="ω/2π 2.5 to 20 Hz, of the arm on the spring with its motor held; ζ; the "
-        "rotor's share of the inertia; the share of friction behind the spring",
+        "rotor's share of the inertia, and what it has beside that as it turns faster than the joint "
+        "(geared_rotor, in kg m²), where the data tell it; the share of friction behind the spring",
         signature="residual grows with the square of frequency, then rings, also at other joints",
         confused_with=("filter_lag", "time_delay", "rotor_inertia"),
         exposed_by="a broad band of frequencies; an encoder on the link",
@@ -140,7 +141,7 @@ BACKLASH = CatalogueEntry(
         "the gap, and a share of the joint's friction behind it, at the links' speed q' - δ'",
         source="Nordin and Gutman 2002, Automatica 38(10), 1633-1649",
         parameters="gap 0.1 to 20 mrad; ω/2π of the arm on a flank, and its ζ; the rotor's share of "
-        "the inertia; the share of friction behind the gear",
+        "the inertia, and geared_rotor as for joint_elasticity; the share of friction behind the gear",
         signature="a step and a blow where the load changes its sign, also at other joints",
         confused_with=("presliding_hysteresis", "joint_elasticity"),
         exposed_by="load that reverses while the motion does not",

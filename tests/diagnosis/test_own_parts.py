@@ -1,13 +1,16 @@
-"""A ripple's own mean, and an offset beside a ripple."""
+"""What is part of an effect: a ripple's mean, a gear's rotor; and what is not."""
 
 import numpy as np
 import pytest
 
 from oed.diagnosis.diagnosis import diagnose
-from oed.diagnosis.evidence.own_mean import UNEVEN
+from oed.diagnosis.evidence.estimates import Estimated
+from oed.diagnosis.evidence.own_parts import UNEVEN, with_own_parts
+from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
+from tests.diagnosis.shop import shop_of, trial_of
 
 AMPLITUDE, WAVES, PHASE, UNEVENNESS = 3.0, 12.0, 1.4, 0.4  # [N m], a turn, [rad], [rad]
 
@@ -44,3 +47,23 @@ def test_a_larger_constant_beside_it_is_an_offset():
     assert {e.name for e in found.effects} == {"torque_ripple", "torque_offset"}
     ripple = next(e for e in found.effects if e.name == "torque_ripple")
     assert not [p for p in ripple.parameters if p.name.startswith("ripple_mean")]
+
+
+def _effect(shop, name, joint, value):
+    parameters = (Estimated(f"{name}_1", value, 0.1 * value, "1"),)
+    trial = trial_of(shop, name, joint)
+    return FoundEffect(name, joint, parameters, 1e-9, 0.1, (), trial)
+
+
+@pytest.mark.parametrize("gear", ["backlash", "joint_elasticity"])
+def test_the_rotor_of_a_gear_is_its_own(gear):
+    shop = shop_of(data_set(5))
+    found = [_effect(shop, "rotor_inertia", 0, 0.2), _effect(shop, gear, 0, 1.0)]
+    (only,) = with_own_parts(found)
+    assert (only.name, only.joint) == (gear, 0)
+    assert (only.parameters[0].name, only.parameters[0].value) == ("geared_rotor_1", 0.2)
+    # That of another joint, and one beside anything else, is an effect as it was.
+    other = [_effect(shop, "rotor_inertia", 1, 0.2), _effect(shop, gear, 0, 1.0)]
+    assert list(with_own_parts(other)) == other
+    plain = [_effect(shop, "rotor_inertia", 0, 0.2), _effect(shop, "stribeck", 0, 1.0)]
+    assert list(with_own_parts(plain)) == plain
