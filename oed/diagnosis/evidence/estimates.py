@@ -18,6 +18,7 @@ from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import since
 
 STEP = 1e-4  # [rad] of a difference
+RESOLVED = 1e-12  # of the largest variance, below which one is a rounding error
 # [rad], of an angle that may be any: a tilt about an axis along which no joint feels gravity.
 UNSEEN_TILT = np.pi / np.sqrt(3)
 
@@ -54,15 +55,27 @@ def estimates(
         covariance: Of the coefficients and the shapes on their axes.
     """
     count = 0 if trial.fixed else len(coefficients)
+    if trial.name == GRAVITY:
+        covariance = _with_unfelt(trial, covariance)
     values, covariance = from_declared(shop, trial, coefficients, covariance)
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    if trial.name == GRAVITY:
-        deviations = np.where(deviations > 0, deviations, UNSEEN_TILT)
     sizes = [
         Estimated(p.name, float(value), float(std), p.unit)
         for p, value, std in zip(trial.effect.parameters[:count], values, deviations, strict=False)
     ]
     return (*sizes, *_shapes(shop, trial, deviations[count:]))
+
+
+def _with_unfelt(
+    trial: Trial, covariance: Float[ndarray, "parameters parameters"]
+) -> Float[ndarray, "parameters parameters"]:
+    """The covariance of a tilt, its angles free where its columns show nothing of them."""
+    variances = np.diag(covariance)
+    angles = np.array([p.unit == "rad" for p in trial.effect.parameters])
+    unfelt = np.flatnonzero(angles & (variances[: len(angles)] <= RESOLVED * variances.max()))
+    free = covariance.copy()
+    free[unfelt, unfelt] = UNSEEN_TILT**2
+    return free
 
 
 def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) -> list[Estimated]:
