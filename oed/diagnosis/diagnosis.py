@@ -45,9 +45,11 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
+from oed.errors import OedError
 from oed.estimation.dissipation import check_dissipation
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import ROLES
+from oed.experiment.recording_checks import LEAST_TRAVEL
 
 
 @dataclass(frozen=True)
@@ -128,10 +130,12 @@ def diagnose(
 
     Raises:
         ValueError: If there is no estimation recording, or one is too short.
-        OedError: If friction drives every joint, as with torques of the opposite sign.
+        OedError: If a joint stands still, or friction drives every joint, as with torques of the
+            opposite sign.
     """
     if not dataset.estimation:
         raise ValueError(f"data set {dataset.name!r} has no recording with role estimation")
+    _check_moves(dataset)
     prepared = prepare(dataset.recordings, settings)
     by_role = {role: tuple(p for p in prepared if p.role == role) for role in ROLES}
     estimation = by_role["estimation"]
@@ -150,6 +154,17 @@ def diagnose(
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")
     return _conclude(result, by_role, settings)
+
+
+def _check_moves(dataset: DataSet) -> None:
+    travels = np.max([np.ptp(r.q, axis=0) for r in dataset.estimation], axis=0)
+    for joint, travel in zip(dataset.robot.joints, travels, strict=True):
+        if travel < LEAST_TRAVEL:
+            raise OedError(
+                f"{dataset.name}: joint {joint.name!r} moves by no more than {travel:.2g} rad or m in "
+                "the estimation recordings, which tells nothing of its friction; record it moving, "
+                "or make it `fixed` in the robot's file where it stood, and leave it out of `joints`"
+            )
 
 
 def _check_signs(shop: Workshop, name: str) -> None:

@@ -10,6 +10,7 @@ from oed.diagnosis import diagnosis as module
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
+from oed.errors import OedError
 from tests.diagnosis.arm import data_set, stribeck
 
 HUM = 2.347  # [Hz], no multiple of the motion's own frequency
@@ -197,3 +198,13 @@ def test_augmented_model_is_an_ordinary_torque_model():
     torque = found.after.model.torque(found.after.parameters, motion)
     assert torque.shape == (50, 2)
     assert len(found.after.model.parameters) == len(found.after.parameters)
+
+
+def test_a_joint_that_stands_still_is_named():
+    dataset = data_set(0, repetitions=1)
+    still = tuple(
+        dataclasses.replace(r, q=r.q * [1.0, 0.0] + [0.0, 0.3]) for r in dataset.recordings
+    )
+    dataset = dataclasses.replace(dataset, recordings=still)
+    with pytest.raises(OedError, match=r"joint '.*' moves by no more than 0 rad .* `fixed`"):
+        diagnose(dataset, TorqueModel.standard(dataset.robot), QUICK)
