@@ -7,7 +7,6 @@ torque pass one and the same filter, and its cut-off is where the position's sig
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,10 +30,6 @@ SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not 
 CALMING = 2.0  # an acceleration's filter, in units of where motion ends: it must not touch it
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
-# Of the fine grid, over the cut-off: friction's steps lie within half a sample, and gears, whose
-# resonance may lie beyond the band, are followed from sample to sample.
-FINE_PER_CUTOFF = 25.0
-SAME_ROWS = 0.9  # share of the rows' distance that a coarser fine grid must keep
 BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
 SAMPLES_PER_CUTOFF = 2.5  # analysis rate over cut-off: the whole transition lies below Nyquist
 
@@ -67,19 +62,6 @@ class Band:
         """Symmetric impulse response of unit sum."""
         length = 2 * int(np.ceil(1.65 * self.rate / (TRANSITION * self.cutoff))) + 1
         return np.asarray(firwin(length, self.cutoff, fs=self.rate))
-
-    def thinned(self, fastest: float) -> Band:
-        """The same on a fine grid no denser than effects ask for.
-
-        Args:
-            fastest: Frequency on the fine grid that must not fold into the band [Hz].
-        """
-        needed = max(FINE_PER_CUTOFF * self.cutoff, fastest + self.cutoff * (1 + TRANSITION))
-        most = max(1, int(self.rate / needed))
-        # The rows stay about as far apart.
-        apart = (k for k in range(most, 0, -1) if k * (self.factor // k) > SAME_ROWS * self.factor)
-        step = next(apart)  # one at the latest, which keeps them as they are
-        return dataclasses.replace(self, rate=self.rate / step, factor=self.factor // step)
 
     @property
     def reach(self) -> int:

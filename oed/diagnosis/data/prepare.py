@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import accumulate
 
 import numpy as np
@@ -24,7 +23,6 @@ from oed.experiment.signals.resampling import resample, uniform_grid
 
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
-SHORTEST_WAVE = 260.0  # [1/turn] of a torque ripple and its first overtone
 LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 
 
@@ -52,9 +50,6 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
         highest = min(highest, _motion_band(recordings, rate))
     noise = position_noise(positions, rate)
     band = choose_band(noise, rate, settings.lowest_cutoff, highest)
-    thinned = band.thinned(_fastest_wave(band, [q for _, q, _ in raw]))
-    if thinned.rate < rate:
-        band, raw = thinned, [_uniform(recording, thinned.rate) for recording in recordings]
     starts = _starts_end_to_end(recordings)
     return tuple(
         _prepare_one(recording, *signals, band=band, noise=noise, start=start)
@@ -62,12 +57,6 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
             recordings, raw, starts or [None] * len(raw), strict=True
         )
     )
-
-
-def _fastest_wave(band: Band, positions: Sequence[Float[ndarray, "_ joints"]]) -> float:
-    """Frequency at which the shortest wave of position that has a name is crossed [Hz]."""
-    speed = max(float(np.abs(band.differentiate(q)[1]).max()) for q in positions)
-    return SHORTEST_WAVE * speed / (2 * np.pi)
 
 
 def _starts_end_to_end(recordings: tuple[Recording, ...]) -> list[float] | None:
