@@ -136,12 +136,18 @@ def _gains(
 
 
 def _around(shop: Workshop, trial: Trial, fit: LinearFit) -> Iterator[Trial]:
-    """A candidate over the grid of its shapes, and more finely around its own."""
+    """A candidate over the grid of its shapes, and more finely around its own; its formula as it is.
+
+    More terms always gain more; a search asks for evidence before it takes them.
+    """
     entry, context = CATALOGUE[trial.name], shop.context
     shapes = entry.shapes_for(context, trial.target)
     values = {trial.values, *grid_of(shapes)} if shapes else {trial.values}
     axes, nearby = [], NEARBY if len(shapes) <= FEW_SHAPES else FEW_NEARBY
     for value, shape in zip(trial.values, shapes, strict=True):
+        if shape.scale == "formula":
+            axes.append([value])
+            continue
         here = to_axis(value, shape)
         near = here + nearby / max(shape.points - 1, 1)
         axes.append([value, *(from_axis(float(x), shape) for x in near if 0 <= x <= 1)])

@@ -103,10 +103,13 @@ def test_deep_saturation_follows_the_current_of_a_tanh() -> None:
     assert left[1] < 0.02
 
 
-@pytest.mark.parametrize(("sizes", "possible"), [([0.3, 0.2], True), ([4.0, -4.0], False)])
-def test_two_terms_of_saturation_may_not_be_large_and_undo_one_another(sizes, possible) -> None:
+@pytest.mark.parametrize(
+    ("power", "sizes", "possible"),
+    [(3.0, [0.3, 0.2], True), (3.0, [4.0, -4.0], False), (2.0, [0.3, -0.2], False)],
+)
+def test_two_terms_of_saturation_may_not_undo_one_another(power, sizes, possible) -> None:
     entry, peak = CATALOGUE["torque_saturation"], float(CONTEXT.peak_torque[0])
-    reason = entry.plausible(CONTEXT, 0, (3.0, 2.0), peak * np.array(sizes))
+    reason = entry.plausible(CONTEXT, 0, (power, 2.0), peak * np.array(sizes))
     assert (reason is None) == possible
 
 

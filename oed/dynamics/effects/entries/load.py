@@ -19,6 +19,9 @@ from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.load import LoadFriction, TorqueSaturation, series_powers
 from oed.dynamics.torque_model import TorqueModel
 
+# Power from which on a saturation may have two terms: it begins with the third, in between data may
+# say less, and a square less a cube is much like a share of the torque.
+LEAST_OF_SERIES = 2.5
 SHARES = 21  # of the peak, at which a saturation of two terms is looked at
 
 
@@ -75,6 +78,8 @@ def _saturation_plausible(
     values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
+    if len(estimates) > 1 and values[0] < LEAST_OF_SERIES:
+        return f"a series from the power {values[0]:.3g} on passes for a gain, not for saturation"
     peak = float(context.peak_torque[joint_of(target)])
     powers = series_powers(values[0])[: len(estimates)]
     # Of two terms of opposite sign, one may undo at the peak what both do below it.
