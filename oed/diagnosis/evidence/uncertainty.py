@@ -20,6 +20,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.evidence.both_motions import narrowed
+from oed.diagnosis.evidence.by_recording import rugged_shapes, spread_by_recording
 from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of, left_by, profiled_deviation, widened
 from oed.diagnosis.fit.linear_fit import Projection
@@ -105,6 +106,7 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
     for k, trial in enumerate(found.chosen):
         if trial.decided:
             covariance = _with_unseen(shop, found, steps, covariance, k)
+    covariance = _as_recordings_differ(shop, found, places, covariance)
     return dataclasses.replace(found, covariances=tuple(covariance[p, p] for p in places))
 
 
@@ -168,6 +170,23 @@ def _with_unseen(
             break
         steps[number] = wanted
     return narrow
+
+
+def _as_recordings_differ(
+    shop: Workshop,
+    found: Augmented,
+    places: Sequence[slice],
+    covariance: Float[ndarray, "columns columns"],
+) -> Float[ndarray, "columns columns"]:
+    """The covariance with shapes that have crests at least as uncertain as recordings differ."""
+    for number, (trial, place) in enumerate(zip(found.chosen, places, strict=True)):
+        for k in rugged_shapes(trial, shop.context):
+            at = place.stop - len(trial.values) + k
+            deviation = float(np.sqrt(covariance[at, at]))
+            if deviation > ROUNDING:
+                spread = spread_by_recording(shop, found, number, k)
+                covariance = widened(covariance, at, max(1.0, spread / deviation))
+    return covariance
 
 
 def _linearised(

@@ -38,6 +38,7 @@ class Shape:
         usual: Values that machines are built with.
         also: Values of a first scan besides those that are evenly spaced.
         fine: Number of trial values in a second scan, where a first one misses crests; 0 for none.
+        rugged: Whether what it explains has crests at a few percent from one another.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Shape:
     usual: tuple[float, ...] = ()
     also: tuple[float, ...] = ()
     fine: int = 0
+    rugged: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.default <= self.upper:
