@@ -1,7 +1,12 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
 from oed.diagnosis.data.band import Band, choose_band, position_noise
+from oed.dynamics.effects import State
+from oed.dynamics.effects.deflection import deflect
+from oed.dynamics.motion import Motion
 
 
 def test_decimating_filter_is_the_plain_convolution():
@@ -47,3 +52,83 @@ def test_an_acceleration_keeps_the_motion_and_little_of_the_noise():
     assert error[0] < 0.03
     plain = band.apply(np.gradient(dq[:, :1], 1 / rate, axis=0))
     assert np.std(plain - expected[:, :1]) > 5 * error[0] * np.std(expected[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("band", "fastest", "rate"),
+    [
+        (Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0), 60.0, 200.0),
+        (Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0), 300.0, 1000 / 3),
+        (Band(rate=1000.0, factor=13, cutoff=30.0, smoothing=90.0), 60.0, 1000.0),
+        (Band(rate=100.0, factor=5, cutoff=8.0, smoothing=24.0), 60.0, 100.0),
+    ],
+)
+def test_the_fine_grid_is_no_finer_than_the_band_and_its_waves_ask_for(band, fastest, rate):
+    thinned = band.thinned(fastest)
+    assert thinned.rate == pytest.approx(rate)
+    assert (thinned.cutoff, thinned.smoothing) == (band.cutoff, band.smoothing)
+    # Rows may lie closer, never farther apart than the band allows, and hardly more of them.
+    assert 1 <= thinned.analysis_rate / band.analysis_rate < 1.1
+
+
+def test_what_is_seen_in_the_band_does_not_hang_on_the_fine_grid():
+    """Friction's steps, a short wave of position and a swinging spring, at 1 kHz and thinned."""
+    band = Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0)
+    thinned = band.thinned(130 * 2.0 / (2 * np.pi))
+    assert thinned.rate < band.rate / 2
+    seen = [_effects_seen_in(b) for b in (band, thinned)]
+    for name, dense, coarse in zip(("friction", "wave", "spring"), *seen, strict=True):
+        places = np.arange(len(coarse)) * thinned.factor / thinned.rate
+        other = np.interp(places, np.arange(len(dense)) * band.factor / band.rate, dense)
+        # Rows of both grids lie at other instants unless their steps are alike; here they are.
+        assert np.std(coarse - other) < 0.01 * np.std(other), name
+
+
+def _effects_seen_in(band):
+    """Coulomb friction, a wave of 130 periods a turn and a mass on a spring, low-passed."""
+    t = np.arange(round(20 * band.rate)) / band.rate
+    q, dq = np.sin(2 * t), 2 * np.cos(2 * t)
+    ddq = -4 * q
+    columns = np.stack([q, dq, ddq], axis=1)
+    motion = Motion(t, *(columns[:, [k]] for k in range(3)), averaged=True)
+    state = State.along(motion)
+    friction = np.asarray(state.sign(state.dq[0], 0.0))
+    wave = np.cos(130 * q)
+    brake = (dq, 0.0, 1.0, 0.0)
+    spring = deflect(t, 5.0 * ddq + friction, 1.0 + 0 * t, (400.0, 4.0, 0.0), brake)[0]
+    start = round((1.0 - band.reach / band.rate) * band.rate)
+    return [band.apply(x[start:, None])[:, 0] for x in (friction, wave, spring)]
+
+
+def test_a_coarser_grid_keeps_repetitions_in_phase():
+    band = Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0)
+    assert band.thinned(60.0, [10.0, 7.0]).rate == 200.0
+    assert band.thinned(60.0, [10.002]).rate == pytest.approx(1000 / 3)
+    assert band.thinned(60.0, [10.0005]) == band
+
+
+def test_positions_are_smoothed_where_they_were_logged():
+    """Rounding is white there alone: thinned first, it would be several times as large in the band."""
+    rng = np.random.default_rng(4)
+    band = Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0)
+    thinned = band.thinned(60.0)
+    q = rng.uniform(-0.5, 0.5, (60001, 1))
+    for whole, coarse in zip(band.differentiate(q), thinned.differentiate(q), strict=True):
+        assert np.array_equal(coarse, whole[:: thinned.logged])
+    dense = thinned.as_logged(thinned.differentiate(q)[0])
+    assert len(dense) == len(q)
+    error = dense - band.differentiate(q)[0]
+    assert np.std(error[1000:-1000]) < 1e-3 * np.std(dense)
+
+
+def test_a_torque_is_the_same_in_the_band_on_a_coarser_grid():
+    rng = np.random.default_rng(5)
+    band = Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0)
+    thinned = band.thinned(60.0)
+    tau = rng.normal(size=(40001, 2))
+    every = dataclasses.replace(band, factor=1)
+    dense, coarse = every.apply(tau), thinned.apply(thinned.thin(tau))
+    at = [b.instants(np.arange(n) / b.rate) for b, n in ((every, 40001), (thinned, 8001))]
+    same = np.searchsorted(at[0], at[1] - 1e-6)
+    inner = (at[1] > 1) & (at[1] < 39)
+    assert np.std((coarse - dense[same])[inner]) < 0.01 * np.std(coarse)

@@ -91,7 +91,7 @@ def test_noise_floor_without_repetitions_is_the_noise_whatever_the_model_lacks()
     assert ratio == pytest.approx([1.0, 1.0], abs=0.15)
     # And it is that of the white noise that was put in, within the band of the rows.
     band = prepared[0].band
-    share = np.sqrt(np.sum(band.taps**2))
+    share = np.sqrt(np.sum(band.taps**2) / band.logged)
     assert clean.floor.deviation == pytest.approx(np.array([0.5, 0.1]) * share, rel=0.12)
 
 

@@ -7,6 +7,7 @@ torque pass one and the same filter, and its cut-off is where the position's sig
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.interpolate import CubicSpline
 from scipy.signal import firwin, welch
 
 from oed.experiment.signals.differentiation import spline_derivative
@@ -30,6 +32,12 @@ SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not 
 CALMING = 2.0  # an acceleration's filter, in units of where motion ends: it must not touch it
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
+# Of the fine grid, over the cut-off: friction's steps lie within half a sample, and gears, whose
+# resonance may lie beyond the band, are followed from sample to sample.
+FINE_PER_CUTOFF = 25.0
+SAME_ROWS = 0.9  # share of the rows' distance that a coarser fine grid must keep
+PHASE = 0.02  # of a fine sample, by which a repetition may begin beside one
+ALIASING = 0.4  # of a coarser grid's rate, to which a torque is low-passed before it is thinned
 BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
 SAMPLES_PER_CUTOFF = 2.5  # analysis rate over cut-off: the whole transition lies below Nyquist
 
@@ -44,6 +52,8 @@ class Band:
         cutoff: Frequency of half amplitude [Hz].
         smoothing: Cut-off of the position's own smoothing [Hz].
         calming: Cut-off of each joint's acceleration [Hz]; that of the smoothing if empty.
+        logged: Samples of the log's own grid to one of the fine grid. Positions are smoothed where
+            they were logged: only there is what encoders err white.
     """
 
     rate: float
@@ -51,6 +61,12 @@ class Band:
     cutoff: float
     smoothing: float
     calming: tuple[float, ...] = ()
+    logged: int = 1
+
+    @property
+    def logged_rate(self) -> float:
+        """Of the grid on which positions are smoothed [Hz]."""
+        return self.rate * self.logged
 
     @property
     def analysis_rate(self) -> float:
@@ -81,27 +97,62 @@ class Band:
         """Time at each end in which the smoothing has not settled [s]."""
         return max(EDGE, *(1 / cutoff for cutoff in self.calming), 1 / self.smoothing)
 
+    def thinned(self, fastest: float, periods: Sequence[float] = ()) -> Band:
+        """The same on a fine grid no denser than effects ask for.
+
+        Args:
+            fastest: Frequency on the fine grid that must not fold into the band [Hz].
+            periods: Of repeated motions [s]: samples of all repetitions must lie at the same phases.
+        """
+        needed = max(FINE_PER_CUTOFF * self.cutoff, fastest + self.cutoff * (1 + TRANSITION))
+        turns = np.array(periods) * self.rate
+        for step in range(int(self.rate / needed), 1, -1):
+            # The rows stay about as far apart.
+            apart = step * (self.factor // step)
+            in_phase = np.abs(turns / step - np.round(turns / step)) < PHASE
+            if apart > SAME_ROWS * self.factor and in_phase.all():
+                return dataclasses.replace(
+                    self, rate=self.rate / step, factor=self.factor // step, logged=step
+                )
+        return self
+
+    def thin(self, torque: Float[ndarray, "logged joints"]) -> Float[ndarray, "samples joints"]:
+        """A torque on the log's grid, on the fine one."""
+        if self.logged == 1:
+            return torque
+        return lowpass(torque, self.logged_rate, ALIASING * self.rate)[:: self.logged]
+
+    def as_logged(
+        self, smooth: Float[ndarray, " samples *columns"]
+    ) -> Float[ndarray, " logged *columns"]:
+        """What is smooth on the fine grid, on the log's."""
+        if self.logged == 1:
+            return smooth
+        places = np.arange((len(smooth) - 1) * self.logged + 1) / self.logged
+        return CubicSpline(np.arange(len(smooth)), smooth)(places)
+
     def differentiate(
-        self, q: Float[ndarray, "samples joints"]
+        self, q: Float[ndarray, "logged joints"]
     ) -> tuple[
         Float[ndarray, "samples joints"],
         Float[ndarray, "samples joints"],
         Float[ndarray, "samples joints"],
     ]:
-        """Smooth positions, velocities and accelerations.
+        """Smooth positions, velocities and accelerations on the fine grid.
 
         An acceleration holds what its encoder knows better than noise: the noise of a regressor
         makes the parameters too small, and what they miss looks like a spring (Carroll, Ruppert,
         Stefanski and Crainiceanu 2006, "Measurement Error in Nonlinear Models", chapter 4). The
         velocity keeps more, since its sign must not come late.
         """
-        smooth = lowpass(q, self.rate, self.smoothing)
-        dq, ddq = (spline_derivative(smooth, self.rate, order) for order in (1, 2))
+        rate, kept = self.logged_rate, slice(None, None, self.logged)
+        smooth = lowpass(q, rate, self.smoothing)
+        dq, ddq = (spline_derivative(smooth, rate, order)[kept] for order in (1, 2))
         for joint, cutoff in enumerate(self.calming):
             if cutoff < self.smoothing:
-                calm = lowpass(q[:, joint], self.rate, cutoff)
-                ddq[:, joint] = spline_derivative(calm, self.rate, 2)
-        return smooth, dq, ddq
+                calm = lowpass(q[:, joint], rate, cutoff)
+                ddq[:, joint] = spline_derivative(calm, rate, 2)[kept]
+        return smooth[kept], dq, ddq
 
     def apply(self, fine: Float[ndarray, " samples *columns"]) -> Float[ndarray, " rows *columns"]:
         """Filter without phase and keep every `factor`-th row, the unsettled ends cut away."""

@@ -94,18 +94,19 @@ def rounding_deviation(steps: Float[ndarray, " joints"]) -> Float[ndarray, " joi
     return steps / np.sqrt(12)
 
 
-def _rounding(prepared: Prepared, rng: np.random.Generator) -> Float[ndarray, "samples joints"]:
+def _rounding(prepared: Prepared, rng: np.random.Generator) -> Float[ndarray, "logged joints"]:
     """What rounding to steps, counted from anywhere, errs: nothing new where a joint rests.
 
     In each repetition they are counted from elsewhere: one place alone is one of many.
     """
-    motion, steps = prepared.motion, prepared.repeated_steps
-    turn = np.zeros(len(motion), dtype=int)
+    steps = prepared.repeated_steps
+    t, q = (prepared.band.as_logged(x) for x in (prepared.motion.t, prepared.motion.q))
+    turn = np.zeros(len(t), dtype=int)
     if prepared.period is not None:
-        turn = ((motion.t - motion.t[0]) // prepared.period).astype(int)
+        turn = ((t - t[0]) // prepared.period).astype(int)
     start = rng.uniform(size=(turn[-1] + 1, len(steps)))[turn]
     safe = np.where(steps > 0, steps, 1.0)
-    counted = motion.q / safe + start
+    counted = q / safe + start
     return np.where(steps > 0, safe * (np.round(counted) - counted), 0.0)
 
 
@@ -127,7 +128,7 @@ def fine_encoder_torque(
     """Errors of the predicted torque as errors of the encoders make them [N m].
 
     Where the steps of an encoder lie is drawn: from positions that were smoothed it is not to be
-    told any more. Errors of a given deviation are drawn sample by sample.
+    told any more. Errors of a given deviation are drawn for every sample of the log.
 
     Args:
         torque: Of a model with its parameters.
@@ -141,7 +142,8 @@ def fine_encoder_torque(
         if deviations is None:
             rounded = _rounding(p, rng)
         else:
-            rounded = deviations[k] * rng.uniform(-np.sqrt(3), np.sqrt(3), p.motion.q.shape)
+            shape = p.band.as_logged(p.motion.q).shape
+            rounded = deviations[k] * rng.uniform(-np.sqrt(3), np.sqrt(3), shape)
         if not rounded.any():
             errors.append(np.zeros_like(p.fine_torque))
             continue

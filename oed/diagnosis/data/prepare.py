@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import accumulate
 
 import numpy as np
@@ -23,6 +24,7 @@ from oed.experiment.signals.resampling import resample, uniform_grid
 
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
+SHORTEST_WAVE = 260.0  # [1/turn] of a torque ripple and its first overtone
 LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 
 
@@ -50,6 +52,8 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
         highest = min(highest, _motion_band(recordings, rate))
     noise = position_noise(positions, rate)
     band = choose_band(noise, rate, settings.lowest_cutoff, highest)
+    periods = [p for p in map(_period, recordings) if p is not None]
+    band = band.thinned(_fastest_wave(band, positions), periods)
     starts = _starts_end_to_end(recordings)
     return tuple(
         _prepare_one(recording, *signals, band=band, noise=noise, start=start)
@@ -57,6 +61,12 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
             recordings, raw, starts or [None] * len(raw), strict=True
         )
     )
+
+
+def _fastest_wave(band: Band, positions: Sequence[Float[ndarray, "_ joints"]]) -> float:
+    """Frequency at which the shortest wave of position that has a name is crossed [Hz]."""
+    speed = max(float(np.abs(band.differentiate(q)[1]).max()) for q in positions)
+    return SHORTEST_WAVE * speed / (2 * np.pi)
 
 
 def _starts_end_to_end(recordings: tuple[Recording, ...]) -> list[float] | None:
@@ -111,15 +121,16 @@ def _uniform(
 
 def _prepare_one(
     recording: Recording,
-    t: Float[ndarray, " samples"],
-    q: Float[ndarray, "samples joints"],
-    tau: Float[ndarray, "samples joints"],
+    t: Float[ndarray, " logged"],
+    q: Float[ndarray, "logged joints"],
+    tau: Float[ndarray, "logged joints"],
     *,
     band: Band,
     noise: PositionNoise,
     start: float | None,
 ) -> Prepared:
     smooth, dq, ddq = band.differentiate(q)
+    t, tau = t[:: band.logged], band.thin(tau)
     cut = int(np.ceil(band.edge * band.rate))
     if band.rows(len(t) - 2 * cut) < 20:
         raise ValueError(
@@ -143,10 +154,10 @@ def _prepare_one(
         repetition=_repetition(recording, rows_t),
         period=_period(recording),
         # Rounding of slow motion is not white: where the noise is read off there is less of it.
-        position_noise=np.maximum(np.sqrt(noise.density * band.rate / 2), rounding),
+        position_noise=np.maximum(np.sqrt(noise.density * band.logged_rate / 2), rounding),
         repeated_steps=repeated_steps([recording]),
         sign_noise=_velocity_noise(noise.density, band),
-        recorded=_recorded(recording, t[inner], band.rate, band.edge),
+        recorded=_recorded(recording, t[inner], band.logged_rate, band.edge),
         laid=start is not None,
     )
 

@@ -29,7 +29,7 @@ class Prepared:
         band: Filter and decimation from fine samples to rows.
         repetition: (R,) repetition of each row, -1 where there is none.
         period: Of the motion, None without repetitions [s].
-        position_noise: (n,) standard deviation of what encoders err on the fine grid [rad].
+        position_noise: (n,) standard deviation of what encoders err in each sample of the log [rad].
         repeated_steps: (n,) of the encoders, as far as their rounding comes again in every
             repetition [rad].
         sign_noise: (n,) standard deviation of the velocity on the fine grid [rad/s].

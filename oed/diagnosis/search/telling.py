@@ -138,7 +138,7 @@ def _of_sampling(shop: Workshop, one: Trial, other: Trial) -> float:
     explains Q (2 S / V - 1) more.
     """
     variance = max(abs(_variance(one) - _variance(other)), 1e-12)
-    sampled = SAMPLED / shop.estimation[0].band.rate ** 2
+    sampled = SAMPLED / shop.estimation[0].band.logged_rate ** 2
     return max(0.0, 2 * sampled / variance - 1) * _apart(shop, one, other)
 
 
