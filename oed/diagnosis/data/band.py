@@ -35,7 +35,6 @@ TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition widt
 # Of the fine grid, over the cut-off: friction's steps lie within half a sample, and gears, whose
 # resonance may lie beyond the band, are followed from sample to sample.
 FINE_PER_CUTOFF = 25.0
-SAME_ROWS = 0.9  # share of the rows' distance that a coarser fine grid must keep
 PHASE = 0.02  # of a fine sample, by which a repetition may begin beside one
 ALIASING = 0.4  # of a coarser grid's rate, to which a torque is low-passed before it is thinned
 BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
@@ -107,10 +106,8 @@ class Band:
         needed = max(FINE_PER_CUTOFF * self.cutoff, fastest + self.cutoff * (1 + TRANSITION))
         turns = np.array(periods) * self.rate
         for step in range(int(self.rate / needed), 1, -1):
-            # The rows stay about as far apart.
-            apart = step * (self.factor // step)
             in_phase = np.abs(turns / step - np.round(turns / step)) < PHASE
-            if apart > SAME_ROWS * self.factor and in_phase.all():
+            if self.factor % step == 0 and in_phase.all():  # the rows stay where they are
                 return dataclasses.replace(
                     self, rate=self.rate / step, factor=self.factor // step, logged=step
                 )

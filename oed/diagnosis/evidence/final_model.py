@@ -13,7 +13,6 @@ from numpy import ndarray
 from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented, Layout, lags_of
 from oed.diagnosis.search.workshop import Workshop
@@ -91,7 +90,7 @@ def errors_of(final: FinalModel, prepared: Sequence[Prepared]) -> list[Float[nda
 
 
 def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> Trial | None:
-    """An addition that mends the mean of repetitions, and makes every single one worse.
+    """An addition that mends the mean of repetitions, and makes single ones worse, foretold ones too.
 
     A disturbance of one repetition moves the arm a little: in the mean of several, friction turns
     its sign more gradually than in any. What explains that is no part of the arm. A sensor that is
@@ -104,23 +103,26 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
     """
     if shop.mean is shop.full or not found.chosen:
         return None
-    whole, joints = _white_squares(final, shop.full.rows), range(shop.baseline.model.robot.n)
+    whole, joints = _white_squares(shop, final), range(shop.baseline.model.robot.n)
     for trial in found.chosen:
         if lags_of([trial]) or (trial.name == GRAVITY and shop.is_turned):
             continue
         others = [t for t in found.chosen if t is not trial]
-        without = _white_squares(final_with(shop, shop.fit(others)), shop.full.rows)
+        without = _white_squares(shop, final_with(shop, shop.fit(others)))
         acting = list(joints) if trial.joint is None else [trial.joint]
         if np.sum((without - whole)[acting]) <= 0:
             return trial
     return None
 
 
-def _white_squares(final: FinalModel, rows: Rows) -> Float[ndarray, " joints"]:
-    """(n,) squares of white residuals of all rows, repeated or not."""
-    errors = _all_errors(final, rows.prepared)
-    joints = range(errors[0].shape[1])
-    return np.array([np.sum(rows.whiten([e[:, [j]] for e in errors], j) ** 2) for j in joints])
+def _white_squares(shop: Workshop, final: FinalModel) -> Float[ndarray, " joints"]:
+    """(n,) squares of white errors of all rows, repeated or not, that were fitted or foretold."""
+    joints = range(shop.baseline.model.robot.n)
+    total = np.zeros(len(joints))
+    for rows in filter(None, (shop.full.rows, shop.unseen_full.rows)):
+        errors = _all_errors(final, rows.prepared)
+        total += [np.sum(rows.whiten([e[:, [j]] for e in errors], j) ** 2) for j in joints]
+    return total
 
 
 def _all_errors(

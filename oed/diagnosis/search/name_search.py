@@ -8,9 +8,10 @@ from itertools import groupby
 
 from oed.diagnosis.search.accepted import Accepted, Refused, at_home, refusal
 from oed.diagnosis.search.behind_noise import quieter_beside
-from oed.diagnosis.search.exchange import MANY, settled
+from oed.diagnosis.search.exchange import MANY, decided_shapes, settled
 from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms
 from oed.diagnosis.search.next_name import next_names
+from oed.diagnosis.search.other_motion import shown_by_other_motion
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.turning import GRAVITY, turned
 from oed.diagnosis.search.two_at_once import two_at_once
@@ -37,6 +38,7 @@ class NameSearch:
         grouped: Names that were tried in several joints at once.
         joined: Joints in which several names were tried at once.
         paired: Joints in which two names of any kind were.
+        shown: Keys of names that were found in the validation recordings.
         late: Free-form terms that names were looked for in the place of, and names found there.
         p_value: Of a tilt, if the tables are turned.
         beside: Free-form terms beside which signs are read off.
@@ -51,6 +53,7 @@ class NameSearch:
     grouped: set[str] = field(default_factory=set)
     joined: set[int] = field(default_factory=set)
     paired: set[int] = field(default_factory=set)
+    shown: set[tuple[str, object]] = field(default_factory=set)
     late: set[tuple[str, object]] = field(default_factory=set)
     p_value: float = 0.0
     beside: tuple[Trial, ...] = ()
@@ -65,7 +68,12 @@ class NameSearch:
             fresh = self._next_ones(room)
             pick = fresh[0] if fresh else None
             if pick is None:
-                group = self._next_group(room) or self._next_together(room) or self._next_two(room)
+                group = (
+                    self._next_group(room)
+                    or self._next_together(room)
+                    or self._next_two(room)
+                    or self._next_unseen()
+                )
                 if not group:
                     break
                 self.accepted += group
@@ -239,9 +247,18 @@ class NameSearch:
                 return found
         return []
 
+    def _next_unseen(self) -> list[Accepted]:
+        """A name that the validation recordings show; every name has one turn."""
+        barred = self.barred | self.shown
+        found = shown_by_other_motion(self.shop, self.accepted, barred, self.refused)
+        self.shown |= {a.trial.key for a in found}
+        return found
+
     def _settle(self, fresh: Sequence[Accepted] = ()) -> None:
         accepted = [at_home(self.shop, a) for a in self.accepted]
-        self.accepted = settled(self.shop, accepted, self._pool(), fresh)
+        accepted = settled(self.shop, accepted, self._pool(), fresh)
+        # What comes next is looked for beside shapes that both motions want.
+        self.accepted = decided_shapes(self.shop, accepted)
 
     def _pool(self) -> list[Trial]:
         return [

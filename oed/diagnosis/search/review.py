@@ -19,8 +19,8 @@ from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.trials import Trial, free_form_trials
 
-# Share by which what bends the model's own torque lowers the held-out error: a delay, a lag or a soft
-# gear smooths what the model predicts, and with it what encoder noise adds to that.
+# Share by which what bends the model's own torque lowers a held-out error of noise: a delay, a lag or
+# a soft gear smooths what the model predicts, and with it what encoder noise adds to that.
 LEAST = 0.005
 # Share of what a name and a free form explain together up to which that name is not missed.
 SUPERFLUOUS = 0.1
@@ -123,10 +123,14 @@ def drop_superfluous(
             float(foretold.sum()), 0.0
         )
         predicts = shop.validation_gain([a.trial for a in standing], item.trial)
+        # Where the error is far above the noise, as much noise is a smaller share of it.
+        joints = list(item.trial.group)
+        loud = max(float((left / unseen.counted)[joints].mean()), 1.0)
+        least = LEAST / loud if item.trial.fixed else 0.0
         reason = None
         if needed < _price(shop, item.trial):
             reason = f"gains {needed:.3g} beside the other additions"
-        elif predicts is not None and predicts <= (LEAST if item.trial.fixed else 0):
+        elif predicts is not None and predicts <= least:
             reason = f"beside the other additions it lowers the validation error by {predicts:.1%}"
         elif any(a.trial.is_free_form and a.trial.joint in item.trial.group for a in kept):
             reason = _better_name(shop, [a.trial for a in kept if a is not item], item)
