@@ -103,6 +103,29 @@ def test_what_makes_every_repetition_worse_is_lost(turned):
     assert (lost_when_repeated(shop, found, final) is trial) is turned
 
 
+@pytest.mark.parametrize(
+    ("roles", "lost"),
+    [
+        (("estimation", "estimation", "validation"), True),
+        (("estimation", "validation", "validation"), False),
+    ],
+)
+def test_what_is_lost_is_decided_by_all_repetitions_foretold_ones_too(roles, lost):
+    """An effect of the validation recordings alone: it mends these and spoils the others alike."""
+    seen, unseen = (data_set(4, extra=extra, roles=roles) for extra in (None, stribeck(1.0)))
+    pairs = zip(seen.recordings, unseen.recordings, strict=True)
+    mixed = tuple(a if a.role == "estimation" else b for a, b in pairs)
+    shop = shop_of(dataclasses.replace(seen, recordings=mixed))
+    trial = trial_of(shop, "stribeck", 0, (0.1, 2.0, 1.0))
+    layout = shop.layout_for([trial])
+    found = shop.fit([trial], layout)
+    final = fit_final(shop.baseline, layout, install(shop.baseline, found, shop.context))
+    parameters = final.parameters.copy()
+    parameters[-1] = 1.0
+    final = dataclasses.replace(final, parameters=parameters)
+    assert (lost_when_repeated(shop, found, final) is trial) is lost
+
+
 def test_a_late_sensor_is_not_held_against_single_repetitions():
     shop = shop_with()
     trial = trial_of(shop, "time_delay", None, (0.03,))
