@@ -14,7 +14,8 @@ from oed.report.style import save_figure
 from oed.report.table import markdown_table
 
 LEVEL = 0.95
-SEPARABLE = 0.05  # predicted error rate below which a designed motion separates a pair
+SEPARABLE = 0.95  # predicted chance of a decisive difference from which on a pair is separable
+SEEN = 0.05  # predicted error rate from which on a case tests the prediction
 AGREEMENT = 0.05  # between predicted and observed rate that is promised
 Line = Mapping[str, str]
 
@@ -106,7 +107,7 @@ def page(rows: Sequence[Line], planned: int) -> str:
         return text + "No case is done.\n"
     table = [{"prediction": title, **agreement(done, p, w, n)} for title, p, w, n in KINDS]
     named = agreement(done, *KINDS[2][1:])
-    close = [r for r in done if float(r["predicted_name"]) >= SEPARABLE or int(r["wrong_name"])]
+    close = [r for r in done if float(r["predicted_name"]) >= SEEN or int(r["wrong_name"])]
     mean = "agree" if abs(named["difference"]) <= AGREEMENT else "do not agree"
     every = "every case does" if not named["beyond 5 points and chance"] else "not every case does"
     text += (
@@ -131,7 +132,7 @@ def page(rows: Sequence[Line], planned: int) -> str:
 
 
 def _resolved(done: Sequence[Line]) -> str:
-    separable = [row for row in done if float(row["designed_predicted"]) < SEPARABLE]
+    separable = [row for row in done if float(row["designed_resolved"]) >= SEPARABLE]
     lines = ["## One designed motion\n"]
     if not separable:
         return lines[0] + "\nNo pair is separable.\n"
@@ -144,7 +145,7 @@ def _resolved(done: Sequence[Line]) -> str:
     at_hand = sum(int(row["runs"]) for row in separable)
     lines.append(
         f"{len(separable)} of {len(done)} pairs are separable: with the designed motion the predicted "
-        f"error rate is below {SEPARABLE:.0%}. Its first execution resolves {hits} of them, "
+        f"chance of a decisive difference is {SEPARABLE:.0%} or more. Its first execution resolves {hits} of them, "
         f"**{hits / len(separable):.0%}** (95 % interval {low:.0%} to {high:.0%}): the hidden effect "
         f"leads by a decisive difference of evidence. Over all executions {again} of {runs} are "
         f"resolved ({again / runs:.0%}) and {misled} decided wrongly. Without the designed motion "
@@ -168,6 +169,7 @@ def _line(row: Line) -> dict[str, str | float]:
         "designed λ": float(row["designed_separation"]),
         "designed predicted": float(row["designed_predicted"]),
         "designed observed": int(row["designed_wrong_name"]) / designed,
+        "resolution predicted": float(row["designed_resolved"]),
         "resolved": f"{row['designed_decided']}/{designed}",
     }
 

@@ -19,9 +19,10 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.rivals.discrimination import NextExperiment, design_discriminating, separation
 from oed.diagnosis.search.calming import worth_beside
+from oed.diagnosis.search.margin import decisive_between
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import Score, refine, scan
-from oed.diagnosis.search.telling import decisive_between, most_telling_first, telling
+from oed.diagnosis.search.telling import most_telling_first, telling
 from oed.diagnosis.search.workbench import lay_out
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings

@@ -255,7 +255,8 @@ def _next_text(following: NextExperiment) -> str:
         f"To tell {'; '.join(following.pairs)}: run {NEXT}/trajectory.csv. Rivals' predictions then "
         f"differ by λ = {following.separation:.3g} (now {following.separation_now:.3g}), the squared "
         "distance in variances of the noise; where the first is true, the chance of naming the other is "
-        f"{_rate(following.error_rate)} (now {_rate(following.error_rate_now)}). "
+        f"{_rate(following.error_rate)} (now {_rate(following.error_rate_now)}), "
+        f"and that of a decisive difference {following.resolved:.0%}. "
         f"Best of {following.tried} motions within the limits."
         f"{ANYWAY if following.error_rate_now < RARE else ''}"
     )

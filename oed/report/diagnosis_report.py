@@ -101,6 +101,7 @@ def write_next(following: NextExperiment, joints: Sequence[str], folder: Path) -
         "separation_now": following.separation_now,
         "predicted_error_rate": following.error_rate,
         "predicted_error_rate_now": following.error_rate_now,
+        "predicted_resolution": following.resolved,
         "motions_compared": following.tried,
         "notes": list(following.notes),
     }

@@ -9,8 +9,8 @@ from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit.motion_noise import calmed
 from oed.diagnosis.search.calming import worth_beside
+from oed.diagnosis.search.margin import decisive_between
 from oed.diagnosis.search.scan import gain_of, refine, score
-from oed.diagnosis.search.telling import decisive_between
 from oed.diagnosis.search.workbench import lags_of
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings

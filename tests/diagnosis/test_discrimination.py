@@ -81,8 +81,37 @@ def test_confusion_is_the_closed_form_of_two_directions(shop: Workshop, wanted: 
     # Of two unit vectors the one with the larger product wins: the signs of the products with
     # their sum and their difference, independent of each other, decide.
     a, b = norm.cdf([-length * np.cos(angle / 2), -length * np.sin(angle / 2)])
-    found = confusion(shop, pair, np.random.default_rng(1), draws=4000)
+    found = confusion(shop, pair, np.random.default_rng(1), draws=4000, truths=1)
     assert found.by_fit == pytest.approx(a + b - 2 * a * b, abs=0.03)
+
+
+@pytest.mark.parametrize("wanted", [4.0, 12.0])
+def test_a_decisive_lead_is_foreseen_as_often_as_it_comes(shop: Workshop, wanted: float) -> None:
+    pair, angle = scaled_pair(shop, wanted)
+    length = np.sqrt(wanted) / np.sin(angle)
+    rng = np.random.default_rng(5)
+    # Both cost one parameter, and what they cancel against the model is the same in every draw.
+    own, other = (outside(shop, t)[:, 0] for t in pair[::2])
+    whole = [dense(t, 2, shop.mean.rows.count).ravel() for t in pair[::2]]
+    cancelled = [(b @ b) / (c @ c) for b, c in zip(whole, (own, other), strict=True)]
+    x, y = rng.normal(size=(2, 200_000))
+    along = (length + x, (length + x) * np.cos(angle) + y * np.sin(angle))
+    one, two = (a**2 - np.log(c) for a, c in zip(along, cancelled, strict=True))
+    smoothing = 0.01 * np.maximum(along[0] ** 2, along[1] ** 2)
+    expected = np.mean(one - two >= np.maximum(shop.settings.decisive, smoothing))
+    found = confusion(shop, pair, np.random.default_rng(1), draws=4000, truths=1)
+    assert found.resolved == pytest.approx(expected, abs=0.03)
+
+
+def test_what_the_data_leave_open_makes_the_prediction_less_sure(shop: Workshop) -> None:
+    own = trial(shop, "position_dependent_friction", (6.0,))
+    other = trial(shop, "torque_ripple", (6.0,))
+    size = 4.0 / np.linalg.norm(outside(shop, own)[:, 0])
+    pair = (own, np.array([size, 0.0]), other)
+    sure, open_ = (
+        confusion(shop, pair, np.random.default_rng(4), truths=k).resolved for k in (1, 8)
+    )
+    assert 0.05 < open_ < sure < 0.95
 
 
 def test_the_price_of_shapes_counts_for_the_name_alone(shop: Workshop) -> None:
@@ -90,7 +119,9 @@ def test_the_price_of_shapes_counts_for_the_name_alone(shop: Workshop) -> None:
     columns = outside(shop, own)
     coefficients = np.array([1.0, 0.0]) * 2.0 / np.linalg.norm(columns[:, 0])
     cheap = trial(shop, "torque_offset")
-    found = confusion(shop, (own, coefficients, cheap), np.random.default_rng(2), draws=200)
+    found = confusion(
+        shop, (own, coefficients, cheap), np.random.default_rng(2), draws=200, truths=1
+    )
     # A ripple searched over all periods always fits better; its price gives the name away. Of a
     # known period the gain is a chi-square of two columns, and the ripple costs two parameters
     # more; the search over periods near its own wins back a few of the draws.
@@ -105,7 +136,7 @@ def test_a_rival_is_drawn_at_the_shape_that_imitates_best(shop: Workshop) -> Non
     far = trial(shop, "position_dependent_friction", (1.0,))
     # The same effect, searched from elsewhere: noise alone decides which of both fits better.
     pair = (own, np.array([1.5, 0.5]), far)
-    found = confusion(shop, pair, np.random.default_rng(3), draws=200)
+    found = confusion(shop, pair, np.random.default_rng(3), draws=200, truths=1)
     assert 0.2 < found.by_fit < 0.8
 
 
@@ -117,6 +148,7 @@ def test_a_further_motion_sets_rivals_further_apart(shop: Workshop) -> None:
     following = design_discriminating(shop, [pair], np.random.default_rng(0), candidates=6)
     assert following.separation > following.separation_now == pytest.approx(4.0, rel=1e-3)
     assert following.error_rate < following.error_rate_now
+    assert 0.0 < following.resolved <= 1.0
     # As long as a repetition at hand, so that noise can be read off both.
     step = following.motion.t[1] - following.motion.t[0]
     assert len(following.motion) * step == pytest.approx(shop.estimation[0].period, abs=2 * step)

@@ -14,8 +14,8 @@ from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated, estimates
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.search.leftovers import is_own
+from oed.diagnosis.search.margin import are_lags, is_of_kind
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.telling import are_lags, is_of_kind
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented

@@ -25,7 +25,9 @@ from oed.design.limits import fill
 from oed.design.trajectories import FourierClass
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
-from oed.diagnosis.rivals.confusion import Pair, best_imitation, confusion, torque_beside
+from oed.diagnosis.rivals.confusion import confusion
+from oed.diagnosis.rivals.favourite import Pair, best_imitation, context_beside, torque_beside
+from oed.diagnosis.search.margin import of_smoothing
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.secants import shape_derivatives
@@ -49,6 +51,8 @@ class NextExperiment:
         separation_now: lambda of the recordings at hand.
         error_rate: Predicted chance that the rival is named where the favourite is true, on all
             of these, the largest over the pairs.
+        resolved: Predicted chance that the favourite then leads by a decisive difference, the
+            least over the pairs.
         error_rate_now: The same on the recordings at hand.
         pairs: Names of the rivals, in words.
         tried: Number of motions that were compared.
@@ -60,6 +64,7 @@ class NextExperiment:
     separation_now: float
     error_rate: float
     error_rate_now: float
+    resolved: float
     pairs: tuple[str, ...]
     tried: int
     notes: tuple[str, ...]
@@ -74,7 +79,7 @@ def design_discriminating(
 ) -> NextExperiment:
     """The best of a number of random motions within the limits.
 
-    The new motion is taken to be run as many times as the first recording's.
+    Best is where rivals differ most beyond what smoothing may make of their torque. The new motion is taken to be run as many times as the first recording's.
 
     Args:
         shop: The data at hand: model, noise, limits.
@@ -95,23 +100,21 @@ def design_discriminating(
         z = cycle.shrink(z, np.full(robot.n, amplitude))
         motion = cycle.motion(z, np.arange(0.0, horizon, 1 / pattern.band.rate))
         further = as_prepared(pattern, motion)
-        tried.append((min(_slope_separation(shop, pair, further) for pair in pairs), motion))
+        tried.append((min(_slope_clear(shop, pair, further) for pair in pairs), motion))
     leading = sorted(tried, key=lambda item: -item[0])[:REFITTED]
-    best, motion = max(
-        (
-            (min(separation(shop, *p, as_prepared(pattern, m)) for p in pairs), m)
-            for _, m in leading
-        ),
-        key=lambda item: item[0],
+    motion = max(
+        (motion for _, motion in leading),
+        key=lambda m: min(_clear(shop, pair, as_prepared(pattern, m)) for pair in pairs),
     )
-    now = min(separation(shop, *pair) for pair in pairs)
     further = as_prepared(pattern, motion)
+    foreseen = [confusion(shop, pair, rng, further) for pair in pairs]
     return NextExperiment(
         motion=motion,
-        separation=best,
-        separation_now=now,
-        error_rate=max(confusion(shop, p, rng, further).by_name for p in pairs),
+        separation=min(separation(shop, *pair, further) for pair in pairs),
+        separation_now=min(separation(shop, *pair) for pair in pairs),
+        error_rate=max(f.by_name for f in foreseen),
         error_rate_now=max(confusion(shop, p, rng).by_name for p in pairs),
+        resolved=min(f.resolved for f in foreseen),
         pairs=tuple(f"{a.name} or {b.name}" for a, _, b in pairs),
         tried=candidates,
         notes=notes,
@@ -142,7 +145,7 @@ def separation(
         further: A recording besides those at hand, run as often as the first of these.
     """
     fit = torque_beside(shop, (favourite, coefficients, rival), further)
-    return max(0.0, fit.squares - best_imitation(shop, rival, fit).gain)
+    return max(0.0, fit.squares - best_imitation(context_beside(shop, further), rival, fit).gain)
 
 
 def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:
@@ -176,11 +179,18 @@ def _one_run(pattern: Prepared) -> float:
     return (len(pattern.motion) + 2 * cut) / pattern.band.rate
 
 
-def _slope_separation(shop: Workshop, pair: Pair, further: Prepared) -> float:
-    """As `separation`, the rival's shapes to first order about where they are: quick."""
+def _clear(shop: Workshop, pair: Pair, further: Prepared) -> float:
+    """Lambda less what smoothing may make of the favourite's torque."""
+    fit = torque_beside(shop, pair, further)
+    imitation = best_imitation(context_beside(shop, further), pair[2], fit)
+    return fit.squares * (1 - of_smoothing(pair[0], pair[2])) - imitation.gain
+
+
+def _slope_clear(shop: Workshop, pair: Pair, further: Prepared) -> float:
+    """As `_clear`, the rival's shapes to first order about where they are: quick."""
     rival = pair[2]
     fit = torque_beside(shop, pair, further)
-    context, joints = shop.context, range(shop.context.n)
+    context, joints = context_beside(shop, further), range(shop.context.n)
     own = moved(rival, fit.rows, context)
     linear = dense(own, len(joints), fit.rows.count)
     found = score(own, fit)
@@ -189,8 +199,9 @@ def _slope_separation(shop: Workshop, pair: Pair, further: Prepared) -> float:
     columns = np.concatenate([linear, bends], axis=2)
     if own.fixed:
         residual, columns = residual - fit.projection.residual(linear.sum(axis=2)), bends
+    lost = of_smoothing(pair[0], rival) * fit.squares
     squares = float(np.sum(residual**2))
     if not columns.shape[2]:
-        return squares
+        return squares - lost
     group = {j: columns[j] for j in joints}
-    return squares - normal_equations(fit.projection, residual, group).solved().gain
+    return squares - normal_equations(fit.projection, residual, group).solved().gain - lost

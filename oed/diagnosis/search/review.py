@@ -11,9 +11,10 @@ from oed.diagnosis.search.accepted import Accepted, Refused, refusal
 from oed.diagnosis.search.free_form_rivals import FULLER, in_more_terms
 from oed.diagnosis.search.judgement import share_needed
 from oed.diagnosis.search.leftovers import COVERED, gain_at, is_own
+from oed.diagnosis.search.margin import is_of_kind
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of, score
-from oed.diagnosis.search.telling import foretells_most, is_of_kind
+from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained

@@ -16,27 +16,14 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.search.calming import calmed_beside, worth_beside
+from oed.diagnosis.search.margin import decisive_between, is_first_order
 from oed.diagnosis.search.open_shapes import decided
 from oed.diagnosis.search.scan import Score, inflation_of
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.trials import Trial, white_group
-from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.effects.delay import FilterLag
-from oed.dynamics.effects.torque_change import TorqueChange
+from oed.diagnosis.terms.trials import Trial
 
 RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be the one that is meant
-# Share of a gain by which two effects of one kind must differ besides: smoothing and sampling
-# err in proportion to the signal.
-SYSTEMATIC = 0.01
-# A delayed torque that is interpolated between samples, or a mean over them, is a little of a lag
-# too: its delays have a variance of up to a quarter of a sample's square. Twice that.
-SAMPLED = 1 / 2
-# Share of what two late torques make of noise by which it may be wrong: few repetitions show it.
-UNCERTAIN = 1 / 4
-# Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling, a
-# spring of a spring with a gap, an offset of a spring in a joint.
-NESTED = frozenset({"lag", "acceleration", "compliance", "even in speed"})
 FAR_MORE = 1.5  # ratio of gains
 # Shares of the validation squares beyond noise. Where no free-form term foretells anything, an
 # effect need not do most of it: more than one thing may be missing.
@@ -111,56 +98,6 @@ def most_telling_first(
     return [*(level[i] for i in order), *rest]
 
 
-def decisive_between(shop: Workshop, one: Score, other: Score) -> float:
-    """How much more one candidate must tell than another to be the one that is meant."""
-    decisive = shop.settings.decisive
-    if are_lags(one.trial, other.trial):
-        margin = max(decisive, _of_sampling(shop, one.trial, other.trial))
-        return margin + UNCERTAIN * _noise_between(shop, one, other)
-    if is_of_kind(one.trial, other.trial):
-        return max(decisive, SYSTEMATIC * max(one.gain, other.gain))
-    return decisive
-
-
-def _noise_between(shop: Workshop, one: Score, other: Score) -> float:
-    """White squares of noise that one late torque takes away and another does not."""
-    unseen = shop.unseen_by([one.trial, other.trial]).rows
-    tables = [shop.mean.rows, *([unseen] if unseen else [])]
-    own, its = (sum(calmed_beside((), s.trial, r).sum() for r in tables) for s in (one, other))
-    return abs(float(own - its))
-
-
-def _of_sampling(shop: Workshop, one: Trial, other: Trial) -> float:
-    """By how much a lag may explain more of a delayed torque that was sampled.
-
-    To second order a lag differs from a delay of its mean by the variance of its delays, V, and
-    explains Q more of its own torque. Of a delayed one whose sampling has the variance S it
-    explains Q (2 S / V - 1) more.
-    """
-    variance = max(abs(_variance(one) - _variance(other)), 1e-12)
-    sampled = SAMPLED / shop.estimation[0].band.logged_rate ** 2
-    return max(0.0, 2 * sampled / variance - 1) * _apart(shop, one, other)
-
-
-def _variance(late: Trial) -> float:
-    """Of the delays that a late torque has, as its filter's second cumulant [s^2]."""
-    effect = late.effect
-    filtering = effect.measurement if isinstance(effect, TorqueChange) else None
-    if not isinstance(filtering, FilterLag):
-        return 0.0
-    return filtering.time_constant**2 * (1 - 2 * filtering.curvature)
-
-
-def _apart(shop: Workshop, one: Trial, other: Trial) -> float:
-    """White squares by which two effects differ, on estimation and validation recordings."""
-    unseen = shop.unseen_by([one, other]).rows
-    squares = 0.0
-    for rows in (shop.mean.rows, *([unseen] if unseen else [])):
-        mine, its = (white_group(t.effect, rows) for t in (one, other))
-        squares += sum(float(np.sum((mine[j].sum(1) - its[j].sum(1)) ** 2)) for j in mine)
-    return squares
-
-
 def may_replace(shop: Workshop, here: Score, rival: Score) -> bool:
     """Whether the evidence leaves it open that a rival replaces an addition.
 
@@ -183,39 +120,20 @@ def replaces(shop: Workshop, others: Sequence[Trial], here: Score, rival: Score)
 
 def _is_plainer(one: Score, other: Score) -> bool:
     """Whether one is the other's first order."""
-    return _is_first_order(one.trial, other.trial) and one.freedom < other.freedom
+    return is_first_order(one.trial, other.trial) and one.freedom < other.freedom
 
 
 def _margin(shop: Workshop, one: Score, other: Score) -> float:
     """How much more one must tell where the plainer of two may be all that is there."""
-    if _is_first_order(one.trial, other.trial):
+    if is_first_order(one.trial, other.trial):
         return decisive_between(shop, one, other)
     return shop.settings.decisive
 
 
-def _is_first_order(one: Trial, other: Trial) -> bool:
-    """Whether of two of a kind the plainer is the other's first order."""
-    return is_of_kind(one, other) and bool(NESTED & set(CATALOGUE[one.name].families))
-
-
 def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
     """Of two of one kind the one with fewer parameters; else what cancels least."""
-    parameters = tied.freedom if _is_first_order(tied.trial, first.trial) else first.freedom
+    parameters = tied.freedom if is_first_order(tied.trial, first.trial) else first.freedom
     return (float(parameters), tied.cancelled)
-
-
-def is_of_kind(one: Trial, other: Trial) -> bool:
-    """Whether two effects of one family are attached to a common joint, or to the arm."""
-    if one.is_free_form or other.is_free_form:
-        return False
-    families = (set(CATALOGUE[t.name].families) for t in (one, other))
-    places = (set(t.target if isinstance(t.target, tuple) else (t.target,)) for t in (one, other))
-    return bool(set.intersection(*places)) and bool(set.intersection(*families))
-
-
-def are_lags(one: Trial, other: Trial) -> bool:
-    """Whether both are a time by which torque is recorded late."""
-    return is_of_kind(one, other) and "lag" in CATALOGUE[one.name].families
 
 
 def _foretold_share(

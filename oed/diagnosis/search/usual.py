@@ -10,8 +10,9 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 
 from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.margin import decisive_between
 from oed.diagnosis.search.scan import Score, implausible, score
-from oed.diagnosis.search.telling import decisive_between, telling
+from oed.diagnosis.search.telling import telling
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
