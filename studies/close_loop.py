@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
+from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN
 from oed.diagnosis.rivals.discrimination import NextExperiment, design_discriminating
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -173,6 +174,12 @@ def _summarise(outcome: Outcome, config: Config) -> None:
         _say(f"  {effect.name} ({place}): {values}; by accident: {p_value_text(effect.p_value)}")
     for item in found.unexplained:
         _say(f"  unexplained on joint {item.joint + 1}: {item.label}")
+    if np.any(found.expected > CLEAR_UNSEEN):
+        worst = int(np.argmax(found.expected))
+        _say(
+            "  the estimation recordings leave parameters so uncertain that a validation error of "
+            f"{found.expected[worst]:.3g} noise floors is to be expected at joint {worst + 1}"
+        )
     for proof in found.proof:
         old, new = (over_floor(x, found.noise_floor) for x in (proof.before, proof.after))
         _say(f"  {proof.role} error: {old:.3g} -> {new:.3g} times the noise floor")

@@ -65,6 +65,8 @@ class Diagnosis:
         proof: Errors before and after, one entry a role that has recordings.
         noise_floor: (n,) deviation of noise in the band, steps of encoders included [N m].
         noise_source: Where that was read off.
+        expected: (n,) error on the validation recordings, in noise floors, that noise and the
+            parameters that it leaves uncertain let expect; one without such recordings.
         lack_before: Of the base model.
         lack_after: Of the augmented model.
         dependences: Residual of the base model over every coordinate.
@@ -86,6 +88,7 @@ class Diagnosis:
     proof: tuple[RoleProof, ...]
     noise_floor: Float[ndarray, " joints"]
     noise_source: str
+    expected: Float[ndarray, " joints"]
     lack_before: LackOfFit
     lack_after: LackOfFit
     dependences: tuple[Dependence, ...]
@@ -194,16 +197,18 @@ def _conclude(
     proof = _proof(before, after, by_role, baseline, settings)
     errors = Errors.of(proof, floor)
     seen, unseen = errors.seen, errors.unseen
+    whole = shop.fit(selection.trials, bend=False).fit
+    expected = foretold_error(whole, shop.unseen_full.white)
     # Noise is as loud there as where the model was fitted, slow noise too.
-    expected = np.maximum(seen, 1.0) * foretold_error(
-        shop.fit(selection.trials, bend=False).fit, shop.unseen_full.white
-    )
+    foretold = np.maximum(seen, 1.0) * expected
     unexplained += tuple(
         u
-        for u in describe_unlocated(riddles(effects, unexplained), left, seen, unseen, settings)
+        for u in describe_unlocated(
+            riddles(effects, unexplained), left, seen, unseen / foretold, settings
+        )
         if keeps_step(shop, selection.trials, u.joint)
         or min(seen[u.joint], unseen[u.joint]) > NO_FLOOR
-        or unseen[u.joint] > NO_FLOOR * expected[u.joint]
+        or unseen[u.joint] > NO_FLOOR * foretold[u.joint]
         or (unseen[u.joint] > CLEAR_UNSEEN and keeps_step_unseen(shop, selection.trials, u.joint))
     )
     effects, unexplained = withheld(shop, selection, effects, unexplained, errors)
@@ -216,6 +221,7 @@ def _conclude(
         proof=proof,
         noise_floor=floor,
         noise_source=baseline.floor.source,
+        expected=expected,
         lack_before=lack_of_fit(before.fit, freedom),
         lack_after=left,
         dependences=dependences(estimation, old),

@@ -50,6 +50,12 @@ def diagnosis_record(
             "before": {p.role: p.before for p in found.proof},
             "after": {p.role: p.after for p in found.proof},
             "noise_floor": {p.role: found.noise_floor for p in found.proof},
+            # That noise, and parameters which it leaves uncertain, let expect.
+            "expected": {
+                p.role: found.expected * found.noise_floor
+                for p in found.proof
+                if p.role == "validation"
+            },
             "before_interval": {p.role: p.before_interval for p in found.proof},
             "after_interval": {p.role: p.after_interval for p in found.proof},
             "change_interval": {p.role: p.change_interval for p in found.proof},

@@ -30,7 +30,12 @@ WITHHELD = (
     f"less than {MOSTLY:.3g} times what the joint still lacks of the test recordings. It makes the "
     "model better, and may be a part of something else."
 )
-FAR_OFF = 4.0  # noise floors of validation error, from which on a mistake in the file is likely
+UNCERTAIN = (
+    "The estimation recordings leave parameters so uncertain that on the validation recordings "
+    "errors of more than the noise are to be expected, and tell little; a motion that excites all "
+    "of them (studies.design) would. In brackets the error to be expected, in noise floors:"
+)
+FAR_OFF = 4.0  # times the expected validation error, from which on a mistake in the file is likely
 MISTAKES = (
     "So large an error is more often a mistake in the files than physics. Worth a look: signs and "
     "order of the columns, angles that count from the link before or from the base, zero "
@@ -50,9 +55,16 @@ def unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | T
     ratios = error_in_floors(found.proof, found.noise_floor, "validation")
     unseen = [
         f"{label} ({ratio:.2g})"
-        for label, ratio in zip(labels, ratios, strict=True)
-        if ratio > CLEAR_UNSEEN
+        for label, ratio, expected in zip(labels, ratios, found.expected, strict=True)
+        if ratio > CLEAR_UNSEEN * expected
     ]
+    open_ = [
+        f"{label} ({expected:.2g})"
+        for label, expected in zip(labels, found.expected, strict=True)
+        if expected > CLEAR_UNSEEN
+    ]
+    if open_:
+        blocks.append(Text(f"{UNCERTAIN} {', '.join(open_)}."))
     if unseen:
         blocks.append(
             Text(
@@ -68,7 +80,7 @@ def unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | T
                 "where it keeps step with the arm; slow noise, which does not, may exceed the floor."
             )
         )
-    if np.any(ratios > FAR_OFF):
+    if np.any(ratios > FAR_OFF * found.expected):
         blocks.append(Text(MISTAKES))
     if not found.unexplained:
         return [*blocks, Text("No free-form term of the residual is significant.")]

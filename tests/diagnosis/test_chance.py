@@ -25,7 +25,7 @@ def beside_nothing(shop, trial) -> LinearFit:
 
 def test_a_joint_that_lacks_much_hides_no_effect_of_another():
     shop = shop_of(data_set(2, extra=wavy_and_coupled), surrogates=99, refined=4)
-    trial = trial_of(shop, "motor_coupling", (1, 0), (0.0,))
+    trial = trial_of(shop, "motor_coupling", (1, 0), (0.0, 2.0))
     assert set(trial.group) == {0, 1}
     candidate = score(trial, beside_nothing(shop, trial))
     assert p_value_of(shop, candidate, [], shop.physical) < 1e-6

@@ -30,7 +30,7 @@ def coupled(inertia, coulomb):
 )
 def test_drag_alone_is_no_motor(inertia, coulomb, is_none):
     shop = shop_of(data_set(6, extra=coupled(inertia, coulomb), roles=("estimation",) * 2))
-    trial = trial_of(shop, "motor_coupling", (1, 0), (RATIO,))
+    trial = trial_of(shop, "motor_coupling", (1, 0), (RATIO, 2.0))
     found = with_uncertainty(shop, shop.fit([trial], shop.mean, bend=False))
     assert (motorless(found) is trial) is is_none
 

@@ -110,9 +110,9 @@ def test_a_usual_ratio_is_taken_unless_the_data_say_another(true, start, given):
     shop = shop_of(data_set(5, extra=coupled(true)))
     fit = shop.before.fit
     entry = CATALOGUE["motor_coupling"]
-    trial = catalogue_trial(entry, shop.context, (1, 0), (start,), shop.mean.rows)
+    trial = catalogue_trial(entry, shop.context, (1, 0), (start, 2.0), shop.mean.rows)
     found = as_built(shop, [], score(trial, fit), fit)
-    assert found.trial.values == (given,)
+    assert found.trial.values == (given, 2.0)
 
 
 def test_an_arm_may_lack_two_effects_a_joint():

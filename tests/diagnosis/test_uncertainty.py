@@ -152,7 +152,7 @@ def test_others_keep_what_they_are_known_to_once_the_widened_one_is_told():
 def test_a_shape_that_cannot_vary_leaves_what_is_known_of_the_sizes():
     shop = shop_with("coupled")
     # Of a two-joint arm without a wrist the motors' ratio has no range.
-    trial = trial_of(shop, "motor_coupling", (0, 1), (0.0,))
+    trial = trial_of(shop, "motor_coupling", (0, 1), (0.0, 2.0))
     whole = with_uncertainty(shop, shop.fit([trial]))
     deviations = np.sqrt(np.diag(whole.covariances[0]))[:3]
     assert whole.coefficients[0] == pytest.approx([0.03, 0.3, 0.4], abs=4 * deviations.max())

@@ -61,7 +61,7 @@ def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
 
 def test_what_lies_between_two_joints_is_claimed_if_neither_contradicts_it(sprung):
     shop, _ = sprung
-    coupling = trial_of(shop, "motor_coupling", (1, 0), (0.5,))
+    coupling = trial_of(shop, "motor_coupling", (1, 0), (0.5, 2.0))
     selection = Selection.of(shop, [Accepted(coupling, 100.0, 1e-6)], [])
     effect = FoundEffect("motor_coupling", 1, (), 1e-6, 0.5, (), coupling)
     ones = np.ones(2)

@@ -153,6 +153,18 @@ def test_speaks_of_the_recordings_that_there_are(roles, found, tmp_path):
     assert ("none was kept" in html) == (not roles)
 
 
+def test_what_uncertain_parameters_let_expect_is_no_mistake_in_the_files(found, tmp_path):
+    proof = tuple(dataclasses.replace(p, after=30.0 * found.noise_floor) for p in found.proof)
+    far = dataclasses.replace(found, proof=proof, unexplained=())
+    html = write(far, tmp_path)
+    assert "a mistake in the files" in html
+    assert "so uncertain" not in html
+    html = write(dataclasses.replace(far, expected=np.full(2, 20.0)), tmp_path)
+    assert "a mistake in the files" not in html
+    assert "so uncertain" in html
+    assert "is not what happens" not in html
+
+
 def test_says_where_nothing_was_found(found, tmp_path):
     nothing = dataclasses.replace(found, verdict="nothing found", effects=())
     page = Reader(write(nothing, tmp_path))

@@ -25,8 +25,8 @@ from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
-# Error over floor, on recordings that no parameter was fitted to, above which something is missing
-# though no term locates it.
+# Ratio of the error on recordings that no parameter was fitted to, to what may be expected of them,
+# above which something is missing though no term locates it.
 CLEAR_UNSEEN = 2.0
 # Beyond which it is none, whatever noise does: slow noise was read too low by 2.4 at most.
 NO_FLOOR = 3.0
@@ -208,7 +208,8 @@ def describe_unlocated(
         located: What terms say; their joints are not named again.
         left: Lack of fit of the augmented model.
         seen: (n,) its error on the estimation recordings, in noise floors.
-        unseen: (n,) the same of the validation recordings; zero without them.
+        unseen: (n,) that on the validation recordings, over what noise and uncertain parameters
+            let expect; zero without them.
         settings: Level of the tests.
     """
     clear = (left.p_value < settings.level) & (seen > settings.floor_ratio)

@@ -87,7 +87,7 @@ def _factorised(
     joints, rows, count = columns.shape
     lengths = np.where(lengths > 0, lengths, 1.0)
     q, r = np.linalg.qr(columns.reshape(joints * rows, count) / lengths)
-    u, s, vt = np.linalg.svd(r)
+    u, s, vt = np.linalg.svd(r, full_matrices=False)
     kept = s > RANK_TOLERANCE * max(s.max(initial=0.0), 1.0)
     basis = q @ u[:, kept]
     return Projection(basis.reshape(joints, rows, -1), (vt[kept].T / s[kept]) / lengths[:, None])

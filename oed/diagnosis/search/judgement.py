@@ -83,7 +83,7 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(before, folds))
     if others_gain <= 0:
         return f"left-out segments: gain {gain:.3g}, {others_gain:.3g} without the best of them"
-    old, new = shop.foretold(others, [*others, trial])
+    old, new = shop.foretold(others, [*others, trial], as_it_is=trial.is_free_form)
     if old is None or new is None:
         return None
     price = 0.0 if trial.is_free_form and not trial.is_share else PRICE
@@ -91,7 +91,7 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     if not costs(old, new, floor, price):
         return None
     if np.min(new / old) < MUCH_LESS and (moved := shapes_beside(shop, others, trial)):
-        _, best = shop.foretold(others, [*moved, trial])
+        _, best = shop.foretold(others, [*moved, trial], as_it_is=trial.is_free_form)
         if best is not None and not costs(old, best, floor, price):
             return None
     return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"

@@ -54,20 +54,32 @@ def with_own_moments(shop: Workshop, others: Sequence[Trial], found: Score) -> S
         left = _left(shop, others, tried)
         gain = np.sum((as_found - left) / np.maximum(left / _counted(shop), 1.0))
         worth = len(shop.pickups) * _price(shop) - float(gain)
-        if shop.pickups and worth < min(least, 0.0) and _is_held_unseen(shop):
+        if shop.pickups and worth < min(least, 0.0) and _is_shown_unseen(shop, others, left[1]):
             best, least = (tried, shop.pickups), worth
     shop.take_up(best[1])
     return best[0]
 
 
-def _is_held_unseen(shop: Workshop) -> bool:
-    """Whether some validation recording shows a load for a while; True without any.
+def _is_shown_unseen(
+    shop: Workshop, others: Sequence[Trial], left: Float[ndarray, " joints"]
+) -> bool:
+    """Whether validation recordings show a load for a while, or an arm that is rid of it.
 
-    One that is never there again is proven by nothing that it was not fitted to.
+    One that is never there again is proven if without it the arm is as it was before: what was
+    fitted to both foretells neither. True without such recordings.
+
+    Args:
+        shop: The laid-out data, with the load's moments.
+        others: Additions that the load stands beside.
+        left: White squares that it leaves of the validation recordings.
     """
     own = {p.first: p.moment for p in shop.pickups}
     spans = [(float(p.motion.t[0]), float(p.motion.t[-1])) for p in shop.validation]
-    return not spans or any(own.get(first, first) < last for first, last in spans)
+    if not spans or any(own.get(first, first) < last for first, last in spans):
+        return True
+    before = shop.unseen_full.left(shop.fit(others, shop.full, bend=False))
+    unit = np.maximum(left / shop.unseen_full.counted, 1.0)
+    return float(np.sum((before - left) / unit)) > _price(shop)
 
 
 def _with_moments(shop: Workshop, others: Sequence[Trial], start: Score) -> Score:

@@ -154,7 +154,8 @@ class _Bench:
         self._shop, self._others, self._layout = shop, others, shop.layout(trial)
         self._fit = shop.fit(others, self._layout)
         self._joint = next(iter(trial.group))
-        self._plain, _ = shop.foretold(others, [*others, trial])
+        # A curve that claims no physics has to foretell as it is.
+        self._plain, _ = shop.foretold(others, [*others, trial], as_it_is=True)
         self._visited: dict[str, Visited] = {}
 
     def tried(self, terms: Sequence[Trial], *, ending: bool = False) -> list[_Choice]:
@@ -188,7 +189,7 @@ class _Bench:
                 yield _Choice(own, ratio, after / before + ratio**2)
 
     def _ratio(self, found: Augmented) -> float:
-        rms = self._shop.validation_rms(found)
+        rms = self._shop.validation_rms(found, as_it_is=True)
         if self._plain is None or rms is None:
             return 0.0
         return float(rms[self._joint] / self._plain[self._joint])

@@ -182,13 +182,21 @@ class Workshop:
         """Mean repetitions, or all of them if an addition makes them differ."""
         return self.full if any(t.between_repetitions for t in chosen) else self.mean
 
-    def validation_rms(self, found: Augmented) -> Float[ndarray, " joints"] | None:
+    def validation_rms(
+        self, found: Augmented, *, as_it_is: bool = False
+    ) -> Float[ndarray, " joints"] | None:
         """Held-out error of each joint [N m]; None without validation recordings.
 
         With a late torque, as large as if the model made of the noise what it makes without.
+
+        Args:
+            found: A fit.
+            as_it_is: Whether its parameters do not give way, uncertain as they may be.
         """
         if not self.validation:
             return None
+        if not as_it_is:
+            found, _ = self.unseen_by(found.chosen).given_way(found)
         errors = prediction_errors(found, self.validation, self.unseen_full.columns)
         valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
         return rms(valid, self._validation_weights) * self.unseen.share_without_noise(found)
@@ -210,14 +218,17 @@ class Workshop:
         return self.unseen if self.layout_for(chosen) is self.mean else self.unseen_full
 
     def foretold(
-        self, others: Sequence[Trial], chosen: Sequence[Trial]
+        self, others: Sequence[Trial], chosen: Sequence[Trial], *, as_it_is: bool = False
     ) -> list[Float[ndarray, " joints"] | None]:
         """Held-out errors without and with an addition; None without validation recordings.
 
         Of fits to what shows all of them: the mean of repetitions does not tell how they differ.
         """
         layout = self.layout_for(chosen)
-        return [self.validation_rms(self.fit(own, layout, bend=False)) for own in (others, chosen)]
+        return [
+            self.validation_rms(self.fit(own, layout, bend=False), as_it_is=as_it_is)
+            for own in (others, chosen)
+        ]
 
     def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
         """Share by which one of some additions lowers the held-out error of its joints.

@@ -94,17 +94,20 @@ class CrossCoupling(Effect):
 
     For a drive whose friction is recorded on joint j but that also turns when joint i does
     (Janot, Vandanjon and Gautier 2014, the TX40's wrist). Its inertia couples both joints
-    alike, since their kinetic energy has one product I_x dq_i dq_j.
+    alike, since their kinetic energy has one product I_x dq_i dq_j. Where the log has torques of
+    motors and not of joints, joint j's row alone shows it.
 
     Attributes:
         joint: j, whose torque it is.
         other: i, whose motion it follows.
         width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
+        mutual: Whether joint i's row has its share of the inertia.
     """
 
     joint: int
     other: int
     width: float = 0.0
+    mutual: bool = True
     name = "motor_coupling"
 
     def __post_init__(self) -> None:
@@ -122,11 +125,11 @@ class CrossCoupling(Effect):
     def depends_on(self) -> tuple[str, ...]:
         """Velocity of the other joint, accelerations of both."""
         j, i = self.joint + 1, self.other + 1
-        return (f"dq_{i}", f"ddq_{i}", f"ddq_{j}")
+        return (f"dq_{i}", f"ddq_{i}", *((f"ddq_{j}",) if self.mutual else ()))
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """ddq_i, dq_i and sgn(dq_i) on joint j, and ddq_j on joint i."""
         j, i = self.joint, self.other
         speed = state.dq[i]
-        inertia = {j: state.ddq[i], i: state.ddq[j]}
+        inertia = {j: state.ddq[i], **({i: state.ddq[j]} if self.mutual else {})}
         return [inertia, {j: speed}, {j: state.sign(speed, self.width)}]

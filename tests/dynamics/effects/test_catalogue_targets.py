@@ -28,7 +28,7 @@ def test_a_motor_couples_neighbours_or_joints_of_a_wrist():
 @pytest.mark.parametrize("ratio", [0.0, 0.3])
 def test_a_coupled_joint_has_in_its_row_the_friction_of_anothers_motor(ratio):
     robot = imi_scara()
-    coupling = CATALOGUE["motor_coupling"].build(context_of(robot), (0, 1), (ratio,))
+    coupling = CATALOGUE["motor_coupling"].build(context_of(robot), (0, 1), (ratio, 2.0))
     motion = smooth_motion(robot)
     state = State(motion.t, *motion.components)
     _, viscous, _ = coupling.entries(state)
@@ -54,7 +54,7 @@ def test_the_torque_of_reference_holds_what_was_found_so_far():
 def reason_against(ratio, *estimates):
     """Why inertia, viscous and Coulomb friction cannot be those of a motor of joints 5 and 7."""
     context = context_of(panda())
-    return CATALOGUE["motor_coupling"].plausible(context, (4, 6), (ratio,), np.array(estimates))
+    return CATALOGUE["motor_coupling"].plausible(context, (4, 6), (ratio, 2.0), np.array(estimates))
 
 
 def test_beside_a_motors_friction_its_inertia_may_be_noise():

@@ -23,6 +23,7 @@ FALLING = 0.5  # share of its friction at rest that a motor may lose at top spee
 SMALL = 0.1  # of what else a motor does, up to which a part of it may be noise
 # Of one that turns with both alike, the outer joint is named: each would do. Ratios meet in between.
 ALIKE = 0.9
+BOTH_ROWS = 2.0  # that show the inertia of a motor; one if the log has torques of motors
 LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
 
 
@@ -65,16 +66,16 @@ def _coupling(
     joint, other = pair_of(target)
     width = max(context.sign_width(joint), context.sign_width(other))
     if abs(values[0]) < ONE_WAY:
-        return CrossCoupling(joint, other, width)
+        return CrossCoupling(joint, other, width, mutual=round(values[1]) == BOTH_ROWS)
     return MotorCoupling((joint, other), (values[0], 1.0), width)
 
 
 def _ratios(_context: Context, target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     joint, other = pair_of(target)
-    (ratio,) = shapes
+    ratio, rows = shapes
     if joint < other:
-        return (dataclasses.replace(ratio, lower=-ALIKE, upper=ALIKE, usual=()),)
-    return (dataclasses.replace(ratio, lower=-1 / ALIKE, upper=1 / ALIKE),)
+        return dataclasses.replace(ratio, lower=-ALIKE, upper=ALIKE, usual=()), rows
+    return dataclasses.replace(ratio, lower=-1 / ALIKE, upper=1 / ALIKE), rows
 
 
 def _coupling_plausible(
@@ -130,7 +131,10 @@ MOTOR_COUPLING = CatalogueEntry(
     name="motor_coupling",
     families=("acceleration",),
     scope="pair",
-    shapes=(Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0, usual=(-1.0, 1.0)),),
+    shapes=(
+        Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0, usual=(-1.0, 1.0)),
+        Shape("rows", "1", 1.0, BOTH_ROWS, "formula", 1, BOTH_ROWS),
+    ),
     build=_coupling,
     plausible=_coupling_plausible,
     narrow=_ratios,
@@ -138,11 +142,12 @@ MOTOR_COUPLING = CatalogueEntry(
     holds=("rotor_inertia",),
     page=EffectPage(
         equation="on joint j, r times what is on joint i: I_a u' + F_v u + F_c sgn u, u = dq_i + r "
-        "dq_j; at r = 0: I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j, I_x ddq_j on joint i",
+        "dq_j; at r = 0: I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j, I_x ddq_j on joint i; of "
+        "motors' torques on joint j alone",
         source="Janot, Vandanjon, Gautier 2014, IEEE Trans. Control Systems Technology 22(1), "
         "132-145 (wrist of the Stäubli TX40)",
         parameters="inertia in kg m², viscous in N m s/rad and Coulomb friction in N m of the "
-        "coupled motor; ratio r",
+        "coupled motor; ratio r; rows that show the inertia at r = 0",
         signature="the residual of one joint follows another joint's velocity and acceleration",
         confused_with=("torque_gain", "rotor_inertia"),
         exposed_by="moving one joint at a time",
