@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
-from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN
+from oed.diagnosis.evidence.unlocated import CLEAR_UNSEEN
 from oed.diagnosis.rivals.discrimination import NextExperiment, design_discriminating
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.catalogue import CATALOGUE

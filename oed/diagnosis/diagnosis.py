@@ -19,26 +19,23 @@ from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of
-from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error, lack_of_fit
+from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.evidence.own_time import in_own_time
 from oed.diagnosis.evidence.proof import RoleProof, prove
 from oed.diagnosis.evidence.taken_up import with_moments_of
+from oed.diagnosis.evidence.unlocated import expected_unseen, unlocated
 from oed.diagnosis.evidence.verdict import (
-    CLEAR_UNSEEN,
-    NO_FLOOR,
     FoundEffect,
     Outcome,
     Unexplained,
     decide,
     describe_unexplained,
-    describe_unlocated,
     riddles,
 )
 from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.finding import Finding, find, uncontradicted
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.accepted import Refused
-from oed.diagnosis.search.chance import keeps_step, keeps_step_unseen
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
@@ -196,21 +193,8 @@ def _conclude(
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
     errors = Errors.of(proof, floor)
-    seen, unseen = errors.seen, errors.unseen
-    whole = shop.fit(selection.trials, bend=False).fit
-    expected = foretold_error(whole, shop.unseen_full.white)
-    # Noise is as loud there as where the model was fitted, slow noise too.
-    foretold = np.maximum(seen, 1.0) * expected
-    unexplained += tuple(
-        u
-        for u in describe_unlocated(
-            riddles(effects, unexplained), left, seen, unseen / foretold, settings
-        )
-        if keeps_step(shop, selection.trials, u.joint)
-        or min(seen[u.joint], unseen[u.joint]) > NO_FLOOR
-        or unseen[u.joint] > NO_FLOOR * foretold[u.joint]
-        or (unseen[u.joint] > CLEAR_UNSEEN and keeps_step_unseen(shop, selection.trials, u.joint))
-    )
+    riddling = riddles(effects, unexplained)
+    unexplained += tuple(unlocated(shop, selection.trials, riddling, left, errors))
     effects, unexplained = withheld(shop, selection, effects, unexplained, errors)
     return Diagnosis(
         verdict=decide(effects, unexplained),
@@ -221,7 +205,7 @@ def _conclude(
         proof=proof,
         noise_floor=floor,
         noise_source=baseline.floor.source,
-        expected=expected,
+        expected=expected_unseen(shop, selection.trials),
         lack_before=lack_of_fit(before.fit, freedom),
         lack_after=left,
         dependences=dependences(estimation, old),

@@ -8,7 +8,8 @@ import numpy as np
 
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import error_in_floors
-from oed.diagnosis.evidence.verdict import CLEAR_UNSEEN, Unexplained
+from oed.diagnosis.evidence.unlocated import CLEAR_UNSEEN
+from oed.diagnosis.evidence.verdict import Unexplained
 from oed.diagnosis.evidence.withheld import MOSTLY, SURELY
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.report.page import Picture, Table, Text

@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from oed.diagnosis import diagnosis as module
 from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.evidence import unlocated
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError
@@ -174,14 +174,14 @@ def test_says_that_something_is_there_which_the_validation_recordings_alone_show
 
 
 def test_what_is_far_above_the_floor_is_said_though_noise_might_change_as_slowly(monkeypatch):
-    monkeypatch.setattr(module, "keeps_step", lambda *_: False)
+    monkeypatch.setattr(unlocated, "keeps_step", lambda *_: False)
     dataset = data_set(0, extra=lambda q, dq, ddq: [4.0, 0.0] * np.sin(3 * q), repetitions=1)
     model = TorqueModel.standard(dataset.robot)
     found = diagnose(dataset, model, dataclasses.replace(FAST, max_effects=0))
     proof = {p.role: p.after / found.noise_floor for p in found.proof}
-    assert min(proof["estimation"][0], proof["validation"][0]) > module.NO_FLOOR
+    assert min(proof["estimation"][0], proof["validation"][0]) > unlocated.NO_FLOOR
     assert found.verdict == "unexplained"
-    assert [(u.joint, u.depends_on) for u in found.unexplained] == [(0, ())]
+    assert [(u.joint, u.depends_on) for u in found.unexplained] == [(0, ("time",))]
 
 
 def test_says_that_friction_comes_and_goes():

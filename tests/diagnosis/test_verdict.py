@@ -5,11 +5,11 @@ import pytest
 
 from oed.diagnosis.evidence.contenders import Rival
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error
+from oed.diagnosis.evidence.unlocated import describe_unlocated
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     Unexplained,
     decide,
-    describe_unlocated,
     outdone,
     preferred_rival,
 )

@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
 
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated, estimates
-from oed.diagnosis.evidence.lack_of_fit import LackOfFit
 from oed.diagnosis.search.leftovers import is_own
 from oed.diagnosis.search.margin import are_lags, is_of_kind
 from oed.diagnosis.search.selected import Selection
@@ -20,16 +17,10 @@ from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
-# Ratio of the error on recordings that no parameter was fitted to, to what may be expected of them,
-# above which something is missing though no term locates it.
-CLEAR_UNSEEN = 2.0
-# Beyond which it is none, whatever noise does: slow noise was read too low by 2.4 at most.
-NO_FLOOR = 3.0
 
 
 @dataclass(frozen=True)
@@ -189,36 +180,6 @@ def describe_unexplained(shop: Workshop, selection: Selection) -> tuple[Unexplai
             )
         )
     return tuple(result)
-
-
-def describe_unlocated(
-    located: Sequence[Unexplained],
-    left: LackOfFit,
-    seen: Float[ndarray, " joints"],
-    unseen: Float[ndarray, " joints"],
-    settings: DiagnosisSettings,
-) -> tuple[Unexplained, ...]:
-    """Joints of which too much is left, and of no term that was tried.
-
-    A lack of fit counts only where the error shows it too: what is clear in the mean of many
-    repetitions may be little beside the noise of any, and a floor that was not read off
-    repetitions is itself uncertain by some tenths.
-
-    Args:
-        located: What terms say; their joints are not named again.
-        left: Lack of fit of the augmented model.
-        seen: (n,) its error on the estimation recordings, in noise floors.
-        unseen: (n,) that on the validation recordings, over what noise and uncertain parameters
-            let expect; zero without them.
-        settings: Level of the tests.
-    """
-    clear = (left.p_value < settings.level) & (seen > settings.floor_ratio)
-    missing = set(np.flatnonzero(clear | (unseen > CLEAR_UNSEEN))) - {u.joint for u in located}
-    shares = 1 - 1 / np.maximum(np.maximum(seen, unseen), 1.0) ** 2
-    return tuple(
-        Unexplained(int(j), (), float(shares[j]), "no term that was tried", stands_in=False)
-        for j in sorted(missing)
-    )
 
 
 def riddles(

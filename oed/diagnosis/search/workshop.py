@@ -185,18 +185,14 @@ class Workshop:
     def validation_rms(
         self, found: Augmented, *, as_it_is: bool = False
     ) -> Float[ndarray, " joints"] | None:
-        """Held-out error of each joint [N m]; None without validation recordings.
+        """Held-out error of each joint [N m], of a fit `as_it_is` or as its parameters give way.
 
-        With a late torque, as large as if the model made of the noise what it makes without.
-
-        Args:
-            found: A fit.
-            as_it_is: Whether its parameters do not give way, uncertain as they may be.
+        None without validation recordings. With a late torque, as large as if the model made of
+        the noise what it makes without.
         """
         if not self.validation:
             return None
-        if not as_it_is:
-            found, _ = self.unseen_by(found.chosen).given_way(found)
+        found = found if as_it_is else self.unseen_by(found.chosen).given_way(found)[0]
         errors = prediction_errors(found, self.validation, self.unseen_full.columns)
         valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
         return rms(valid, self._validation_weights) * self.unseen.share_without_noise(found)
@@ -225,10 +221,8 @@ class Workshop:
         Of fits to what shows all of them: the mean of repetitions does not tell how they differ.
         """
         layout = self.layout_for(chosen)
-        return [
-            self.validation_rms(self.fit(own, layout, bend=False), as_it_is=as_it_is)
-            for own in (others, chosen)
-        ]
+        fits = (self.fit(own, layout, bend=False) for own in (others, chosen))
+        return [self.validation_rms(fit, as_it_is=as_it_is) for fit in fits]
 
     def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
         """Share by which one of some additions lowers the held-out error of its joints.
