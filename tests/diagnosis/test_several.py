@@ -5,6 +5,7 @@ import pytest
 
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.search import name_search, selection
+from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.usual import as_built
@@ -113,6 +114,22 @@ def test_a_usual_ratio_is_taken_unless_the_data_say_another(true, start, given):
     trial = catalogue_trial(entry, shop.context, (1, 0), (start, 2.0), shop.mean.rows)
     found = as_built(shop, [], score(trial, fit), fit)
     assert found.trial.values == (given, 2.0)
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_a_coupling_is_told_by_the_rows_that_show_its_inertia(rows):
+    """Motors' torques show it in one; to those of joints both have the same."""
+
+    def coupling(q, dq, ddq):
+        other = ddq[:, 1] if rows == 2 else np.zeros(len(q))
+        return 0.3 * np.stack([other, ddq[:, 0]], axis=1)
+
+    shop = shop_of(data_set(5, extra=coupling), candidates=("motor_coupling", "torque_gain"))
+    found = ranked(shop, shop.physical, (), 3)[0]
+    assert found.trial.name == "motor_coupling"
+    assert found.trial.target in ([(1, 0)] if rows == 1 else [(1, 0), (0, 1)])
+    assert found.trial.values[1] == rows
+    assert found.coefficients[0] == pytest.approx(0.3, rel=0.05)
 
 
 def test_an_arm_may_lack_two_effects_a_joint():

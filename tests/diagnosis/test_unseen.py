@@ -10,36 +10,31 @@ from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
 
-def stacked(shop, trials):
-    """White columns and torque of both motions, one below the other; reversals of the first alone."""
-    rows, unseen = shop.mean.rows, shop.unseen.rows
-    joints = shop.context.n
-    seen = [shop.mean.regressor, shop.mean.nuisances]
-    other = [shop.unseen.white, np.zeros((joints, unseen.count, shop.mean.nuisances.shape[2]))]
-    for trial in trials:
-        seen.append(dense(trial, joints, rows.count))
-        there = dataclasses.replace(trial, group=white_group(trial.effect, unseen))
-        other.append(dense(there, joints, unseen.count))
-    columns = [np.concatenate(c, axis=2) for c in (seen, other)]
-    columns = [c.reshape(-1, c.shape[2]) for c in columns]
-    torques = [shop.mean.torque.ravel(), unseen.torque().ravel()]
-    return np.vstack(columns), np.concatenate(torques)
-
-
 @pytest.mark.parametrize("names", [(), ("stribeck",), ("stribeck", "torque_offset")])
-def test_both_motions_are_left_what_a_fit_to_both_leaves(names):
+def test_both_motions_are_left_what_a_fit_of_the_base_model_to_both_leaves(names):
+    """What was added stays as the first motion has it."""
     shop = shop_of(data_set(2, extra=stribeck(1.0), repetitions=1))
+    joints, seen, unseen = shop.context.n, shop.mean, shop.unseen
     trials = [trial_of(shop, name, joint) for joint, name in enumerate(names)]
-    found = shop.fit(trials, shop.mean, bend=False)
-    columns, torque = stacked(shop, trials)
-    lengths = np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
-    best = np.linalg.lstsq(columns / lengths, torque, rcond=1e-9)[0]
-    left = float(np.sum((torque - columns / lengths @ best) ** 2))
+    found = shop.fit(trials, seen, bend=False)
+    torque = [seen.torque.copy(), unseen.rows.torque()]
+    for trial, coefficients in zip(trials, found.coefficients, strict=True):
+        there = dataclasses.replace(trial, group=white_group(trial.effect, unseen.rows))
+        torque[0] -= dense(trial, joints, seen.rows.count) @ coefficients
+        torque[1] -= dense(there, joints, unseen.rows.count) @ coefficients
+    # Reversals are nothing of the arm: the first motion's are fitted, others not.
+    idle = np.zeros((joints, unseen.rows.count, seen.nuisances.shape[2]))
+    blocks = ([seen.regressor, seen.nuisances], [unseen.white, idle])
+    whole = [np.concatenate(b, axis=2) for b in blocks]
+    columns = np.vstack([c.reshape(-1, c.shape[2]) for c in whole])
+    columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
+    flat = np.concatenate([t.ravel() for t in torque])
+    left = np.sum((flat - columns @ np.linalg.lstsq(columns, flat, rcond=1e-9)[0]) ** 2)
     assert found.fit.squares + shop.unseen.left(found).sum() == pytest.approx(left, rel=1e-6)
-    # It foretells that motion at once better than as it was, and worse than a fit to it alone.
-    as_it_was = np.sum(shop.unseen.errors(found) ** 2)
     moved, price = shop.unseen.given_way(found)
-    assert np.sum(shop.unseen.errors(moved) ** 2) + price.sum() < as_it_was
+    assert np.sum(shop.unseen.errors(moved) ** 2) + price.sum() < np.sum(
+        shop.unseen.errors(found) ** 2
+    )
     assert np.all(price >= 0)
 
 

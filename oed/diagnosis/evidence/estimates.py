@@ -13,7 +13,9 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.shape_axes import axis_slope
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.entries.motor import ONE_WAY
 from oed.dynamics.effects.gravity import tilt_directions
+from oed.dynamics.effects.motor import CrossCoupling
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import since
 
@@ -90,6 +92,8 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
             lead = shop.full.rows.prepared[
                 0
             ].band.edge  # since the log's first sample, not since the first that is used
+        if isinstance(trial.effect, CrossCoupling) and shape.name == "ratio":
+            std = max(std, ONE_WAY / np.sqrt(3))  # all that are so small are one
         # A shape can be no less certain than anywhere in its range.
         spread = (shape.upper - shape.lower) / np.sqrt(12)
         found.append(Estimated(shape.name, value + lead, min(std, float(spread)), shape.unit))

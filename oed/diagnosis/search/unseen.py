@@ -1,10 +1,10 @@
 """White rows of recordings that no fit has seen, and what a fit leaves of them.
 
 Where a motion leaves parameters uncertain, a fit to it foretells another one badly whatever is
-missing, and whether an addition mends that is chance. So its parameters give way there, at the
+missing, and whether an addition mends that is chance. So base parameters give way there, at the
 price of what they then explain less where they were fitted: as much in all as a fit to both would
 leave more than one to the first (Plackett 1950, "Some theorems in least squares", Biometrika 37).
-Parameters that a motion determines well hardly give way.
+What a motion determines well hardly gives way, and what was added has to foretell as it is.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from oed.diagnosis.fit.motion_noise import calmed
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.predict import prediction_errors
 from oed.diagnosis.search.workbench import Augmented, lags_of, mean_rows
-from oed.diagnosis.terms.trials import dense, white_group
 
 LEAST_SHARE = 0.1  # of the squares that is left of them without noise
 
@@ -92,36 +91,27 @@ class Unseen:
         return np.sqrt(np.maximum(left + other, LEAST_SHARE * left) / left)
 
     def left(self, found: Augmented) -> Float[ndarray, " joints"]:
-        """(n,) squares that a fit leaves of each joint's white rows, as its parameters give way."""
+        """(n,) squares that a fit leaves of each joint's white rows, as base parameters give way."""
         moved, price = self.given_way(found)
         return np.sum(self.errors(moved) ** 2, axis=1) + price
 
     def given_way(self, found: Augmented) -> tuple[Augmented, Float[ndarray, " joints"]]:
-        """A fit with the parameters that leave least in all, and what they cost.
+        """A fit with the base parameters that leave least in all, and what they cost.
 
         Returns:
             The fit, and (n,) by how much it leaves more of the rows that it was made on.
         """
         if self.rows is None:
             return found, np.zeros(self.joints)
-        fit, free = found.fit, [t for t in found.chosen if not t.fixed]
-        here = (replace(t, group=white_group(t.effect, self.rows)) for t in free)
-        added = [dense(t, self.joints, self.rows.count) for t in here]
-        columns = np.concatenate([self.white, *added], axis=2)
-        count = columns.shape[2]
-        inverse = fit.projection.inverse[:count]
-        # In the coordinates of its own span a fit has unit covariance.
-        slopes = (columns @ inverse).reshape(-1, inverse.shape[1])
+        fit, count = found.fit, self.white.shape[2]
+        # In the coordinates of its own span a fit has unit covariance; those of the base model
+        # come first, and no addition has a share of them.
+        base = ~fit.projection.inverse[count:].any(axis=0)
+        inverse = fit.projection.inverse[:count, base]
+        slopes = (self.white @ inverse).reshape(-1, inverse.shape[1])
         normal = slopes.T @ slopes + np.eye(slopes.shape[1])
         shift = np.linalg.solve(normal, slopes.T @ self.errors(found).ravel())
         parameters = fit.parameters.copy()
         parameters[:count] += inverse @ shift
-        coefficients, start = [], self.white.shape[2]
-        for trial, own in zip(found.chosen, found.coefficients, strict=True):
-            stop = start if trial.fixed else start + len(own)
-            coefficients.append(own if trial.fixed else parameters[start:stop])
-            start = stop
-        moved = replace(
-            found, fit=replace(fit, parameters=parameters), coefficients=tuple(coefficients)
-        )
-        return moved, np.sum((fit.projection.basis @ shift) ** 2, axis=1)
+        moved = replace(found, fit=replace(fit, parameters=parameters))
+        return moved, np.sum((fit.projection.basis[:, :, base] @ shift) ** 2, axis=1)

@@ -123,6 +123,9 @@ def test_coupling_is_the_other_joints_motion_and_its_inertia_is_mutual() -> None
     assert columns[:, 0] == pytest.approx(expected)
     assert columns[:, 1, 0] == pytest.approx(MOTION.ddq[:, 0])
     assert not columns[:, 1, 1:].any()
+    one_row = evaluate(CrossCoupling(0, 1, mutual=False), MOTION, 2)
+    assert one_row[:, 0] == pytest.approx(columns[:, 0])
+    assert not one_row[:, 1].any()
     with pytest.raises(ValueError, match="itself"):
         CrossCoupling(1, 1)
 

@@ -133,7 +133,7 @@ MOTOR_COUPLING = CatalogueEntry(
     scope="pair",
     shapes=(
         Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0, usual=(-1.0, 1.0)),
-        Shape("rows", "1", 1.0, BOTH_ROWS, "formula", 1, BOTH_ROWS),
+        Shape("rows", "1", 1.0, BOTH_ROWS, "formula", 1, BOTH_ROWS, also=(1.0,)),
     ),
     build=_coupling,
     plausible=_coupling_plausible,
