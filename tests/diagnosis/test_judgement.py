@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.diagnosis import diagnose
-from oed.diagnosis.search import selection
+from oed.diagnosis.evidence import naming
+from oed.diagnosis.search import paying, selection
 from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.judgement import PRICE, WORSE, costs
 from oed.diagnosis.search.leftovers import too_little
 from oed.diagnosis.search.open_shapes import shapes_beside
 from oed.diagnosis.search.scan import at_rest, score
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, RATE, VISCOUS, data_set, rigid, stribeck
@@ -140,7 +140,7 @@ def test_a_wrong_formula_is_not_mended_by_an_offset():
 
 
 def test_a_name_that_foretells_less_than_nothing_goes(monkeypatch):
-    own = Workshop.validation_gain
+    own = paying.validation_gain
 
     def harmed(shop, standing, trial):
         return -0.05 if trial.name == "torque_offset" else own(shop, standing, trial)
@@ -153,7 +153,7 @@ def test_a_name_that_foretells_less_than_nothing_goes(monkeypatch):
     )
     model = TorqueModel.standard(dataset.robot)
     assert [e.name for e in diagnose(dataset, model, settings).effects] == ["torque_offset"]
-    monkeypatch.setattr(Workshop, "validation_gain", harmed)
+    monkeypatch.setattr(naming, "validation_gain", harmed)
     found = diagnose(dataset, model, settings)
     assert not found.effects
     assert "torque_offset" in {r.name for r in found.refused}

@@ -24,6 +24,7 @@ from oed.diagnosis.evidence.verdict import (
 )
 from oed.diagnosis.search.exchange import foretelling
 from oed.diagnosis.search.judgement import WORSE, costs
+from oed.diagnosis.search.paying import validation_gain
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.ripening import is_late
 from oed.diagnosis.search.selected import Selection
@@ -124,7 +125,7 @@ def _harmful(shop: Workshop, chosen: tuple[Trial, ...]) -> Trial | None:
     for trial in chosen:
         if trial.is_free_form or (trial.name == GRAVITY and shop.is_turned):
             continue
-        gain = shop.validation_gain(chosen, trial)
+        gain = validation_gain(shop, chosen, trial)
         if gain is not None and gain < 1 - WORSE:
             return trial
     return None

@@ -12,6 +12,7 @@ from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated, estimates
 from oed.diagnosis.search.leftovers import is_own
 from oed.diagnosis.search.margin import are_lags, is_of_kind
+from oed.diagnosis.search.paying import validation_gain
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import GRAVITY
@@ -97,7 +98,7 @@ def describe_effects(
                 validation_gain=(
                     validation_gain_of_tilt(shop, others)
                     if trial.name == GRAVITY and shop.is_turned
-                    else shop.validation_gain([*others, trial], trial)
+                    else validation_gain(shop, [*others, trial], trial, as_it_is=True)
                 ),
                 rivals=find_rivals(shop, own, others),
                 trial=trial,

@@ -12,6 +12,7 @@ from oed.diagnosis.search.free_form_rivals import FULLER, in_more_terms
 from oed.diagnosis.search.judgement import share_needed
 from oed.diagnosis.search.leftovers import COVERED, gain_at, is_own
 from oed.diagnosis.search.margin import is_of_kind
+from oed.diagnosis.search.paying import validation_gain
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import inflation_of, score
 from oed.diagnosis.search.telling import foretells_most
@@ -123,7 +124,7 @@ def drop_superfluous(
         needed = (without.fit.squares - whole.fit.squares) / chance + max(
             float(foretold.sum()), 0.0
         )
-        predicts = shop.validation_gain([a.trial for a in standing], item.trial)
+        predicts = validation_gain(shop, [a.trial for a in standing], item.trial)
         # Where the error is far above the noise, as much noise is a smaller share of it.
         joints = list(item.trial.group)
         loud = max(float((left / unseen.counted)[joints].mean()), 1.0)

@@ -224,18 +224,6 @@ class Workshop:
         fits = (self.fit(own, layout, bend=False) for own in (others, chosen))
         return [self.validation_rms(fit, as_it_is=as_it_is) for fit in fits]
 
-    def validation_gain(self, standing: Sequence[Trial], trial: Trial) -> float | None:
-        """Share by which one of some additions lowers the held-out error of its joints.
-
-        The error is each joint's root mean square over its own without the addition; None
-        without validation recordings.
-        """
-        old, new = self.foretold([t for t in standing if t.key != trial.key], standing)
-        if new is None or old is None:
-            return None
-        joints = list(trial.group)
-        return float(1 - np.sqrt(np.mean((new[joints] / old[joints]) ** 2)))
-
     @cached_property
     def physical(self) -> tuple[Trial, ...]:
         """Every candidate of the catalogue, everywhere, over the grid of its shapes."""
