@@ -129,7 +129,7 @@ def test_what_one_motion_leaves_open_of_a_gap_is_decided_by_another():
     found = decided(shop, (), begun)
 
     def foretold(trial):
-        errors = shop.validation_rms(shop.fit([trial], bend=False))
+        errors = shop.validation_rms(shop.fit([trial], bend=False), as_it_is=True)
         return errors / shop.baseline.floor.deviation
 
     assert found.trial.decided

@@ -254,8 +254,8 @@ def test_what_repetitions_differ_by_foretells_from_all_of_them():
     there = dataclasses.replace(load, values=(14.0, 1.0))
     known = moved(there, shop.full.rows, shop.context, contrast=load.contrast)
     spring = next(t for t in shop.physical if t.key == ("joint_spring", 0))
-    of_mean = shop.validation_rms(shop.fit([known], shop.mean, bend=False))
-    without, beside = shop.foretold([known], [known, spring])
+    of_mean = shop.validation_rms(shop.fit([known], shop.mean, bend=False), as_it_is=True)
+    without, beside = shop.foretold([known], [known, spring], as_it_is=True)
     assert without[0] < 0.7 * of_mean[0]
     # A spring that is not there changes nothing.
     assert beside == pytest.approx(without, rel=0.02)
