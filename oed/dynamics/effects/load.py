@@ -12,30 +12,38 @@ from oed.dynamics.scalars import Scalar, add, is_zero, magnitude, mul, power, si
 
 @dataclass(frozen=True)
 class LoadFriction(Effect):
-    """mu |tau_load| sgn(dq_j), friction of gears and bearings under load.
+    """mu |tau_load| sgn(dq_j), friction of gears and bearings under load, to second order if asked.
 
     Gogoussis and Donath 1988; Hamon, Gautier and Garrec 2010; Bittencourt and Gunnarsson
     2012. The load is tau_rigid + share * (the rest of the modelled torque): the torque at the
     gear's output for share 0, at its input for 1. A negative share is that of the inertial torque
-    that it lacks: the weight alone for -1, which is what static tests see.
+    that it lacks: the weight alone for -1, which is what static tests see. Where teeth and rollers
+    are pressed harder than in proportion, mu_more |tau_load / tau_peak| |tau_load| sgn(dq_j) adds to it.
 
     Attributes:
         joint: Index of the joint.
         reference: Gives the load.
         share: Of friction in the load, 0 to 1; of what the load lacks of inertial torque, 0 to -1.
         width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
+        peak: tau_peak [N m] of the term of second order; None without that term.
     """
 
     joint: int
     reference: ReferenceTorque
     share: float = 0.0
     width: float = 0.0
+    peak: float | None = None
     name = "load_dependent_friction"
+
+    def __post_init__(self) -> None:
+        if self.peak is not None and self.peak <= 0:
+            raise ValueError(f"{self.peak=} must be positive")
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The coefficient mu."""
-        return (Parameter(f"mu_{self.joint + 1}", "1", self.joint),)
+        """The coefficient mu, and mu_more."""
+        names = ("mu",) if self.peak is None else ("mu", "mu_more")
+        return tuple(Parameter(f"{name}_{self.joint + 1}", "1", self.joint) for name in names)
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -43,7 +51,7 @@ class LoadFriction(Effect):
         return (f"tau_{self.joint + 1}", f"dq_{self.joint + 1}")
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """|tau_load| sgn(dq_j)."""
+        """|tau_load| sgn(dq_j), and that times |tau_load| / tau_peak."""
         load = self.reference.rigid(state)[self.joint]
         if self.share > 0:
             rest = self.reference.beside_rigid(state)[self.joint]
@@ -52,7 +60,11 @@ class LoadFriction(Effect):
             weight = self.reference.weight(state)[self.joint]
             load = add(mul(1 + self.share, load), mul(-self.share, weight))
         direction = state.sign(state.dq[self.joint], self.width)
-        return [{self.joint: mul(_magnitude(load), direction)}]
+        friction = mul(_magnitude(load), direction)
+        if self.peak is None:
+            return [{self.joint: friction}]
+        more = mul(_magnitude(load) / self.peak, friction)
+        return [{self.joint: friction}, {self.joint: more}]
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,26 @@ def test_load_friction_follows_either_load(share: float, load: np.ndarray) -> No
     assert column == pytest.approx(np.abs(load[:, 1]) * np.sign(MOTION.dq[:, 1]), abs=1e-10)
 
 
+def test_load_friction_may_grow_faster_than_the_load() -> None:
+    friction = LoadFriction(1, CONTEXT.reference, 1.0, peak=8.0)
+    columns = evaluate(friction, MOTION, 2)[:, 1]
+    direction = np.sign(MOTION.dq[:, 1])
+    expected = np.stack([np.abs(TOTAL[:, 1]) * direction, TOTAL[:, 1] ** 2 / 8.0 * direction], 1)
+    assert columns == pytest.approx(expected, abs=1e-10)
+    with pytest.raises(ValueError, match="peak"):
+        LoadFriction(1, CONTEXT.reference, peak=0.0)
+
+
+@pytest.mark.parametrize(
+    ("estimates", "plausible"),
+    [([0.0, 0.1], True), ([-0.02, 0.1], True), ([-0.12, 0.2], False), ([0.2, -0.3], False)],
+)
+def test_load_friction_brakes_under_load(estimates: list[float], *, plausible: bool) -> None:
+    entry = CATALOGUE["load_dependent_friction"]
+    reason = entry.plausible(CONTEXT, 1, (0.0, 2.0), np.array(estimates))
+    assert (reason is None) is plausible
+
+
 @pytest.mark.parametrize(("share", "inertial"), [(-1.0, 0.0), (-0.25, 0.75)])
 def test_of_a_load_the_weight_alone_may_count(share: float, inertial: float) -> None:
     arm = panda()

@@ -26,8 +26,9 @@ SHARES = 21  # of the peak, at which a saturation of two terms is looked at
 
 
 def _load_friction(context: Context, target: Target, values: tuple[float, ...]) -> LoadFriction:
-    joint = joint_of(target)
-    return LoadFriction(joint, context.reference, values[0], context.sign_width(joint))
+    joint, (share, terms) = joint_of(target), values
+    peak = peak_torque(context, joint) if terms > 1 else None
+    return LoadFriction(joint, context.reference, share, context.sign_width(joint), peak)
 
 
 def _load_friction_plausible(
@@ -36,11 +37,13 @@ def _load_friction_plausible(
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    share = float(estimates[0])
+    at_peak = float(estimates.sum())
     return first_reason(
         [
-            positive(share, "mu", "1"),
-            at_most(share, 0.6, "mu", "1", "the loss of a gear that hardly turns back"),
+            positive(at_peak, "mu at the peak", "1"),
+            at_most(at_peak, 0.6, "mu", "1", "the loss of a gear that hardly turns back"),
+            # Beside Coulomb friction a small load may take a little of it away.
+            positive(at_peak + float(estimates[0]), "mu at half of the peak", "1"),
         ]
     )
 
@@ -49,16 +52,20 @@ LOAD_DEPENDENT_FRICTION = CatalogueEntry(
     name="load_dependent_friction",
     families=("friction over position",),
     scope="joint",
-    shapes=(Shape("share", "1", -1.0, 1.0, "linear", 3, 0.0),),
+    shapes=(
+        Shape("share", "1", -1.0, 1.0, "linear", 3, 0.0),
+        Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0),
+    ),
     build=_load_friction,
     plausible=_load_friction_plausible,
     page=EffectPage(
-        equation="μ |τ_rigid + ρ τ_rest| s; for negative ρ: μ |τ_weight + (1 + ρ) τ_inertial| s",
+        equation="μ |τ_l| s with the load τ_l = τ_rigid + ρ τ_rest; for negative ρ τ_weight + "
+        "(1 + ρ) τ_inertial; to second order with μ' τ_l² / τ_peak s",
         source="Gogoussis and Donath 1988, IEEE Int. Conf. Robotics and Automation; Hamon, Gautier, "
         "Garrec 2010, IEEE/RSJ IROS, 6187-6193; Bittencourt and Gunnarsson 2012, J. Dynamic "
         "Systems, Measurement, and Control 134(5)",
         parameters="μ 0.02 to 0.12; ρ 0 (load at the gear's output) to 1 (at its input), or to -1 "
-        "(the weight alone)",
+        "(the weight alone); μ' where friction grows faster than the load",
         signature="friction grows with the load; turns its sign with the velocity",
         confused_with=("torque_saturation", "torque_gain", "position_dependent_friction"),
         exposed_by="a payload; both directions at high and at low load",
