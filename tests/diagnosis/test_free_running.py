@@ -39,6 +39,22 @@ def test_noise_has_no_line(pole, repetitions):
     assert alarms <= 4
 
 
+def test_noise_that_grows_towards_slow_has_no_line_of_a_few_cycles():
+    """Sensors flicker: power goes with one over the frequency."""
+    rng = np.random.default_rng(5)
+    frequency = np.fft.rfftfreq(SAMPLES, 1 / RATE)
+    slope = (1 + frequency / 0.05) ** -0.6
+
+    def flicker():
+        return np.fft.irfft(
+            slope[:, None] * np.fft.rfft(rng.normal(size=(SAMPLES, 2)), axis=0), axis=0
+        )
+
+    short = 600  # samples: a line of 0.37 Hz has 5 to 6 cycles
+    alarms = sum(bool(_lines([flicker()[:short], flicker()[:short]], 100)) for _ in range(400))
+    assert alarms <= 4
+
+
 @pytest.mark.parametrize("pole", [0.0, 0.8])
 def test_finds_a_line_of_a_third_of_the_noise(pole):
     rng = np.random.default_rng(4)

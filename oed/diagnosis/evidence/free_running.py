@@ -31,7 +31,7 @@ LEAST_SHARE = 0.03  # of the variance between repetitions that a line worth a wo
 SLOW = 0.3  # [Hz], below which a drift of no one frequency has peaks of its own,
 MUCH = 0.3  # and a line must carry this share; so must one of a motion that is not repeated
 OWN = 8.0  # power over its local level, from which on the predicted torque has a line of its own
-CYCLES = 10  # in the longest recording, below which nothing slow is called a line
+CYCLES = 10  # in the longest recording: with fewer nothing is clear, and nothing slow is a line
 NEIGHBOURS = 41  # frequencies whose median is the local level
 FINER = 17  # frequencies about a peak among which the line that carries most is looked for
 SEEN = 0.2  # share of a frequency's power that is left between repetitions if it is to be judged
@@ -75,7 +75,7 @@ def find_lines(recordings: Sequence[Differing], rate: float, highest: float) -> 
     longest = max(len(r.torque) for r in recordings)
     length = PADDING * longest
     frequency = np.fft.rfftfreq(length, 1 / rate)
-    lowest = min(SLOW, CYCLES * rate / longest)
+    lowest, clear = sorted((SLOW, CYCLES * rate / longest))
     inside = (frequency >= lowest) & (frequency <= highest)
     if not inside.any():
         return ()
@@ -97,7 +97,7 @@ def find_lines(recordings: Sequence[Differing], rate: float, highest: float) -> 
         ]
         if expected and amplitude <= _size(expected, joint, at / rate)[1]:
             continue
-        if share >= (LEAST_SHARE if at >= SLOW and not expected else MUCH):
+        if share >= (LEAST_SHARE if at >= clear and not expected else MUCH):
             found.append(Line(joint, at, amplitude, share, p_value))
     return tuple(found)
 
