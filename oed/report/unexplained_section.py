@@ -53,16 +53,21 @@ def unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | T
         labels: Of the joints.
     """
     blocks: list[Text | Table | Picture] = []
-    ratios = error_in_floors(found.proof, found.noise_floor, "validation")
+    seen, ratios = (
+        error_in_floors(found.proof, found.noise_floor, role)
+        for role in ("estimation", "validation")
+    )
+    # Noise is as loud there as where the model was fitted.
+    expected = np.maximum(seen, 1.0) * found.expected
     unseen = [
         f"{label} ({ratio:.2g})"
-        for label, ratio, expected in zip(labels, ratios, found.expected, strict=True)
-        if ratio > CLEAR_UNSEEN * expected
+        for label, ratio, own in zip(labels, ratios, expected, strict=True)
+        if ratio > CLEAR_UNSEEN * own
     ]
     open_ = [
-        f"{label} ({expected:.2g})"
-        for label, expected in zip(labels, found.expected, strict=True)
-        if expected > CLEAR_UNSEEN
+        f"{label} ({own:.2g})"
+        for label, own in zip(labels, found.expected, strict=True)
+        if own > CLEAR_UNSEEN
     ]
     if open_:
         blocks.append(Text(f"{UNCERTAIN} {', '.join(open_)}."))
@@ -81,7 +86,7 @@ def unexplained_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | T
                 "where it keeps step with the arm; slow noise, which does not, may exceed the floor."
             )
         )
-    if np.any(ratios > FAR_OFF * found.expected):
+    if np.any(ratios > FAR_OFF * expected):
         blocks.append(Text(MISTAKES))
     if not found.unexplained:
         return [*blocks, Text("No free-form term of the residual is significant.")]
