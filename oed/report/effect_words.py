@@ -11,7 +11,7 @@ from oed.diagnosis.evidence.estimates import UNSEEN_TILT, Estimated
 from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
 from oed.dynamics.effects.effect import Effect
-from oed.dynamics.effects.entries.history import visible_load
+from oed.dynamics.effects.entries.payload import visible_load
 from oed.dynamics.effects.payload import PayloadChange
 from oed.robot.robot import Joint
 
@@ -99,6 +99,8 @@ def _sums(effect: Effect, coefficients: int) -> list[str | None]:
 
 def _shape_note(value: float, std: float, shape: Shape) -> str | None:
     width = shape.upper - shape.lower
+    if shape.is_idle(value):
+        return "for good"
     if not shape.is_estimated or width <= 0:
         return "chosen, not estimated"
     if std < WHOLE_RANGE * width / np.sqrt(12):

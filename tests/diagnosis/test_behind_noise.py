@@ -7,7 +7,7 @@ import pytest
 
 from oed.diagnosis.search.behind_noise import quieter_beside
 from oed.diagnosis.search.selection import search
-from oed.dynamics.effects.entries.history import SWING
+from oed.dynamics.effects.entries.payload import SWING
 from tests.diagnosis.arm import RATE, data_set, rigid
 from tests.diagnosis.shop import shop_of
 

@@ -12,6 +12,7 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, NOISE, data_set, rigid
 from tests.diagnosis.arm import RATE as ARM_RATE
@@ -186,7 +187,7 @@ def test_a_load_is_known_by_the_repetitions_that_it_makes_differ():
     expected = clean.baseline.floor.deviation
     assert shop.baseline.floor.deviation[0] > 1.15 * expected[0]
     entry = CATALOGUE["payload_change"]
-    trial = catalogue_trial(entry, shop.context, None, (TAKEN_UP, 1.0), shop.full.rows)
+    trial = catalogue_trial(entry, shop.context, None, (TAKEN_UP, 1.0, FOR_GOOD), shop.full.rows)
     sharper = shop.sharpened([trial])
     assert sharper is not None
     assert sharper.baseline.floor.deviation == pytest.approx(expected, rel=0.07)

@@ -16,6 +16,7 @@ from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.within import comes_at_once
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import moved, white_group
+from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import ThermalDrift
 from oed.dynamics.torque_model import TorqueModel
@@ -251,7 +252,7 @@ def test_what_repetitions_differ_by_foretells_from_all_of_them():
     dataset = data_set(4, extra=load_from(14.0, 0), roles=("estimation", "validation"))
     shop = shop_of(dataset, candidates=("payload_change", "joint_spring"))
     load = next(t for t in shop.physical if t.key == ("payload_change", None))
-    there = dataclasses.replace(load, values=(14.0, 1.0))
+    there = dataclasses.replace(load, values=(14.0, 1.0, FOR_GOOD))
     known = moved(there, shop.full.rows, shop.context, contrast=load.contrast)
     spring = next(t for t in shop.physical if t.key == ("joint_spring", 0))
     of_mean = shop.validation_rms(shop.fit([known], shop.mean, bend=False), as_it_is=True)

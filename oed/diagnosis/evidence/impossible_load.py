@@ -10,7 +10,7 @@ from numpy import ndarray
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects.entries.history import visible_load
+from oed.dynamics.effects.entries.payload import visible_load
 from oed.dynamics.effects.payload import PayloadChange
 from oed.robot.inertia import parameters_from_pseudo_inertia
 

@@ -161,7 +161,7 @@ def moment_in(
     held_and_common: Float[ndarray, "2 samples joints"],
     price: float,
 ) -> PickUp | None:
-    """When a load is taken up in a recording; None if at no other moment than in the first.
+    """When a load is taken up in a recording, and put down again; None if as in the first.
 
     Args:
         recording: In which to look.
@@ -183,8 +183,11 @@ def moment_in(
 
     without, within = white(np.zeros_like(held)), white(held)
 
-    def left_from(moments: Float[ndarray, " count"]) -> Float[ndarray, " count"]:
-        return np.array([white(np.where(t[:, None] >= m, held, 0.0)).sum() for m in moments])
+    def left_from(
+        moments: Float[ndarray, " count"], release: float = np.inf
+    ) -> Float[ndarray, " count"]:
+        there = ((t >= m) & (t < release) for m in moments)
+        return np.array([white(np.where(own[:, None], held, 0.0)).sum() for own in there])
 
     # Nearly what is left if the load comes just before each row: all but the step that it makes.
     nearly = np.cumsum(without) - without + np.cumsum(within[::-1])[::-1]
@@ -200,21 +203,39 @@ def moment_in(
     )
     spread = likely @ (seen - moment) ** 2 / max(float(likely.sum()), 1e-300)
     deviation = float(np.sqrt(min(spread, np.ptp(t) ** 2 / 12) + (row / FINE) ** 2 / 12))
+    release = np.inf
+    instants = recording.band.instants(t)
+    start, end = (instants[k] for k in _best_stretch(without - within))
+    near = row * np.arange(-FINE, FINE + 1) / FINE
+    starts, ends = start + near, end + near
+    begun = starts[[np.argmin(left_from(starts, end))]]
+    left = np.array([left_from(begun, float(e))[0] for e in ends])
+    if end < instants[-1] and left.min() < least - price:
+        moment, release, least = float(begun[0]), float(ends[np.argmin(left)]), float(left.min())
+        deviation = row / np.sqrt(12)
     if least > float(without.sum()) - price:
-        moment, least, deviation = np.inf, float(without.sum()), 0.0
+        moment, release, least, deviation = np.inf, np.inf, float(without.sum()), 0.0
     if least > float(white(common).sum()) - price:
         return None
-    return PickUp(float(t[0]), float(t[-1]), moment, deviation)
+    return PickUp(float(t[0]), float(t[-1]), moment, deviation, release)
+
+
+def _best_stretch(gains: Float[ndarray, " rows"]) -> tuple[int, int]:
+    """First and last row of the stretch whose gains add up to most (Kadane's algorithm)."""
+    sums = np.concatenate([[0.0], np.cumsum(gains)])
+    least = np.minimum.accumulate(sums)
+    last = int(np.argmax(sums[1:] - least[:-1]))
+    return int(np.argmin(sums[: last + 1])), last
 
 
 def _by_own_clock(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     """A load whose moment counts from the start of its recording."""
-    effect, (moment, clock) = found.trial.effect, found.trial.values
+    effect, (moment, clock, held) = found.trial.effect, found.trial.values
     if clock == OWN_CLOCK:
         return found
     if len(shop.estimation) == 1 and isinstance(effect, PayloadChange):
         start = shop.estimation[0].motion.t[0] - (effect.start or 0.0)
-        own = dataclasses.replace(found.trial, values=(moment - float(start), OWN_CLOCK))
+        own = dataclasses.replace(found.trial, values=(moment - float(start), OWN_CLOCK, held))
         return _again(shop, others, own)
     fit = shop.fit(others, shop.full).fit
     tried = [t for t in shop.physical if t.key == found.trial.key and t.values[1] == OWN_CLOCK]

@@ -210,7 +210,12 @@ def climb(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of
     best, most = found, worth(found)
     whole = np.array([to_axis(v, s) for v, s in zip(found.trial.values, shapes, strict=True)])
     # A choice between whole numbers that has but one trial value is not for these data to make.
-    free = np.array([s.is_estimated or (s.scale == "choice" and s.points > 1) for s in shapes])
+    free = np.array(
+        [
+            (s.is_estimated or (s.scale == "choice" and s.points > 1)) and not s.is_idle(v)
+            for v, s in zip(found.trial.values, shapes, strict=True)
+        ]
+    )
     # From a plausible start on, what is not plausible explains nothing.
     guarded = implausible(found, context) is None
 
@@ -255,7 +260,10 @@ def score_at(
     """
     entry = CATALOGUE[trial.name]
     shapes = entry.shapes_for(context, trial.target)
-    values = tuple(from_axis(float(x), s) for x, s in zip(axes, shapes, strict=True))
+    values = tuple(
+        value if shape.is_idle(value) else from_axis(float(x), shape)
+        for x, shape, value in zip(axes, shapes, trial.values, strict=True)
+    )
     tried = catalogue_trial(entry, context, trial.target, values, fit.rows, contrast=trial.contrast)
     return score(tried, fit)
 

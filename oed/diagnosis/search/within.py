@@ -102,7 +102,7 @@ def _is_what_differs(layout: Layout, fit: LinearFit, trial: Trial, noise: float)
 def _steady(effect: Effect) -> Effect | None:
     """An effect that changes over the session, as it would be without change; None of others."""
     if isinstance(effect, PayloadChange) and (effect.start is not None or effect.pickups):
-        return dataclasses.replace(effect, moment=-np.inf, pickups=())
+        return dataclasses.replace(effect, moment=-np.inf, pickups=(), held_for=np.inf)
     if isinstance(effect, ThermalDrift) and effect.start is not None:
         return dataclasses.replace(effect, time_constant=np.inf)
     return None

@@ -244,7 +244,7 @@ class Workshop:
                         layout.rows,
                         contrast=contrast and not _between_recordings(values, shapes),
                     )
-                    for values in grid_of(shapes)
+                    for values in (*grid_of(shapes), *entry.further(self.context))
                 ]
         return tuple(trials)
 

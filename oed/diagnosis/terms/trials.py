@@ -156,7 +156,10 @@ def catalogue_trial(
         effect=effect,
         group=white_group(effect, rows, contrast=contrast),
         fixed=entry.unit_coefficient,
-        shapes=sum(shape.scale != "formula" for shape in entry.shapes),
+        shapes=sum(
+            shape.scale != "formula" and not shape.is_idle(value)
+            for shape, value in zip(entry.shapes, values, strict=True)
+        ),
         contrast=contrast,
     )
 

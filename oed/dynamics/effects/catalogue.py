@@ -16,6 +16,7 @@ from oed.dynamics.effects.entries import (
     load,
     measurement,
     motor,
+    payload,
     position,
     transmission,
 )
@@ -46,7 +47,7 @@ CATALOGUE: Mapping[str, CatalogueEntry] = MappingProxyType(
             measurement.FILTER_LAG,
             transmission.JOINT_ELASTICITY,
             history.THERMAL_DRIFT,
-            history.PAYLOAD_CHANGE,
+            payload.PAYLOAD_CHANGE,
             measurement.ENCODER_ECCENTRICITY,
         )
     }

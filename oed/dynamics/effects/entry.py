@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -39,6 +39,8 @@ class Shape:
         also: Values of a first scan besides those that are evenly spaced.
         fine: Number of trial values in a second scan, where a first one misses crests; 0 for none.
         rugged: Whether what it explains has crests at a few percent from one another.
+        never: Whether its default, beyond its range, stands for what never happens, and is no
+            parameter then.
     """
 
     name: str
@@ -52,9 +54,10 @@ class Shape:
     also: tuple[float, ...] = ()
     fine: int = 0
     rugged: bool = False
+    never: bool = False
 
     def __post_init__(self) -> None:
-        if not self.lower <= self.default <= self.upper:
+        if not self.never and not self.lower <= self.default <= self.upper:
             raise ValueError(f"{self.name}: {self.default=} outside {self.lower} to {self.upper}")
         if self.scale == "log" and self.lower <= 0:
             raise ValueError(f"{self.name}: {self.lower=} on a logarithmic scale")
@@ -63,6 +66,10 @@ class Shape:
     def is_estimated(self) -> bool:
         """Whether it has a deviation: it is no whole number."""
         return self.scale not in ("choice", "formula")
+
+    def is_idle(self, value: float) -> bool:
+        """Whether it stands for what never happens."""
+        return self.never and value > self.upper
 
     @property
     def grid(self) -> tuple[float, ...]:
@@ -96,6 +103,7 @@ class EffectPage:
 
 Build = Callable[[Context, Target, tuple[float, ...]], Effect]
 Narrow = Callable[[Context, Target, tuple[Shape, ...]], tuple[Shape, ...]]
+Further = Callable[[Context], Iterable[tuple[float, ...]]]
 Check = Callable[[Context, Target, tuple[float, ...], Float[ndarray, " columns"]], str | None]
 Install = Callable[[Context, Target, tuple[float, ...], Float[ndarray, " columns"]], TorqueModel]
 
@@ -128,6 +136,7 @@ class CatalogueEntry:
         fuller: Ways to give it more terms than its formula has, where a free form of its coordinate
             that is none of these is something else; None where any is the same physics.
         narrow: Ranges of the shapes for an arm and its data.
+        beside_grid: Further shapes of a first scan; None for none.
         install: The model with the effect in its exact form; None if the columns are exact.
     """
 
@@ -144,6 +153,7 @@ class CatalogueEntry:
     holds: tuple[str, ...] = ()
     fuller: Callable[[Context, Target, tuple[float, ...]], Sequence[Effect]] | None = None
     narrow: Narrow = _as_they_are
+    beside_grid: Further | None = None
     install: Install | None = None
 
     def targets(self, context: Context) -> tuple[Target, ...]:
@@ -160,6 +170,10 @@ class CatalogueEntry:
             for j in joints
             if abs(i - j) == 1 or (i != j and i in wrist and j in wrist)
         )
+
+    def further(self, context: Context) -> tuple[tuple[float, ...], ...]:
+        """Shapes of a first scan besides the grid."""
+        return () if self.beside_grid is None else tuple(self.beside_grid(context))
 
     def shapes_for(self, context: Context, target: Target) -> tuple[Shape, ...]:
         """The nonlinear parameters with ranges that the data at hand can tell apart."""

@@ -1,4 +1,4 @@
-"""A payload that is taken up or put down during a recording."""
+"""A payload that is taken up during a recording, and perhaps put down again."""
 
 from __future__ import annotations
 
@@ -19,24 +19,26 @@ from oed.robot import Robot
 
 @dataclass(frozen=True)
 class PickUp:
-    """When a load is taken up in one recording.
+    """When a load is taken up in one recording, and put down again.
 
     Attributes:
         first: Time of its first sample [s].
         last: Time of its last one.
         moment: From which on the load is held, on the same clock; infinite if never.
         deviation: Standard deviation of the moment [s].
+        release: From which on it is no longer held, on the same clock; infinite if never.
     """
 
     first: float
     last: float
     moment: float
     deviation: float = 0.0
+    release: float = np.inf
 
 
 @dataclass(frozen=True)
 class PayloadChange(Effect):
-    """Inertial columns of a link from a moment on.
+    """Inertial columns of a link from a moment on, for good or for a while.
 
     A load adds its ten parameters to those of the link that holds it (Khalil, Gautier and
     Lemoine 2007; Swevers et al. 2002).
@@ -50,6 +52,7 @@ class PayloadChange(Effect):
         start: Origin of `moment` [s]; None for the first sample of each recording.
         memory: Of the columns, which a search for the moment asks for again and again; none if None.
         pickups: Recordings that have a moment of their own, whatever `moment` is.
+        held_for: How long it is held from the moment on [s].
     """
 
     robot: Robot
@@ -59,6 +62,7 @@ class PayloadChange(Effect):
     start: float | None = None
     memory: ReferenceTorque | None = None
     pickups: tuple[PickUp, ...] = ()
+    held_for: float = np.inf
     name = "payload_change"
 
     @property
@@ -83,25 +87,23 @@ class PayloadChange(Effect):
         return [{joint: mul(gate, entry) for joint, entry in columns[k].items()} for k in self.kept]
 
     def held(self, t: Scalar) -> Float[ndarray, "*samples"]:
-        """1 while the load is held, 0 before.
+        """1 while the load is held, 0 before and after.
 
         Args:
             t: Time of one recording [s].
         """
-        return np.asarray(self._since_pickup(t) >= 0, dtype=float)
-
-    def throughout(self) -> PayloadChange:
-        """The same, held all the time."""
-        return dataclasses.replace(self, moment=-np.inf, start=0.0, pickups=())
-
-    def _since_pickup(self, t: Scalar) -> Scalar:
-        """Time since the load was taken up [s], negative before."""
         if isinstance(t, (np.ndarray, float)):
             first = float(np.ravel(t)[0])
             for own in self.pickups:
                 if own.first <= first <= own.last:
-                    return t - own.moment
-        return since(t, self.start) - self.moment
+                    return np.asarray((t >= own.moment) & (t < own.release), dtype=float)
+        along = since(t, self.start) - self.moment
+        for_good = np.isinf(self.held_for)
+        return np.asarray((along >= 0) & (for_good | (along < self.held_for)), dtype=float)
+
+    def throughout(self) -> PayloadChange:
+        """The same, held all the time."""
+        return dataclasses.replace(self, moment=-np.inf, start=0.0, pickups=(), held_for=np.inf)
 
     def forgetful(self) -> PayloadChange:
         """The same without a memory."""
