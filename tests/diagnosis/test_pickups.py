@@ -78,6 +78,9 @@ def test_a_load_that_is_put_down_again_is_found_with_its_time(repetitions):
     assert values["load_mx_2"] == pytest.approx(MASS * REACH, rel=0.05)
     assert values["moment"] == pytest.approx(moments[0], abs=0.1)
     assert values["held"] == pytest.approx(releases[0] - moments[0], abs=0.15)
+    read = {name: own.value for name, own in found.moments.items()}
+    expected = {"validation_1": 0.5, "test_2": 0.2, "test_2, put down": 0.65}
+    assert read == {name: pytest.approx(x * whole, abs=0.1) for name, x in expected.items()}
     # A floor that is not read off repetitions is itself uncertain by some tenths.
     most = 1.2 if repetitions > 1 else SETTINGS.floor_ratio
     for proof in found.proof:

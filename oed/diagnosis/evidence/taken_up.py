@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 
+import numpy as np
+
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.final_model import FinalModel
@@ -30,7 +32,7 @@ def with_moments_of(
 
     Returns:
         The model; and by name of every recording that has a moment of its own, that moment since
-        its first sample, infinite if never [s].
+        its first sample, infinite if never, and the one of its being put down, if it is [s].
     """
     if not any(isinstance(t.effect, PayloadChange) for t in found.chosen):
         return final, {}
@@ -47,6 +49,10 @@ def with_moments_of(
     for own in pickups:
         recording = recordings[own.first]
         lead = recording.band.edge  # since the log's first sample, not since the first in use
-        value = own.moment - own.first + lead
-        moments[recording.name] = Estimated("moment", value, own.deviation, "s")
+        since_start = lead - own.first
+        moments[recording.name] = Estimated("moment", own.moment + since_start, own.deviation, "s")
+        if np.isfinite(own.release):
+            moments[f"{recording.name}, put down"] = Estimated(
+                "release", own.release + since_start, own.deviation, "s"
+            )
     return dataclasses.replace(final, model=model), moments
