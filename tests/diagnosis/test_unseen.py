@@ -51,3 +51,13 @@ def test_what_a_motion_determines_well_hardly_gives_way():
         shares.append(shop.unseen.left(found).sum() / as_it_was)
     assert shares[0] < shares[1] < 1
     assert shares[1] > 0.9
+
+
+def test_errors_without_and_with_a_change_between_repetitions_are_of_the_same_rows():
+    """Where something else is missing, base parameters give way more to the mean of many rows."""
+    shop = shop_of(data_set(3, extra=stribeck(3.0), roles=("estimation", "validation")))
+    drift = next(t for t in shop.physical if t.key == ("thermal_drift", 1))
+    assert shop.layout_for([drift]) is shop.full is not shop.mean
+    without, beside = shop.foretold([], [drift])
+    # A joint that does not warm changes next to nothing.
+    assert beside == pytest.approx(without, rel=0.01)

@@ -192,7 +192,9 @@ class Workshop:
         """
         if not self.validation:
             return None
-        found = found if as_it_is else self.unseen_by(found.chosen).given_way(found)[0]
+        if not as_it_is:
+            lasting = found.fit.rows is self.full.rows
+            found, _ = (self.unseen_full if lasting else self.unseen).given_way(found)
         errors = prediction_errors(found, self.validation, self.unseen_full.columns)
         valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
         return rms(valid, self._validation_weights) * self.unseen.share_without_noise(found)
