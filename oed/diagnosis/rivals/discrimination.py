@@ -79,7 +79,8 @@ def design_discriminating(
 ) -> NextExperiment:
     """The best of a number of random motions within the limits.
 
-    Best is where rivals differ most beyond what smoothing may make of their torque. The new motion is taken to be run as many times as the first recording's.
+    Best is where rivals differ most beyond what smoothing may make of their torque. The new
+    motion is taken to be run as many times as the first recording's.
 
     Args:
         shop: The data at hand: model, noise, limits.
@@ -102,15 +103,14 @@ def design_discriminating(
         further = as_prepared(pattern, motion)
         tried.append((min(_slope_clear(shop, pair, further) for pair in pairs), motion))
     leading = sorted(tried, key=lambda item: -item[0])[:REFITTED]
-    motion = max(
-        (motion for _, motion in leading),
-        key=lambda m: min(_clear(shop, pair, as_prepared(pattern, m)) for pair in pairs),
-    )
+    gains = [[_gains(shop, p, as_prepared(pattern, m)) for p in pairs] for _, m in leading]
+    best = max(range(len(leading)), key=lambda k: min(map(_clear, pairs, gains[k])))
+    motion = leading[best][1]
     further = as_prepared(pattern, motion)
     foreseen = [confusion(shop, pair, rng, further) for pair in pairs]
     return NextExperiment(
         motion=motion,
-        separation=min(separation(shop, *pair, further) for pair in pairs),
+        separation=min(max(0.0, own - imitated) for own, imitated in gains[best]),
         separation_now=min(separation(shop, *pair) for pair in pairs),
         error_rate=max(f.by_name for f in foreseen),
         error_rate_now=max(confusion(shop, p, rng).by_name for p in pairs),
@@ -144,8 +144,8 @@ def separation(
         rival: The other one.
         further: A recording besides those at hand, run as often as the first of these.
     """
-    fit = torque_beside(shop, (favourite, coefficients, rival), further)
-    return max(0.0, fit.squares - best_imitation(context_beside(shop, further), rival, fit).gain)
+    own, imitated = _gains(shop, (favourite, coefficients, rival), further)
+    return max(0.0, own - imitated)
 
 
 def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:
@@ -179,11 +179,16 @@ def _one_run(pattern: Prepared) -> float:
     return (len(pattern.motion) + 2 * cut) / pattern.band.rate
 
 
-def _clear(shop: Workshop, pair: Pair, further: Prepared) -> float:
-    """Lambda less what smoothing may make of the favourite's torque."""
+def _gains(shop: Workshop, pair: Pair, further: Prepared | None) -> tuple[float, float]:
+    """White squares of the favourite's torque, and what the rival's best shape explains of them."""
     fit = torque_beside(shop, pair, further)
-    imitation = best_imitation(context_beside(shop, further), pair[2], fit)
-    return fit.squares * (1 - of_smoothing(pair[0], pair[2])) - imitation.gain
+    return fit.squares, best_imitation(context_beside(shop, further), pair[2], fit).gain
+
+
+def _clear(pair: Pair, gains: tuple[float, float]) -> float:
+    """Lambda less what smoothing may make of the favourite's torque."""
+    own, imitated = gains
+    return own * (1 - of_smoothing(pair[0], pair[2])) - imitated
 
 
 def _slope_clear(shop: Workshop, pair: Pair, further: Prepared) -> float:

@@ -206,13 +206,13 @@ def moment_in(
     release = np.inf
     instants = recording.band.instants(t)
     start, end = (instants[k] for k in _best_stretch(without - within))
-    near = row * np.arange(-FINE, FINE + 1) / FINE
-    starts, ends = start + near, end + near
-    begun = starts[[np.argmin(left_from(starts, end))]]
-    left = np.array([left_from(begun, float(e))[0] for e in ends])
-    if end < instants[-1] and left.min() < least - price:
-        moment, release, least = float(begun[0]), float(ends[np.argmin(left)]), float(left.min())
-        deviation = row / np.sqrt(12)
+    if end < instants[-1]:  # else it is not put down
+        near = row * np.arange(-FINE, FINE + 1) / FINE
+        begun = start + near[[np.argmin(left_from(start + near, end))]]
+        left = np.array([left_from(begun, float(e))[0] for e in end + near])
+        if left.min() < least - price:
+            moment, release = float(begun[0]), float(end + near[np.argmin(left)])
+            least, deviation = float(left.min()), row / np.sqrt(12)
     if least > float(without.sum()) - price:
         moment, release, least, deviation = np.inf, np.inf, float(without.sum()), 0.0
     if least > float(white(common).sum()) - price:
