@@ -4,7 +4,6 @@ import numpy as np
 from scipy.stats import norm, t
 
 from oed.diagnosis.evidence.by_recording import rugged_shapes, spread_by_recording
-from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
@@ -20,10 +19,10 @@ def at_speed(shop, speed):
 
 def best_axis(shop, shape):
     """Where estimation and validation recordings together want it, from a search of its own."""
-    axes = to_axis(SPEED, shape) + np.linspace(-0.15, 0.15, 61)
+    axes = shape.place_of(SPEED) + np.linspace(-0.15, 0.15, 61)
     left = []
     for axis in axes:
-        found = shop.fit([at_speed(shop, from_axis(float(axis), shape))], bend=False)
+        found = shop.fit([at_speed(shop, shape.at(float(axis)))], bend=False)
         left.append(found.fit.squares + np.sum(shop.unseen.left(found)))
     return float(axes[np.argmin(left)])
 
@@ -34,8 +33,8 @@ def test_recordings_differ_by_what_estimates_of_them_all_scatter_by():
         shop = shop_of(data_set(seed, extra=stribeck(0.5, SPEED)))
         shape = CATALOGUE["stribeck"].shapes_for(shop.context, 0)[0]
         best = best_axis(shop, shape)
-        found = shop.fit([at_speed(shop, from_axis(best, shape))])
-        errors.append(best - to_axis(SPEED, shape))
+        found = shop.fit([at_speed(shop, shape.at(best))])
+        errors.append(best - shape.place_of(SPEED))
         stated.append(spread_by_recording(shop, found, 0, 0))
     student = t.ppf(0.975, RECORDINGS - 1) / norm.ppf(0.975)
     ratio = np.sqrt(np.mean(np.square(stated)) / np.mean(np.square(errors))) / student

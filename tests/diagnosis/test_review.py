@@ -15,7 +15,6 @@ from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.turning import HEAVIER, moment_fault
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.shape_axes import axis_slope
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
@@ -68,7 +67,7 @@ def test_a_torque_that_may_not_be_late_at_all_is_not_called_late(deviations, dou
     shop = shop_with()
     trial = trial_of(shop, "time_delay", None, (4e-3,))
     (shape,) = CATALOGUE["time_delay"].shapes_for(shop.context, None)
-    on_axis = 4e-3 / deviations / axis_slope(4e-3, shape)
+    on_axis = 4e-3 / deviations / shape.slope_at(4e-3)
     found = Augmented((trial,), (np.ones(1),), shop.before.fit, (np.array([[on_axis**2]]),))
     assert (doubtful_name(shop, found) is trial) is doubted
 

@@ -16,7 +16,6 @@ from oed.diagnosis.search.scan import Score, at_rest, score
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.secants import secants
-from oed.diagnosis.terms.shape_axes import to_axis
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
@@ -177,7 +176,7 @@ def test_squares_of_a_profile_are_those_of_a_fit_with_the_shape_moved():
     for harmonic in (11.9, 12.0, 12.3):
         moved = trial_of(shop, "torque_ripple", 1, (harmonic,))
         expected = shop.fit([moved], layout, bend=False).fit.squares
-        assert squares(0, to_axis(harmonic, shape)) == pytest.approx(expected, rel=1e-9)
+        assert squares(0, shape.place_of(harmonic)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_of_two_crests_the_better_one_is_found():

@@ -18,7 +18,6 @@ from scipy.stats import norm, t
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
@@ -50,12 +49,12 @@ def spread_by_recording(shop: Workshop, found: Augmented, number: int, place: in
     """
     trial = found.chosen[number]
     shape = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)[place]
-    here = to_axis(trial.values[place], shape)
+    here = shape.place_of(trial.values[place])
     axes = np.clip(here + np.linspace(-REACH, REACH, STEPS + 1), 0.0, 1.0)
     left = []
     for axis in axes:
         values = list(trial.values)
-        values[place] = from_axis(float(axis), shape)
+        values[place] = shape.at(float(axis))
         chosen = list(found.chosen)
         chosen[number] = shop.renewed(dataclasses.replace(trial, values=tuple(values)))
         left.append(_left_of_recordings(shop, shop.fit(chosen, bend=False)))

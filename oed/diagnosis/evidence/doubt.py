@@ -17,7 +17,6 @@ from oed.diagnosis.search.ripening import is_late
 from oed.diagnosis.search.telling import foretells_most
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.shape_axes import axis_slope
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
@@ -65,7 +64,7 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
 def _lateness(trial: Trial, covariance: Float[ndarray, "shapes shapes"], context: Context) -> float:
     """Square of the time by which a torque is late, in deviations."""
     time = CATALOGUE[trial.name].shapes_for(context, trial.target)[0]
-    deviation = np.sqrt(covariance[0, 0]) * axis_slope(trial.values[0], time)
+    deviation = np.sqrt(covariance[0, 0]) * time.slope_at(trial.values[0])
     return float((trial.values[0] / max(deviation, np.finfo(float).tiny)) ** 2)
 
 

@@ -10,7 +10,6 @@ from numpy import ndarray
 
 from oed.diagnosis.search.turning import GRAVITY, total_tilt
 from oed.diagnosis.search.workshop import Workshop
-from oed.diagnosis.terms.shape_axes import axis_slope
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.entries.motor import ONE_WAY
@@ -86,7 +85,7 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
     found = []
     for shape, value, on_axis in zip(shapes, trial.values, on_axes, strict=False):
         lead = 0.0
-        std = float(on_axis) * axis_slope(value, shape) if shape.is_estimated else 0.0
+        std = float(on_axis) * shape.slope_at(value) if shape.is_estimated else 0.0
         if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
             std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
             lead = shop.full.rows.prepared[

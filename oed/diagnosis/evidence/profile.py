@@ -19,7 +19,6 @@ from scipy.optimize import root_scalar
 from oed.diagnosis.fit.linear_fit import Projection, project
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.secants import secants
-from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
@@ -53,7 +52,7 @@ def left_by(
 
     def squares(place: int, axis: float) -> float:
         values = list(trial.values)
-        values[place] = from_axis(axis, shapes[place])
+        values[place] = shapes[place].at(axis)
         own = moved(dataclasses.replace(trial, values=tuple(values)), rows, context)
         columns = dense(own, *target.shape)
         y, free = others.residual(target), []
@@ -131,4 +130,4 @@ def axes_of(trial: Trial, context: Context) -> list[tuple[int, float]]:
     """Which shapes of an addition have a range and are no choice, and where they lie in it."""
     shapes = CATALOGUE[trial.name].shapes_for(context, trial.target)
     places = enumerate(zip(trial.values, shapes, strict=True))
-    return [(k, to_axis(v, s)) for k, (v, s) in places if s.is_estimated and s.upper > s.lower]
+    return [(k, s.place_of(v)) for k, (v, s) in places if s.is_estimated and s.upper > s.lower]

@@ -12,7 +12,6 @@ from numpy import ndarray
 
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.context import Context
@@ -119,8 +118,8 @@ def _around(candidates: Sequence[Trial], fit: LinearFit, context: Context) -> It
         if shape.scale == "formula":
             axes.append([value])
             continue
-        near = to_axis(value, shape) + nearby / max(shape.points - 1, 1)
-        axes.append([value, *(from_axis(float(x), shape) for x in near if 0 <= x <= 1)])
+        near = shape.place_of(value) + nearby / max(shape.points - 1, 1)
+        axes.append([value, *(shape.at(float(x)) for x in near if 0 <= x <= 1)])
     values |= set(product(*axes))
     for v in sorted(values):
         yield catalogue_trial(entry, context, first.target, v, fit.rows)

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.search.accepted import Accepted, Refused, refusal
 from oed.diagnosis.search.chance import p_value_of
 from oed.diagnosis.search.held_out import cross_validate
@@ -17,6 +18,7 @@ from oed.diagnosis.search.scan import Score, implausible
 from oed.diagnosis.search.within import comes_at_once, differs_alone
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.bodies import is_no_body
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 
@@ -50,6 +52,7 @@ def judge(
     """
     others = [*(a.trial for a in accepted), *partners]
     reason = too_little(shop, candidate, accepted, partners) or implausible(candidate, shop.context)
+    reason = reason or _no_body(shop, others, candidate)
     p_value = 1.0
     if reason is None:
         p_value = p_value_of(shop, candidate, others, pool)
@@ -95,6 +98,17 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
         if best is not None and not costs(old, best, floor, price):
             return None
     return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
+
+
+def _no_body(shop: Workshop, others: Sequence[Trial], candidate: Score) -> str | None:
+    """Why a load cannot be one, before the others settle beside it; None if it can."""
+    trial = candidate.trial
+    fit = shop.fit(others, shop.layout(trial)).fit
+    gram = normal_equations(fit.projection, fit.residual, trial.group).gram
+    covariance = np.linalg.pinv(gram, hermitian=True)
+    if is_no_body(trial, candidate.coefficients, covariance):
+        return "no body has such inertial parameters"
+    return None
 
 
 def costs(

@@ -15,7 +15,6 @@ from scipy.stats import chi2
 
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
@@ -208,7 +207,7 @@ def climb(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of
         return found
     shapes = CATALOGUE[found.trial.name].shapes_for(context, found.trial.target)
     best, most = found, worth(found)
-    whole = np.array([to_axis(v, s) for v, s in zip(found.trial.values, shapes, strict=True)])
+    whole = np.array([s.place_of(v) for v, s in zip(found.trial.values, shapes, strict=True)])
     # A choice between whole numbers that has but one trial value is not for these data to make.
     free = np.array(
         [
@@ -261,7 +260,7 @@ def score_at(
     entry = CATALOGUE[trial.name]
     shapes = entry.shapes_for(context, trial.target)
     values = tuple(
-        value if shape.is_idle(value) else from_axis(float(x), shape)
+        value if shape.is_idle(value) else shape.at(float(x))
         for x, shape, value in zip(axes, shapes, trial.values, strict=True)
     )
     tried = catalogue_trial(entry, context, trial.target, values, fit.rows, contrast=trial.contrast)

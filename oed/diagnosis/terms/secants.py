@@ -7,7 +7,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.terms.shape_axes import from_axis, to_axis
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
@@ -35,11 +34,11 @@ def secants(
         return np.zeros((joints, rows.count, 0))
     entry = CATALOGUE[trial.name]
     shapes = entry.shapes_for(context, trial.target)
-    axes = np.array([to_axis(v, s) for v, s in zip(trial.values, shapes, strict=True)])
+    axes = np.array([s.place_of(v) for v, s in zip(trial.values, shapes, strict=True)])
 
     def torque(place: int, axis: float) -> Float[ndarray, "joints rows"]:
         values = list(trial.values)
-        values[place] = from_axis(axis, shapes[place])
+        values[place] = shapes[place].at(axis)
         there = catalogue_trial(entry, context, trial.target, tuple(values), rows)
         return dense(there, joints, rows.count) @ coefficients
 

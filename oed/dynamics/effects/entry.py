@@ -30,9 +30,10 @@ class Shape:
         unit: SI unit.
         lower: Least plausible value.
         upper: Largest plausible value.
-        scale: How to space trial values, "log" or "linear"; "choice" for whole numbers;
-            "formula" for the terms that an equation has, of which the fewest are looked for and
-            more are tried at the best place of those.
+        scale: How to space trial values, "log" or "linear"; "signed log" for sizes of either
+            sign, linear below `linear_below`; "choice" for whole numbers; "formula" for the terms
+            that an equation has, of which the fewest are looked for and more are tried at the
+            best place of those.
         points: Number of trial values in a first scan.
         default: The value if nothing is known.
         usual: Values that machines are built with.
@@ -41,13 +42,14 @@ class Shape:
         rugged: Whether what it explains has crests at a few percent from one another.
         never: Whether its default, beyond its range, stands for what never happens, and is no
             parameter then.
+        linear_below: Size below which a "signed log" scale is linear.
     """
 
     name: str
     unit: str
     lower: float
     upper: float
-    scale: Literal["log", "linear", "choice", "formula"]
+    scale: Literal["log", "signed log", "linear", "choice", "formula"]
     points: int
     default: float
     usual: tuple[float, ...] = ()
@@ -55,12 +57,15 @@ class Shape:
     fine: int = 0
     rugged: bool = False
     never: bool = False
+    linear_below: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.never and not self.lower <= self.default <= self.upper:
             raise ValueError(f"{self.name}: {self.default=} outside {self.lower} to {self.upper}")
         if self.scale == "log" and self.lower <= 0:
             raise ValueError(f"{self.name}: {self.lower=} on a logarithmic scale")
+        if self.scale == "signed log" and self.linear_below <= 0:
+            raise ValueError(f"{self.name}: {self.linear_below=} of a logarithmic scale with signs")
 
     @property
     def is_estimated(self) -> bool:
@@ -76,8 +81,40 @@ class Shape:
         """The values of a first scan; the default alone if it has one point, beside `also`."""
         if self.scale == "formula" or self.points == 1:
             return (self.default, *self.also)
-        space = np.geomspace if self.scale == "log" else np.linspace
-        return (*(float(x) for x in space(self.lower, self.upper, self.points)), *self.also)
+        places = np.linspace(0.0, 1.0, self.points)
+        return (*(self.at(float(place)) for place in places), *self.also)
+
+    def at(self, place: float) -> float:
+        """The value at a place from 0, its lower bound, to 1; places outside are brought to it."""
+        inside = min(max(place, 0.0), 1.0)
+        if self.scale == "log":
+            return float(self.lower * (self.upper / self.lower) ** inside)
+        if self.scale == "signed log":
+            first, last = np.arcsinh(np.array([self.lower, self.upper]) / self.linear_below)
+            return float(self.linear_below * np.sinh(first + inside * (last - first)))
+        value = float(self.lower + inside * (self.upper - self.lower))
+        return value if self.is_estimated else float(round(value))
+
+    def place_of(self, value: float) -> float:
+        """Where a value lies from 0, the lower bound, to 1, the upper one."""
+        if self.upper <= self.lower:
+            return 0.0
+        if self.scale == "log":
+            return float(np.log(value / self.lower) / np.log(self.upper / self.lower))
+        if self.scale == "signed log":
+            bounds = np.array([self.lower, value, self.upper])
+            first, there, last = np.arcsinh(bounds / self.linear_below)
+            return float((there - first) / (last - first))
+        return float((value - self.lower) / (self.upper - self.lower))
+
+    def slope_at(self, value: float) -> float:
+        """Change of the value for a unit step of its place."""
+        if self.scale == "log":
+            return float(value * np.log(self.upper / self.lower))
+        if self.scale == "signed log":
+            first, last = np.arcsinh(np.array([self.lower, self.upper]) / self.linear_below)
+            return float(np.hypot(self.linear_below, value) * (last - first))
+        return float(self.upper - self.lower)
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,9 @@ TIME_DELAY = CatalogueEntry(
     name="time_delay",
     families=("lag",),
     scope="arm",
-    shapes=(Shape("delay", "s", 2e-4, 0.12, "log", 14, 3e-3),),
+    # A torque comes first where it was commanded, or where positions were filtered; longer than
+    # that no loop would be stable.
+    shapes=(Shape("delay", "s", -0.05, 0.12, "signed log", 24, 3e-3, linear_below=2e-4),),
     build=_delay,
     plausible=by_construction,
     install=_with_delay,
@@ -55,7 +57,8 @@ TIME_DELAY = CatalogueEntry(
         equation="τ_recorded(t) = τ(t - d) ≈ τ - d dτ/dt",
         source="Ljung 1999, System Identification, section 10.3; Hollerbach, Khalil, Gautier 2008, "
         "Springer Handbook of Robotics, chapter 14",
-        parameters="d 0.3 to 100 ms, one for all joints",
+        parameters="d 0.3 to 100 ms, one for all joints; below zero where the torque comes first, "
+        "as a commanded one does, or the position late",
         signature="residual like the torque's derivative, spikes at every reversal",
         confused_with=("filter_lag", "presliding_hysteresis", "joint_elasticity"),
         exposed_by="motions of 8 to 15 harmonics",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.evidence.impossible_load import LOST, lost_by_bodies
+from oed.diagnosis.terms.bodies import LOST, lost_by_bodies
 from oed.robot.inertia import parameters_from_pseudo_inertia
 
 ALL = np.eye(10)
