@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from numpy.lib.stride_tricks import sliding_window_view
 
 from oed.diagnosis.data.band import Band
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.effects.payload import PayloadChange
+from oed.experiment.signals.moving_sum import windows
 
 Columns = tuple[Float[ndarray, "samples columns"], Float[ndarray, "rows columns"]]
 
@@ -72,11 +72,13 @@ def _partly(
     """Filtered columns times a share that changes at a few samples."""
     (fine, filtered), window = columns, len(band.taps)
     starts = np.arange(len(filtered)) * band.factor
-    changes = np.concatenate([[0], np.cumsum(np.diff(share) != 0)])
+    changes = np.flatnonzero(share[1:] != share[:-1])
     result = filtered * share[starts, None]
-    mixed = starts[changes[starts + window - 1] > changes[starts]]
-    weights = sliding_window_view(share, window)[mixed] * band.taps
-    result[mixed // band.factor] = np.einsum(
-        "rw,rcw->rc", weights, sliding_window_view(fine, window, axis=0)[mixed]
-    )
+    if not len(changes):
+        return result
+    until = np.searchsorted(changes, starts + window - 1)
+    mixed = np.flatnonzero(until > np.searchsorted(changes, starts))
+    weights = windows(share, window, band.factor)[mixed] * band.taps
+    held = windows(fine, window, band.factor)[mixed]
+    result[mixed] = np.einsum("rw,rcw->rc", weights, held)
     return result
