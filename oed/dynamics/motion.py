@@ -65,6 +65,11 @@ class Motion:
         return q, dq, ddq
 
     @cached_property
+    def signs(self) -> dict[tuple[int, float], Float[ndarray, " samples"]]:
+        """Mean signs that were asked for, by the identity of a joint's velocity and the width."""
+        return {}
+
+    @cached_property
     def fingerprint(self) -> bytes:
         """What tells one sampled motion from another.
 

@@ -44,11 +44,15 @@ def sub(a: Scalar, b: Scalar) -> Scalar:
 
 def mul(a: Scalar, b: Scalar) -> Scalar:
     """Product a b."""
-    if is_zero(a) or is_zero(b):
-        return 0.0
-    if isinstance(a, float) and a == 1.0:
-        return b
-    return a if isinstance(b, float) and b == 1.0 else a * b
+    if isinstance(a, float):
+        if a == 0.0 or is_zero(b):
+            return 0.0
+        return b if a == 1.0 else a * b
+    if isinstance(b, float):
+        if b == 0.0:
+            return 0.0
+        return a if b == 1.0 else a * b
+    return a * b
 
 
 def total(terms: Sequence[Scalar]) -> Scalar:

@@ -15,6 +15,8 @@ from numpy import ndarray
 from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar, mean_sign, sign, tanh
 
+REMEMBERED = 32  # signs of a motion's velocities, each with some width
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -63,8 +65,21 @@ class State:
         """Direction of motion, smoothed over the wider of `width` and `sign_width`."""
         widest = max(width, self.sign_width)
         if self.averaged and isinstance(velocity, np.ndarray) and len(velocity) > 1:
-            return mean_sign(velocity, widest)
+            return self._mean_sign(velocity, widest)
         return tanh(velocity / widest) if widest > 0 else sign(velocity)
+
+    def _mean_sign(self, velocity: ndarray, width: float) -> ndarray:
+        """Remembered with the motion for its joints: a scan asks for the same ones at each value."""
+        motion = self.sampled
+        if motion is None or not any(velocity is own for own in motion.components[1]):
+            return mean_sign(velocity, width)
+        # No other array gets the identity of one that the motion keeps.
+        key, signs = (id(velocity), width), motion.signs
+        if key not in signs:
+            if len(signs) >= REMEMBERED:
+                signs.clear()
+            signs[key] = mean_sign(velocity, width)
+        return signs[key]
 
     @cached_property
     def fingerprint(self) -> bytes | None:

@@ -22,7 +22,7 @@ from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.wiener import expected
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import inverse_dynamics, regressor_entries
-from oed.dynamics.scalars import Scalar, add, mul
+from oed.dynamics.scalars import Scalar, add, mul, sub
 from oed.robot import Robot
 
 STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
@@ -215,27 +215,22 @@ class ReferenceTorque:
         return [*expected(signals, 1 / float(np.median(np.diff(motion.t))), noise)]
 
     def _slopes(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
-        def moved(q: float, dq: float, ddq: float) -> list[Scalar]:
-            steps = zip((state.q, state.dq, state.ddq), (q, dq, ddq), strict=True)
-            states = [
-                [add(x, step) if j == joint else x for j, x in enumerate(whole)]
-                for whole, step in steps
-            ]
-            return inverse_dynamics(self.robot, *states)
-
-        # Quadratic in dq and linear in ddq: steps of one are exact.
-        pairs = [
-            (moved(*step), moved(*(-x for x in step)), size)
-            for step, size in (
-                ((STEP, 0.0, 0.0), STEP),
-                ((0.0, 1.0, 0.0), 1.0),
-                ((0.0, 0.0, 1.0), 1.0),
+        def slope(q: float, dq: float) -> list[Scalar]:
+            high, low = (
+                inverse_dynamics(
+                    self.robot,
+                    [add(x, way * q) if j == joint else x for j, x in enumerate(state.q)],
+                    [add(x, way * dq) if j == joint else x for j, x in enumerate(state.dq)],
+                    state.ddq,
+                )
+                for way in (1.0, -1.0)
             )
-        ]
-        return [
-            tuple(mul(0.5 / size, add(high[i], mul(-1.0, low[i]))) for high, low, size in pairs)
-            for i in range(self.robot.n)
-        ]
+            half = 0.5 / (q + dq)
+            return [mul(half, sub(x, y)) for x, y in zip(high, low, strict=True)]
+
+        # Quadratic in dq: a step of one is exact.
+        by_q, by_dq = slope(STEP, 0.0), slope(0.0, 1.0)
+        return list(zip(by_q, by_dq, self._column(state, joint), strict=True))
 
     def _beside_rigid(self, state: State) -> list[Scalar]:
         torque: list[Scalar] = [0.0] * self.robot.n

@@ -1,0 +1,44 @@
+"""What a reference torque remembers is what it would find anew."""
+
+import numpy as np
+import pytest
+
+from oed.dynamics.effects.effect import State
+from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.motion import Motion, random_motion, with_joint
+from oed.dynamics.scalars import mean_sign
+from oed.robot import imi_scara
+
+
+def motion_of(samples: int) -> Motion:
+    return random_motion(imi_scara(), samples, np.random.default_rng(4))
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_slopes_are_those_of_the_torque(joint):
+    motion, reference = motion_of(20), ReferenceTorque(imi_scara())
+    slopes = reference.slopes(State.along(motion), joint)
+    for k, name in enumerate(("q", "dq", "ddq")):
+
+        def moved(step: float, changed: str = name) -> np.ndarray:
+            there = [
+                getattr(motion, x)[:, joint] + step * (x == changed) for x in ("q", "dq", "ddq")
+            ]
+            return reference.parts(with_joint(motion, joint, there))[:, :, 0]
+
+        expected = (moved(1e-4) - moved(-1e-4)) / 2e-4
+        found = np.stack([by[k] + np.zeros(20) for by in slopes], axis=1)
+        np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_signs_are_remembered_by_joint_and_width():
+    motion = Motion(*(getattr(motion_of(30), x) for x in ("t", "q", "dq", "ddq")), averaged=True)
+    state = State.along(motion)
+    for width in (0.1, 0.5, 0.1):
+        for velocity in state.dq:
+            np.testing.assert_array_equal(state.sign(velocity, width), mean_sign(velocity, width))
+    assert state.sign(state.dq[0], 0.5) is State.along(motion).sign(state.dq[0], 0.5)
+    # An array that is not the motion's may come to lie where another has been.
+    for scale in (1.0, -2.0, 3.0):
+        other = scale * state.dq[0]
+        np.testing.assert_array_equal(state.sign(other, 0.1), mean_sign(other, 0.1))
