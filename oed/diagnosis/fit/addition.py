@@ -79,16 +79,21 @@ class NormalEquations:
         gram: (m, m) of the columns' parts outside the model.
         lengths: (m,) squared lengths of the whole columns.
         moment: (m,) of the columns with the model's residual.
+        inside: (b, m) of the columns with the model's basis.
     """
 
     gram: Float[ndarray, "columns columns"]
     lengths: Float[ndarray, " columns"]
     moment: Float[ndarray, " columns"]
+    inside: Float[ndarray, "rank columns"]
 
     def directions(self) -> Directions:
         """What is left of the group beside the model."""
         scale = np.sqrt(np.where(self.lengths > 0, self.lengths, 1.0))
-        values, vectors = np.linalg.eigh(self.gram / np.outer(scale, scale))
+        unit = self.gram / (scale[:, None] * scale)
+        # Most groups are one column, to which a routine for matrices would be most of the work.
+        single = len(unit) == 1
+        values, vectors = (unit[0], np.ones((1, 1))) if single else np.linalg.eigh(unit)
         kept = values > ABSORBED**2 * len(values)
         return Directions(scale, values[kept], vectors[:, kept])
 
@@ -126,4 +131,4 @@ def normal_equations(
         moment += block.T @ residual[joint]
         inside += projection.basis[joint].T @ block
     lengths = np.diag(gram).copy()
-    return NormalEquations(gram - inside.T @ inside, lengths, moment)
+    return NormalEquations(gram - inside.T @ inside, lengths, moment, inside)

@@ -10,8 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.optimize import minimize
-from scipy.special import gammaln
-from scipy.stats import chi2
+from scipy.special import chdtrc, gammaln
 
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
@@ -74,7 +73,7 @@ def gain_of(found: Score) -> float:
 
 def minus_log_chance(gains: Float[ndarray, " count"], freedom: int) -> Float[ndarray, " count"]:
     """-log of a chi-square's upper tail, by its leading terms where it underflows."""
-    exact = -chi2.logsf(np.minimum(gains, 400.0), freedom)
+    exact = -np.log(chdtrc(freedom, np.clip(gains, 0.0, 400.0)))
     half = np.maximum(gains, 1.0) / 2
     leading = half - (freedom / 2 - 1) * np.log(half) + gammaln(freedom / 2)
     return np.where(gains > 400.0, leading, exact)

@@ -15,6 +15,7 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.scan import inflation_of, minus_log_chance, ridge_of
 from oed.diagnosis.terms.trials import Trial
 
+AT_ONCE = 64  # trials whose products with the residuals are one: thin ones wait for memory
 MIDDLE = (0.08, 0.92)  # of a recording: moved by less, a residual still keeps step
 
 
@@ -50,19 +51,34 @@ def largest_surprises(
 
     The maximum over all trials carries the multiplicity of the search.
     """
-    count = residuals.shape[2]
     inside = np.einsum("jrb,jrs->bs", fit.projection.basis, residuals, optimize=True)
-    largest = np.zeros(count)
+    largest = np.zeros(residuals.shape[2])
     inflation = inflation_of(fit)
-    for trial in trials:
-        normal = normal_equations(fit.projection, fit.residual, trial.group)
-        moments = np.zeros((len(normal.lengths), count))
-        for joint, block in trial.group.items():
-            moments += block.T @ residuals[joint]
-            moments -= (fit.projection.basis[joint].T @ block).T @ inside
-        share = float(inflation[list(trial.group)].mean())
-        largest = np.maximum(largest, _surprises(trial, normal, moments, share))
+    for start in range(0, len(trials), AT_ONCE):
+        some = trials[start : start + AT_ONCE]
+        for trial, along in zip(some, _moments(some, residuals), strict=True):
+            normal = normal_equations(fit.projection, fit.residual, trial.group)
+            moments = along - normal.inside.T @ inside
+            share = float(inflation[list(trial.group)].mean())
+            largest = np.maximum(largest, _surprises(trial, normal, moments, share))
     return largest
+
+
+def _moments(
+    trials: Sequence[Trial], residuals: Float[ndarray, "joints rows count"]
+) -> list[Float[ndarray, "_ count"]]:
+    """Moments of each trial's columns with many residuals: one product for all of a joint."""
+    result: list[Float[ndarray, "_ count"]] = [np.zeros(())] * len(trials)
+    for joint, residual in enumerate(residuals):
+        own = [k for k, trial in enumerate(trials) if joint in trial.group]
+        if not own:
+            continue
+        blocks = [trials[k].group[joint] for k in own]
+        ends = np.cumsum([block.shape[1] for block in blocks])
+        products = np.split(np.concatenate(blocks, axis=1).T @ residual, ends[:-1])
+        for k, product in zip(own, products, strict=True):
+            result[k] = result[k] + product
+    return result
 
 
 def family_p_value(surprise: float, surrogates: Float[ndarray, " count"]) -> float:
