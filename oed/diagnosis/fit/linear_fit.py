@@ -36,7 +36,7 @@ class Projection:
 
     def coordinates(self, y: Float[ndarray, "joints rows"]) -> Float[ndarray, " rank"]:
         """Q' y."""
-        return np.einsum("jrb,jr->b", self.basis, y, optimize=True)
+        return self._flat.T @ y.ravel()
 
     def residual(self, y: Float[ndarray, "joints rows"]) -> Float[ndarray, "joints rows"]:
         """Y less its projection."""
@@ -46,23 +46,32 @@ class Projection:
         self, columns: Float[ndarray, "joints rows columns"]
     ) -> Float[ndarray, "joints rows columns"]:
         """Columns less their projections."""
-        return columns - self.basis @ np.einsum("jrb,jrc->bc", self.basis, columns, optimize=True)
+        return columns - self.basis @ self._inside(columns)
 
     def extended(self, columns: Float[ndarray, "joints rows columns"]) -> Projection:
         """The span with further columns, whose parameters follow.
 
         A column that lies inside adds nothing, and its parameter is zero.
         """
-        inside = np.einsum("jrb,jrc->bc", self.basis, columns, optimize=True)
+        inside = self._inside(columns)
         outside = columns - self.basis @ inside
         # Once more: what is left of a column nearly inside is mostly rounding (Kahan's rule).
-        again = np.einsum("jrb,jrc->bc", self.basis, outside, optimize=True)
+        again = self._inside(outside)
         lengths = np.sqrt(np.einsum("jrc,jrc->c", columns, columns, optimize=True))
         added = _factorised(outside - self.basis @ again, lengths)
         upper = np.hstack([self.inverse, -self.inverse @ (inside + again) @ added.inverse])
         below = np.hstack([np.zeros((len(added.inverse), self.rank)), added.inverse])
         basis = np.concatenate([self.basis, added.basis], axis=2)
         return Projection(basis, np.vstack([upper, below]))
+
+    def _inside(
+        self, columns: Float[ndarray, "joints rows columns"]
+    ) -> Float[ndarray, "rank columns"]:
+        return self._flat.T @ columns.reshape(-1, columns.shape[2])
+
+    @property
+    def _flat(self) -> Float[ndarray, "all_rows rank"]:
+        return self.basis.reshape(-1, self.rank)
 
     @property
     def rank(self) -> int:

@@ -50,9 +50,8 @@ def effect_columns(
     acting = sorted({joint for entry in entries for joint in entry})
     result = {}
     for joint in acting:
-        block = np.zeros((len(motion), len(entries)))
-        for column, entry in enumerate(entries):
-            if joint in entry:
-                block[:, column] = entry[joint]
-        result[joint] = block
+        rows = np.empty((len(entries), len(motion)))
+        for row, entry in zip(rows, entries, strict=True):
+            row[:] = entry.get(joint, 0.0)
+        result[joint] = rows.T
     return result

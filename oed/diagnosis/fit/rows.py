@@ -71,7 +71,7 @@ class Rows:
             self.hidden[number : number + 1],
         )
 
-    @property
+    @cached_property
     def starts(self) -> Int[ndarray, " recordings_and_end"]:
         """First row of each recording, and the end."""
         return np.concatenate([[0], np.cumsum([p.rows for p in self.prepared])])

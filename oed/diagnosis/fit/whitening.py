@@ -58,6 +58,8 @@ class Autoregression:
 
     def whiten(self, x: Float[ndarray, " rows *columns"]) -> Float[ndarray, " rows *columns"]:
         """Innovations of unit variance; the first p rows lack their past and are approximate."""
+        if not self.order:
+            return x / self.scale
         before = np.zeros((self.order, *x.shape[1:]))
         return moving_sum(np.concatenate([before, x]), self.coefficients[::-1]) / self.scale
 

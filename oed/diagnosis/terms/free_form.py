@@ -86,14 +86,14 @@ class FreeForm(Effect):
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Products of the coordinates' basis functions."""
-        product = self.coordinates[0].basis(state)
-        for coordinate in self.coordinates[1:]:
-            other = coordinate.basis(state)
-            product = (product[:, :, None] * other[:, None, :]).reshape(len(product), -1)
+        # One function a row, each contiguous: there are many, and all else is a column's.
+        product, *others = (np.ascontiguousarray(c.basis(state).T) for c in self.coordinates)
+        for other in others:
+            product = (product[:, None] * other).reshape(-1, product.shape[1])
         if self.direction is not None:
-            product = product * np.asarray(state.sign(state.dq[self.direction]))[:, None]
+            product = product * state.sign(state.dq[self.direction])
         if self.mixing is not None:
-            product = product @ self.mixing
+            product = self.mixing.T @ product
         if self.visited is not None:
-            product = product * self.visited.weight(self.places(state))[:, None]
-        return [{self.joint: product[:, k]} for k in range(product.shape[1])]
+            product = product * self.visited.weight(self.places(state))
+        return [{self.joint: column} for column in product]
