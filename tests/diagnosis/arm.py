@@ -35,7 +35,8 @@ def data_set(
 
     The motion trembles up to `shake` [Hz]. Motions for estimation reach `near` times as far as others. `extra(q, dq, ddq)` gives (N, 2) torque that the standard model does not have, `hum(t, dq)`
     what comes in its own time. In each repetition the encoders wander elsewhere, by so many rad/s^2
-    for each of a few waves, and nothing else feels it. Torque is recorded `late` [s].
+    for each of a few waves, and nothing else feels it. Torque is recorded `late` [s], before
+    the position where that is below zero.
     """
     rng = np.random.default_rng(seed)
     roles = roles or ("estimation", "estimation", "validation", "test")
@@ -77,7 +78,7 @@ def _record(rng, name, role, *, extra, repetitions, colour, step, hum, shake, re
     if shake > 0:
         q, dq, ddq = (x + y for x, y in zip((q, dq, ddq), _tremor(t, shake), strict=True))
     measured = q
-    if late > 0:
+    if late != 0:
         q, dq, ddq = (reach * x for x in _motion(coefficients, t, late))
     tau = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
     if extra is not None:

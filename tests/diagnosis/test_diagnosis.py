@@ -14,6 +14,7 @@ from oed.errors import OedError
 from tests.diagnosis.arm import data_set, stribeck
 
 HUM = 2.347  # [Hz], no multiple of the motion's own frequency
+EARLY = 2e-3  # [s], as a commanded torque comes before what it does
 SEALED = ("validation", "test")
 FAST = dataclasses.replace(DiagnosisSettings(), surrogates=39, bootstrap=40, refined=4)
 # Without gears, loads and lags, whose columns are made anew at every step of their shapes.
@@ -46,6 +47,7 @@ def diagnosis_of(kind, seed=0):
         "coarse": {"step": 2e-3, "repetitions": 1},
         "stribeck": {"extra": stribeck(1.0)},
         "foreign": {"extra": lambda q, dq, ddq: np.stack([q[:, 1] * dq[:, 0], 0 * q[:, 0]], 1)},
+        "early": {"late": -EARLY},
         "hum": {"hum": lambda t, dq: np.outer(np.sin(2 * np.pi * HUM * t), [0.1, 0.0])},
         "brake": {"hum": _brake},
         "elusive": {"extra": _elusive},
@@ -208,3 +210,11 @@ def test_a_joint_that_stands_still_is_named():
     dataset = dataclasses.replace(dataset, recordings=still)
     with pytest.raises(OedError, match=r"joint '.*' moves by no more than 0 rad .* `fixed`"):
         diagnose(dataset, TorqueModel.standard(dataset.robot), QUICK)
+
+
+def test_a_torque_that_comes_first_is_a_delay_below_zero():
+    found = diagnosis_of("early")
+    assert [(e.name, e.joint) for e in found.effects] == [("time_delay", None)]
+    (delay,) = found.effects[0].parameters
+    assert abs(delay.value + EARLY) < 3 * delay.std < EARLY
+    assert found.verdict == "explained"
