@@ -6,7 +6,7 @@ import pytest
 from oed.diagnosis.fit.linear_fit import project
 
 
-@pytest.mark.parametrize("added", [3, 40])
+@pytest.mark.parametrize("added", [0, 3, 40])
 def test_a_span_with_more_columns_is_that_of_all_of_them(added):
     """Also where these are more than the rows: the shortest parameters of a perfect fit."""
     rng = np.random.default_rng(6)
