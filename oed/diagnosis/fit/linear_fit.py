@@ -36,7 +36,7 @@ class Projection:
 
     def coordinates(self, y: Float[ndarray, "joints rows"]) -> Float[ndarray, " rank"]:
         """Q' y."""
-        return self._flat.T @ y.ravel()
+        return _flat(self.basis).T @ y.ravel()
 
     def residual(self, y: Float[ndarray, "joints rows"]) -> Float[ndarray, "joints rows"]:
         """Y less its projection."""
@@ -67,13 +67,7 @@ class Projection:
     def _inside(
         self, columns: Float[ndarray, "joints rows columns"]
     ) -> Float[ndarray, "rank columns"]:
-        # Either may have no columns, so that no length is left for NumPy to infer.
-        return self._flat.T @ columns.reshape(len(self._flat), columns.shape[2])
-
-    @property
-    def _flat(self) -> Float[ndarray, "all_rows rank"]:
-        joints, rows, rank = self.basis.shape
-        return self.basis.reshape(joints * rows, rank)
+        return _flat(self.basis).T @ _flat(columns)
 
     @property
     def rank(self) -> int:
@@ -83,6 +77,11 @@ class Projection:
     def shares(self) -> Float[ndarray, " joints"]:
         """Parameters that each joint's rows determine; they add up to the rank."""
         return np.einsum("jrb,jrb->j", self.basis, self.basis, optimize=True)
+
+
+def _flat(columns: Float[ndarray, "joints rows columns"]) -> Float[ndarray, "all_rows columns"]:
+    joints, rows, count = columns.shape  # -1 would not do for no columns
+    return columns.reshape(joints * rows, count)
 
 
 def project(regressor: Float[ndarray, "joints rows parameters"]) -> Projection:
