@@ -14,6 +14,7 @@ DATA ?=
 
 # Tests and studies run in parallel already: more BLAS threads would only wait for one another.
 test paper: export OMP_NUM_THREADS = 1
+test: export OED_PROCESSES = 1
 
 .DEFAULT_GOAL := help
 .PHONY: help setup test paper lint clean

@@ -20,6 +20,7 @@ from typing import Generic, Protocol, TypeVar
 
 from threadpoolctl import threadpool_limits
 
+from oed.diagnosis.side_by_side import PROCESSES
 from oed.report.json_file import plain_value, read_json
 from oed.report.progress import progress
 from studies.interrupt import is_interrupt
@@ -177,8 +178,7 @@ def _on_processes(
     context = multiprocessing.get_context("spawn")
     left = dict.fromkeys(range(len(cases)))
     # Ctrl-C reaches every process: the workers end without a word, this one says what it leaves.
-    quiet = {"initializer": signal.signal, "initargs": (signal.SIGINT, signal.SIG_DFL)}
-    with ProcessPoolExecutor(workers, mp_context=context, **quiet) as pool:
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_one_of_many) as pool:
         futures = {pool.submit(_attempt, work, case): i for i, case in enumerate(cases)}
         try:
             for future in as_completed(futures):
@@ -193,6 +193,12 @@ def _on_processes(
         with ProcessPoolExecutor(1, mp_context=context) as pool:
             error = (alone := pool.submit(_attempt, work, cases[index])).exception()
         yield cases[index], failure(error) if error is not None else alone.result()
+
+
+def _one_of_many() -> None:
+    """What a worker does first: it dies quietly, and leaves the other processors to the others."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    os.environ[PROCESSES] = "1"
 
 
 def _on_cluster(

@@ -21,6 +21,8 @@ from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVALS = 5
+# Of the gain of what was found, from which on the shape of another is refined: no less comes near.
+WITHIN_REACH = 0.5
 SAME_COLUMNS = 0.9995  # correlation beside the model above which two effects are one on any data
 
 
@@ -54,12 +56,13 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     layout = shop.layout(own.trial)
     fit = shop.fit(others, layout).fit
     here = score(shop.renewed(own.trial), fit)
+    least = WITHIN_REACH * here.gain
     other = [
         found
-        for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS)
+        for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS, least=least)
         if found.trial.key != own.trial.key
     ]
-    candidates = [decided(shop, others, found) for found in other[:RIVALS]]
+    candidates = [decided(shop, others, s) if s.gain > least else s for s in other[:RIVALS]]
     said, *others_said = telling(shop, others, [here, *candidates])
     rivals = []
     for found, value in zip(candidates, others_said, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -18,6 +19,7 @@ from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 
@@ -81,30 +83,32 @@ def describe_effects(
         selection: What was added.
         whole: Its fit, with the uncertainty of its parameters.
     """
-    found = []
-    for trial, coefficients, covariance in zip(
-        whole.chosen, whole.coefficients, whole.covariances, strict=True
-    ):
-        if trial.is_free_form:
-            continue
+
+    def described(place: int) -> FoundEffect:
+        trial = whole.chosen[place]
         own = next(a for a in selection.accepted if a.trial.key == trial.key)
         others = [t for t in selection.trials if t.key != trial.key and not mends(t, trial)]
-        found.append(
-            FoundEffect(
-                name=trial.name,
-                joint=trial.joint,
-                parameters=estimates(shop, trial, coefficients, covariance),
-                p_value=own.p_value,
-                validation_gain=(
-                    validation_gain_of_tilt(shop, others)
-                    if trial.name == GRAVITY and shop.is_turned
-                    else validation_gain(shop, [*others, trial], trial, as_it_is=True)
-                ),
-                rivals=find_rivals(shop, own, others),
-                trial=trial,
-            )
+        return FoundEffect(
+            name=trial.name,
+            joint=trial.joint,
+            parameters=estimates(shop, trial, whole.coefficients[place], whole.covariances[place]),
+            p_value=own.p_value,
+            validation_gain=(
+                validation_gain_of_tilt(shop, others)
+                if trial.name == GRAVITY and shop.is_turned
+                else validation_gain(shop, [*others, trial], trial, as_it_is=True)
+            ),
+            rivals=find_rivals(shop, own, others),
+            trial=trial,
         )
-    return tuple(found)
+
+    named = [k for k, trial in enumerate(whole.chosen) if not trial.is_free_form]
+    found = side_by_side(described, named)
+    # Of what comes back, the tables know the effects themselves by their identity.
+    return tuple(
+        dataclasses.replace(effect, trial=whole.chosen[k])
+        for effect, k in zip(found, named, strict=True)
+    )
 
 
 def preferred_rival(

@@ -20,6 +20,7 @@ from oed.diagnosis.search.ripening import (
 from oed.diagnosis.search.scan import Score, best_shapes, refine, score
 from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 
@@ -36,6 +37,7 @@ def ranked(
     most: int,
     *,
     thorough: bool = False,
+    least: float = -np.inf,
 ) -> list[Score]:
     """Refined candidates beside some additions, best evidence first.
 
@@ -48,6 +50,7 @@ def ranked(
             joint lacks may outshine all that the others do, and those that act on a joint's own
             torque are evaluated on what they leave; a delay and a lag always are, since little
             else tells them apart.
+        least: Gain below which a candidate is left as it is on its grid.
     """
     keys = {t.key for t in others}
     if shop.is_turned:
@@ -58,15 +61,21 @@ def ranked(
         if part:
             fit = shop.fit(others, shop.full if between else shop.mean).fit
             grid = [score(t, fit) for t in part]
-            leading = _leading(shop, grid, fit, most, thorough=thorough)
+            leading = _leading(shop, grid, fit, most, thorough=thorough, least=least)
             refined = [_on_its_clock(shop, s, others, fit) for s in leading]
-            found += _evaluated(shop, grid, refined, others, fit, thorough=thorough)
+            found += _evaluated(shop, grid, refined, others, fit, thorough=thorough, least=least)
     rows = shop.full.rows.count
     return sorted(found, key=lambda s: -s.evidence(rows))
 
 
 def _leading(
-    shop: Workshop, grid: Sequence[Score], fit: LinearFit, most: int, *, thorough: bool
+    shop: Workshop,
+    grid: Sequence[Score],
+    fit: LinearFit,
+    most: int,
+    *,
+    thorough: bool,
+    least: float,
 ) -> list[Score]:
     """The leading candidates at the best of their shapes."""
     best = best_shapes(grid, fit, shop.context)
@@ -75,8 +84,13 @@ def _leading(
     leading = best[:most] + sorted(best, key=lambda s: -s.gain)[:most]
     if thorough:
         leading += _best_of_each_joint(best)
-    refined = [refine(s, fit, shop.context) for s in _by_key(leading).values()]
-    return [_within_recordings(shop, s, grid, fit) for s in refined]
+
+    def refined(found: Score) -> Score:
+        if found.gain < least:
+            return found
+        return _within_recordings(shop, refine(found, fit, shop.context), grid, fit)
+
+    return side_by_side(refined, list(_by_key(leading).values()))
 
 
 def _within_recordings(
@@ -130,6 +144,7 @@ def _evaluated(
     fit: LinearFit,
     *,
     thorough: bool,
+    least: float,
 ) -> list[Score]:
     """Refined candidates, and gears that promise as much, on the torque that they leave."""
     rows, best = shop.full.rows.count, max(s.gain for s in refined)
@@ -137,7 +152,7 @@ def _evaluated(
     green = [
         s
         for s in refined
-        if is_late(s.trial) and s.gain > LATE_SHARE * best and s.evidence(rows) > 0
+        if is_late(s.trial) and s.gain > max(LATE_SHARE * best, least) and s.evidence(rows) > 0
     ]
     gears = []
     if thorough:
@@ -147,15 +162,15 @@ def _evaluated(
             if is_unripe(s.trial) and s.promise > max(PROMISING * best, s.freedom * np.log(rows))
         )
         gears = list(_by_key(sorted(promising, key=lambda s: s.promise)).values())
-    for s in (*green, *gears):
-        own = [g for g in grid if g.trial.key == s.trial.key]
-        found[s.trial.key] = ripened(shop, own, others, fit)
+    own = [[g for g in grid if g.trial.key == s.trial.key] for s in (*green, *gears)]
+    found |= _by_key(side_by_side(lambda points: ripened(shop, points, others, fit), own))
     best = max(s.gain for s in found.values())
-    for gear in gears:
-        ripe = found[gear.trial.key]
-        # Of what a grid point promises, a simplex from there may find nothing.
-        if has_crests(ripe) and (ripe.gain > CONTENDING * best or gear.promise > best):
-            found[gear.trial.key] = searched(shop, ripe, others, fit)
+    # Of what a grid point promises, a simplex from there may find nothing.
+    ripe = [(found[gear.trial.key], gear.promise) for gear in gears]
+    wide = [
+        s for s, promise in ripe if has_crests(s) and (s.gain > CONTENDING * best or promise > best)
+    ]
+    found |= _by_key(side_by_side(lambda s: searched(shop, s, others, fit), wide))
     for plain in _plainer(shop, grid, list(found.values()), others, fit):
         key = plain.trial.key
         found[key] = max(found.get(key, plain), plain, key=lambda s: s.gain)

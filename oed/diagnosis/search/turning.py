@@ -49,7 +49,7 @@ def far_turned(shop: Workshop) -> Workshop | None:
     """The tables turned to a far direction under which the base model fits far better."""
     declared = shop.baseline.model.robot.gravity
     axes = len(tilt_directions(declared)[0])
-    if axes != 2 or GRAVITY not in shop.settings.candidates:
+    if axes != 2 or all(t.name != GRAVITY for t in shop.physical):
         return None
     squares = {}
     for angle, heading in product(FAR, np.arange(4) * np.pi / 2):

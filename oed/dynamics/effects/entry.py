@@ -175,6 +175,7 @@ class CatalogueEntry:
         narrow: Ranges of the shapes for an arm and its data.
         beside_grid: Further shapes of a first scan; None for none.
         install: The model with the effect in its exact form; None if the columns are exact.
+        sets_apart: Whether an arm shows it as something of its own; None where any does.
     """
 
     name: str
@@ -192,10 +193,13 @@ class CatalogueEntry:
     narrow: Narrow = _as_they_are
     beside_grid: Further | None = None
     install: Install | None = None
+    sets_apart: Callable[[Context], bool] | None = None
 
     def targets(self, context: Context) -> tuple[Target, ...]:
         """All targets on an arm: joints, ordered pairs of neighbours or within a wrist, or the arm."""
         joints = range(context.n)
+        if self.sets_apart is not None and not self.sets_apart(context):
+            return ()
         if self.scope == "arm":
             return (None,)
         if self.scope == "joint":

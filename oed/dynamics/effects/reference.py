@@ -7,6 +7,7 @@ are evaluated again after each refit.
 
 from __future__ import annotations
 
+import dataclasses
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -239,6 +240,10 @@ class ReferenceTorque:
             for joint, entry in by_joint.items():
                 torque[joint] = add(torque[joint], mul(coefficient, entry))
         return torque
+
+    def __getstate__(self) -> dict[str, object]:
+        """What another process has to be told: nothing that it can work out."""
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     @cached_property
     def _inertias(self) -> dict[tuple[int, tuple[float, ...]], float]:

@@ -1,5 +1,7 @@
 """Where effects of the catalogue may sit, and what they know of one another."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,18 @@ def test_a_motor_couples_neighbours_or_joints_of_a_wrist():
     targets = set(coupling.targets(context_of(panda())))
     neighbours = {(i, j) for i in range(7) for j in range(7) if abs(i - j) == 1}
     assert targets == neighbours | {(4, 6), (6, 4)}
+
+
+def test_along_sliding_joints_a_tilt_is_an_offset_and_has_no_name_of_its_own():
+    tilt, offset = CATALOGUE["gravity_direction"], CATALOGUE["torque_offset"]
+    turning = imi_scara()
+    sliding = dataclasses.replace(
+        turning,
+        joints=tuple(dataclasses.replace(joint, kind="prismatic") for joint in turning.joints),
+    )
+    assert tilt.targets(context_of(turning)) == (None,)
+    assert tilt.targets(context_of(sliding)) == ()
+    assert offset.targets(context_of(sliding)) == (0, 1)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3])

@@ -222,6 +222,7 @@ TORQUE_OFFSET = CatalogueEntry(
     equivalent=(
         "asymmetric Coulomb friction: half of the difference of the two directions",
         "constant torque of a cable or of a balancing spring",
+        "a tilt of an arm whose joints all slide",
     ),
     page=EffectPage(
         equation="τ_0",

@@ -230,6 +230,11 @@ def _with_gravity(
     return context.model.with_robot(turned)
 
 
+def _has_turning_joints(context: Context) -> bool:
+    """Whether gravity turns in some link: along sliding joints alone a tilt is an offset."""
+    return any(joint.kind == "revolute" for joint in context.model.robot.joints)
+
+
 GRAVITY_DIRECTION = CatalogueEntry(
     name="gravity_direction",
     families=("position",),
@@ -238,6 +243,7 @@ GRAVITY_DIRECTION = CatalogueEntry(
     build=_gravity,
     plausible=_gravity_plausible,
     install=_with_gravity,
+    sets_apart=_has_turning_joints,
     equivalent=("a tilt within the plane of a vertical two-joint arm: a shift of its first angle",),
     page=EffectPage(
         equation="Σ_k tilt_k ∂τ/∂g · e_k |g|, e_k at right angles to the declared gravity",

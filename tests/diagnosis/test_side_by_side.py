@@ -1,0 +1,51 @@
+"""Work on several processes: the results of one after another, and nothing left behind."""
+
+import os
+
+import pytest
+
+from oed.diagnosis.side_by_side import PROCESSES, processes, side_by_side
+
+
+@pytest.fixture(autouse=True, params=["1", "2", "3"])
+def _some_processes(monkeypatch, request):
+    monkeypatch.setenv(PROCESSES, request.param)
+
+
+def test_results_stand_in_the_order_of_the_items():
+    assert side_by_side(lambda x: x**2, list(range(40))) == [x**2 for x in range(40)]
+
+
+def test_nothing_is_made_of_nothing():
+    assert side_by_side(lambda x: x, []) == []
+
+
+def test_what_one_item_raises_is_raised():
+    def work(x):
+        if x == 5:
+            raise ValueError(f"{x} will not do")
+        return x
+
+    with pytest.raises(ValueError, match="5 will not do"):
+        side_by_side(work, list(range(9)))
+
+
+def test_no_process_is_left_behind():
+    side_by_side(lambda x: x, list(range(9)))
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+def test_what_is_at_work_side_by_side_is_not_divided_again():
+    inner = side_by_side(
+        lambda _: (os.getpid(), side_by_side(lambda _: os.getpid(), [0, 1])), [0, 1, 2]
+    )
+    for outer, within in inner:
+        if outer != os.getpid():
+            assert set(within) == {outer}
+
+
+def test_a_number_of_processes_that_is_none_is_refused(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "many")
+    with pytest.raises(ValueError, match="OED_PROCESSES='many'"):
+        processes()
