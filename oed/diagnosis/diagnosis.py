@@ -150,7 +150,8 @@ def diagnose(
     _check_signs(shop, dataset.name)
     # The mean over repetitions, which a search looks at, shows a sign's turn better than they do.
     shop = shop.sharpened(()) or shop
-    result = uncontradicted(find(shop, by_role["validation"]), by_role["test"])
+    result = find(shop, by_role["validation"])
+    result = uncontradicted(result, by_role["validation"], by_role["test"])
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")
     return _conclude(result, by_role, settings)

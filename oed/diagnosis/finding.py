@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contradiction import contradicted
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
+from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
 from oed.diagnosis.search.accepted import Refused
@@ -67,21 +67,37 @@ def find(shop: Workshop, validation: tuple[Prepared, ...]) -> Finding:
     return found
 
 
-def uncontradicted(found: Finding, test: tuple[Prepared, ...]) -> Finding:
-    """The same without its names if the test recordings, which chose nothing, contradict them.
+def uncontradicted(
+    found: Finding, validation: tuple[Prepared, ...], test: tuple[Prepared, ...]
+) -> Finding:
+    """The same without what the test recordings, which chose nothing, contradict.
+
+    Terms that claim no physics stand aside first, for they extrapolate worst; then names go.
 
     Args:
         found: What the search found.
+        validation: Recordings that the exact form must predict.
         test: Recordings that nothing was chosen by.
     """
-    selection = found.selection
-    names = () if found.shop.is_turned else _names(selection)
-    if not names or not contradicted(found.shop, selection, found.before, found.after, test):
+    shop, selection = found.shop, found.selection
+    if shop.is_turned or not _is_contradicted(found, test):
         return found
-    for trial in names:
-        selection = selection.without(found.shop, trial, "it does not lower the test error")
-    after = final_with(found.shop, selection.found)
-    return dataclasses.replace(found, selection=selection, after=after, effects=())
+    if len(_names(selection)) < len(selection.trials):
+        selection = selection.with_stand_ins_aside(shop)
+        selection, after, effects = named(shop, selection, validation, found.before)
+        found = dataclasses.replace(found, selection=selection, after=after, effects=effects)
+        if not _is_contradicted(found, test):
+            return found
+    for trial in _names(selection):
+        selection = selection.without(shop, trial, "it does not lower the test error")
+    return dataclasses.replace(found, selection=selection, after=found.before, effects=())
+
+
+def _is_contradicted(found: Finding, test: tuple[Prepared, ...]) -> bool:
+    """Whether all that the model was given does not lower the test error."""
+    if not found.selection.trials:
+        return False
+    return contradicted(found.shop, found.selection, found.before, found.after, test)
 
 
 def _found(

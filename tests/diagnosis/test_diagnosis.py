@@ -218,3 +218,18 @@ def test_a_torque_that_comes_first_is_a_delay_below_zero():
     (delay,) = found.effects[0].parameters
     assert abs(delay.value + EARLY) < 3 * delay.std < EARLY
     assert found.verdict == "explained"
+
+
+def test_what_the_test_recording_contradicts_is_said_and_kept_out_of_the_model():
+    def foreign(q, dq, ddq):
+        return np.stack([q[:, 1] * dq[:, 0], 0 * q[:, 0]], axis=1)
+
+    shown, rid_of_it = data_set(3, extra=foreign), data_set(3)
+    dataset = dataclasses.replace(
+        shown, recordings=(*shown.recordings[:-1], rid_of_it.recordings[-1])
+    )
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), QUICK)
+    assert any(u.joint == 0 and not u.stands_in for u in found.unexplained)
+    proof = {p.role: p for p in found.proof}
+    assert proof["test"].after == pytest.approx(proof["test"].before)
+    assert found.verdict == "unexplained"

@@ -45,6 +45,14 @@ class Selection:
         rest = [a for a in self.accepted if a is not item]
         return Selection.of(shop, rest, [*self.refused, refusal(item, reason)])
 
+    def with_stand_ins_aside(self, shop: Workshop) -> Selection:
+        """The same with free-form terms only to say where something is missing."""
+        accepted = [
+            dataclasses.replace(a, stands_in=False) if a.trial.is_free_form else a
+            for a in self.accepted
+        ]
+        return Selection.of(shop, accepted, self.refused)
+
     def exchanged(self, shop: Workshop, trial: Trial, rival: Trial) -> Selection:
         """The same with another addition in the place of one."""
         kept = [
