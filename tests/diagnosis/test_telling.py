@@ -10,7 +10,7 @@ from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.contenders import find_rivals
 from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import score
+from oed.diagnosis.search.scan import inflation_of, score
 from oed.diagnosis.search.selection import search
 from oed.diagnosis.search.telling import foretells_most, most_telling_first, telling
 from oed.diagnosis.settings import DiagnosisSettings
@@ -21,6 +21,7 @@ from tests.diagnosis.shop import shop_of
 OFFSET = 0.8  # [N m] in every recording
 RIPPLE, HARMONIC = 1.5, 5.0  # [N m] in those that are fitted alone, and waves a turn
 SPRING = 1.0  # [N m/rad]
+WAVES = 2.0  # [N m] that no effect of one joint follows
 LATE = 4  # samples by which a torque comes late
 TURN = 0.04  # [rad/s] over which dry friction turns
 
@@ -54,7 +55,7 @@ def test_what_does_not_come_again_tells_less(accident):
     shop = shop_of(accident)
     ripple, offset = (of_first_joint(shop, name) for name in ("torque_ripple", "torque_offset"))
     assert ripple.gain > offset.gain
-    here, there = telling(shop, (), [ripple, offset])
+    (here, there), _ = telling(shop, (), [ripple, offset])
     assert there > here
     assert foretells_most(shop, (), offset.trial, [])
     assert not foretells_most(shop, (), ripple.trial, [])
@@ -64,7 +65,7 @@ def test_without_validation_what_is_explained_decides(accident):
     own = tuple(r for r in accident.recordings if r.role == "estimation")
     shop = shop_of(dataclasses.replace(accident, recordings=own))
     ripple, offset = (of_first_joint(shop, name) for name in ("torque_ripple", "torque_offset"))
-    here, there = telling(shop, (), [ripple, offset])
+    (here, there), _ = telling(shop, (), [ripple, offset])
     assert here > there
     assert not foretells_most(shop, (), offset.trial, [])
 
@@ -74,6 +75,23 @@ def test_the_true_one_of_many_comes_first():
     offset = next(t for t in shop.physical if t.key == ("torque_offset", 0))
     order = most_telling_first(shop, ranked(shop, shop.physical, [offset], 6), [offset])
     assert order[0].trial.key == ("joint_spring", 0)
+
+
+def turned_by_both(q, dq, ddq):
+    """Friction of a motor that turns with both joints, beside much that neither has a part in."""
+    speed = dq[:, 0] + dq[:, 1]
+    friction = 1.0 * np.sign(speed) + 0.5 * speed
+    return np.stack([friction, friction + WAVES * np.cos(9 * q[:, 0] + 4 * q[:, 1])], axis=1)
+
+
+def test_what_is_missing_besides_ties_no_two_of_a_kind():
+    """Ratios of both joints' motor meet at one; the joint that it is nearer to must be told."""
+    shop = shop_of(data_set(5, extra=turned_by_both))
+    pool = [t for t in shop.physical if t.name == "motor_coupling"]
+    order = most_telling_first(shop, ranked(shop, pool, (), 6), ())
+    assert order[0].trial.target == (1, 0)
+    assert order[0].trial.values[0] == pytest.approx(1.0, abs=0.05)
+    assert inflation_of(shop.fit([order[0].trial]).fit).max() > 5
 
 
 def turning(q, dq, ddq):

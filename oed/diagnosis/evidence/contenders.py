@@ -63,11 +63,11 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
         if found.trial.key != own.trial.key
     ]
     candidates = [decided(shop, others, s) if s.gain > least else s for s in other[:RIVALS]]
-    said, *others_said = telling(shop, others, [here, *candidates])
+    (said, *others_said), unit = telling(shop, others, [here, *candidates])
     rivals = []
     for found, value in zip(candidates, others_said, strict=True):
         behind = said - value
-        margin = decisive_between(shop, here, found)
+        margin = decisive_between(shop, here, found, unit)
         contender = bool(behind < margin) and _contends(shop, found, here, others, fit)
         trial = found.trial
         rivals.append(Rival(trial.name, trial.joint, float(behind), trial, contender, margin))

@@ -28,16 +28,23 @@ UNCERTAIN = 1 / 4
 NESTED = frozenset({"lag", "acceleration", "compliance", "even in speed"})
 
 
-def decisive_between(shop: Workshop, one: Score, other: Score) -> float:
-    """How much more one candidate must tell than another to be the one that is meant."""
+def decisive_between(shop: Workshop, one: Score, other: Score, unit: float = 1.0) -> float:
+    """How much more one candidate must tell than another to be the one that is meant.
+
+    Args:
+        shop: The laid-out data.
+        one: Candidate.
+        other: Its rival.
+        unit: In which gains are counted: the misfit of a model that lacks more than these.
+    """
     decisive, trials = shop.settings.decisive, (one.trial, other.trial)
     if are_lags(*trials):
         unseen = shop.unseen_by(list(trials)).rows
         tables = [shop.mean.rows, *([unseen] if unseen else [])]
         share = of_sampling(shop, *trials)
-        margin = max(decisive, share * _apart(trials, tables)) if share else decisive
-        return margin + of_noise(trials, tables)
-    return max(decisive, of_smoothing(*trials) * max(one.gain, other.gain))
+        margin = max(decisive, share * _apart(trials, tables) / unit) if share else decisive
+        return margin + of_noise(trials, tables) / unit
+    return max(decisive, of_smoothing(*trials) * max(one.gain, other.gain) / unit)
 
 
 def of_smoothing(one: Trial, other: Trial) -> float:

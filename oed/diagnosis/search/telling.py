@@ -33,13 +33,16 @@ MUCH = 0.2
 
 def telling(
     shop: Workshop, others: Sequence[Trial], rivals: Sequence[Score]
-) -> Float[ndarray, " rivals"]:
+) -> tuple[Float[ndarray, " rivals"], float]:
     """How much each of some rivals says: -2 log likelihood of all rows, less what it costs.
 
     Args:
         shop: The laid-out data.
         others: Additions that they stand beside.
         rivals: Refined candidates for one place.
+
+    Returns:
+        That, and the unit in which it counts what explains the estimation recordings.
     """
     acting = sorted({joint for rival in rivals for joint in rival.trial.group})
     left, foretold, errors = [], [], []
@@ -59,7 +62,7 @@ def telling(
     worth = worth_beside(others, shop.mean.rows)
     explained = np.array([worth(r) for r in rivals]) / min(left)
     costs = np.array([r.gain - r.evidence(rows) for r in rivals])
-    return explained - costs + np.array(foretold) @ (1 / unit)
+    return explained - costs + np.array(foretold) @ (1 / unit), min(left)
 
 
 def most_telling_first(
@@ -85,10 +88,10 @@ def most_telling_first(
     ]
     rest = [c for c in candidates if all(c is not r for r in level)]
     level = [decided(shop, others, c) for c in level]
-    values = telling(shop, others, level)
+    values, unit = telling(shop, others, level)
     first = level[int(np.argmax(values))]
     tied = [
-        values.max() - value < _margin(shop, first, c)
+        values.max() - value < _margin(shop, first, c, unit)
         for value, c in zip(values, level, strict=True)
     ]
     order = sorted(
@@ -113,8 +116,9 @@ def may_replace(shop: Workshop, here: Score, rival: Score) -> bool:
 
 def replaces(shop: Workshop, others: Sequence[Trial], here: Score, rival: Score) -> bool:
     """Whether a rival tells more by far than an addition, or as much and is plainer."""
-    said, better = telling(shop, others, [decided(shop, others, s) for s in (here, rival)])
-    margin = _margin(shop, here, rival)
+    both = [decided(shop, others, s) for s in (here, rival)]
+    (said, better), unit = telling(shop, others, both)
+    margin = _margin(shop, here, rival, unit)
     return bool(better > said + (-margin if _is_plainer(rival, here) else margin))
 
 
@@ -123,10 +127,10 @@ def _is_plainer(one: Score, other: Score) -> bool:
     return is_first_order(one.trial, other.trial) and one.freedom < other.freedom
 
 
-def _margin(shop: Workshop, one: Score, other: Score) -> float:
+def _margin(shop: Workshop, one: Score, other: Score, unit: float) -> float:
     """How much more one must tell where the plainer of two may be all that is there."""
     if is_first_order(one.trial, other.trial):
-        return decisive_between(shop, one, other)
+        return decisive_between(shop, one, other, unit)
     return shop.settings.decisive
 
 

@@ -34,9 +34,9 @@ def as_built(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearF
     ]
     if not usual:
         return found
-    own, *values = telling(shop, others, [found, *usual])
+    (own, *values), unit = telling(shop, others, [found, *usual])
     best, value = max(zip(usual, values, strict=True), key=lambda pair: pair[1])
-    return best if value > own - decisive_between(shop, found, best) else found
+    return best if value > own - decisive_between(shop, found, best, unit) else found
 
 
 def _usual(shop: Workshop, trial: Trial, fit: LinearFit) -> Iterator[Trial]:

@@ -47,7 +47,7 @@ TIME_DELAY = CatalogueEntry(
     scope="arm",
     # A torque comes first where it was commanded, or where positions were filtered; longer than
     # that no loop would be stable.
-    shapes=(Shape("delay", "s", -0.05, 0.12, "signed log", 24, 3e-3, linear_below=2e-4),),
+    shapes=(Shape("delay", "s", -0.05, 0.12, "signed log", 20, 3e-3, linear_below=3e-4),),
     build=_delay,
     plausible=by_construction,
     install=_with_delay,
