@@ -42,11 +42,9 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
-from oed.errors import OedError
 from oed.estimation.dissipation import check_dissipation
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import ROLES
-from oed.experiment.recording_checks import LEAST_TRAVEL
 
 
 @dataclass(frozen=True)
@@ -135,7 +133,7 @@ def diagnose(
     """
     if not dataset.estimation:
         raise ValueError(f"data set {dataset.name!r} has no recording with role estimation")
-    _check_moves(dataset)
+    dataset.check_moves()
     prepared = prepare(dataset.recordings, settings)
     by_role = {role: tuple(p for p in prepared if p.role == role) for role in ROLES}
     estimation = by_role["estimation"]
@@ -143,29 +141,19 @@ def diagnose(
     baseline = find_baseline(standing(model), estimation)
     deviations = zip(baseline.floor.deviation, model.robot.joints, strict=True)
     levels = ", ".join(f"{level:.3g} {joint.unit('N m')}" for level, joint in deviations)
-    say(f"noise from {baseline.floor.source}: {levels}")
+    say(f"noise, as first read off {baseline.floor.source}: {levels}")
     ratio = dataset.drive.gear_ratio
     gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
-    shop = Workshop(baseline, estimation, by_role["validation"], settings, gear_ratio=gear_ratio)
+    held = by_role["validation"]
+    later = held or by_role["test"]
+    shop = Workshop(baseline, estimation, held, settings, gear_ratio=gear_ratio, later=later)
     _check_signs(shop, dataset.name)
     # The mean over repetitions, which a search looks at, shows a sign's turn better than they do.
     shop = shop.sharpened(()) or shop
-    result = find(shop, by_role["validation"])
-    result = uncontradicted(result, by_role["validation"], by_role["test"])
+    result = uncontradicted(find(shop, held), held, by_role["test"])
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")
     return _conclude(result, by_role, settings)
-
-
-def _check_moves(dataset: DataSet) -> None:
-    travels = np.max([np.ptp(r.q, axis=0) for r in dataset.estimation], axis=0)
-    for joint, travel in zip(dataset.robot.joints, travels, strict=True):
-        if travel < LEAST_TRAVEL:
-            raise OedError(
-                f"{dataset.name}: joint {joint.name!r} moves by no more than {travel:.2g} rad or m in "
-                "the estimation recordings, which tells nothing of its friction; record it moving, "
-                "or make it `fixed` in the robot's file where it stood, and leave it out of `joints`"
-            )
 
 
 def _check_signs(shop: Workshop, name: str) -> None:

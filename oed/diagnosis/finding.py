@@ -12,6 +12,7 @@ from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
 from oed.diagnosis.search.accepted import Refused
+from oed.diagnosis.search.clocks import by_other_clock
 from oed.diagnosis.search.judgement import WORSE
 from oed.diagnosis.search.name_search import FEW
 from oed.diagnosis.search.predict import rms
@@ -79,9 +80,14 @@ def uncontradicted(
         validation: Recordings that the exact form must predict.
         test: Recordings that nothing was chosen by.
     """
-    shop, selection = found.shop, found.selection
+    shop = found.shop
     if shop.is_turned or not _is_contradicted(found, test):
         return found
+    if not validation:  # whose clock has not been asked for either
+        turned = _by_other_clocks(found)
+        if not _is_contradicted(turned, test):
+            return turned
+    selection = found.selection
     if len(_names(selection)) < len(selection.trials):
         selection = selection.with_stand_ins_aside(shop)
         selection, after, effects = named(shop, selection, validation, found.before)
@@ -91,6 +97,17 @@ def uncontradicted(
     for trial in _names(selection):
         selection = selection.without(shop, trial, "it does not lower the test error")
     return dataclasses.replace(found, selection=selection, after=found.before, effects=())
+
+
+def _by_other_clocks(found: Finding) -> Finding:
+    """The same with what changes in time going by the other clock, where that is open."""
+    shop, selection = found.shop, found.selection
+    for trial in _names(selection):
+        turned = by_other_clock(shop, trial)
+        if turned is not None:
+            selection = selection.exchanged(shop, trial, turned)
+    selection, after, effects = named(shop, selection, (), found.before)
+    return dataclasses.replace(found, selection=selection, after=after, effects=effects)
 
 
 def _is_contradicted(found: Finding, test: tuple[Prepared, ...]) -> bool:

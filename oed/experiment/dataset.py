@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.experiment.recording import Recording, Role
+from oed.errors import OedError
+from oed.experiment.recording import LEAST_TRAVEL, Recording, Role
 from oed.robot import Robot
 
 TorqueKind = Literal["measured", "current", "commanded"]
@@ -120,3 +121,19 @@ class DataSet:
 
     def _with_role(self, role: Role) -> tuple[Recording, ...]:
         return tuple(recording for recording in self.recordings if recording.role == role)
+
+    def check_moves(self) -> None:
+        """Refuse a joint that stands still in all recordings for estimation.
+
+        Raises:
+            OedError: If there is one: its friction and its row would be made of noise.
+        """
+        travels = np.max([np.ptp(r.q, axis=0) for r in self.estimation], axis=0)
+        for joint, travel in zip(self.robot.joints, travels, strict=True):
+            if travel < LEAST_TRAVEL:
+                raise OedError(
+                    f"{self.name}: joint {joint.name!r} moves by no more than {travel:.2g} rad or m "
+                    "in the estimation recordings, which tells nothing of its friction; record it "
+                    "moving, or make it `fixed` in the robot's file where it stood, and leave it "
+                    "out of `joints`"
+                )

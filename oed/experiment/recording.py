@@ -12,6 +12,7 @@ from numpy import ndarray
 Role = Literal["estimation", "validation", "test"]
 ROLES: tuple[Role, ...] = get_args(Role)
 HELD_OUT: tuple[Role, ...] = ("validation", "test")
+LEAST_TRAVEL = 1e-3  # [rad or m] of the joint that moves most: encoders read a tenth of it
 
 
 @dataclass(frozen=True)

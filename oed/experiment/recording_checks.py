@@ -10,6 +10,7 @@ from numpy import ndarray
 
 from oed.errors import DataSetError
 from oed.experiment.manifest import RecordingEntry
+from oed.experiment.recording import LEAST_TRAVEL
 from oed.experiment.signals.gaps import find_gaps
 from oed.robot import Robot
 
@@ -17,7 +18,6 @@ PARAMETERS_PER_JOINT = 12  # ten inertial parameters, Coulomb and viscous fricti
 # A joint cannot be this far beyond its limits; degrees taken for radians are 57 times too large,
 # and even a motion over a tenth of the range shows.
 BEYOND_LIMITS = 5.0
-LEAST_TRAVEL = 1e-3  # [rad or m] of the joint that moves most: encoders read a tenth of it
 # [s] Between rows: at 5 Hz no motion of an arm can be followed, and a log of 5 kHz whose time is in
 # milliseconds has this step.
 LARGEST_STEP = 0.2

@@ -104,7 +104,10 @@ def _shape_note(value: float, std: float, shape: Shape) -> str | None:
     if not shape.is_estimated or width <= 0:
         return "chosen, not estimated"
     if std < WHOLE_RANGE * width / np.sqrt(12):
-        return None
+        place = shape.place_of(value)
+        if min(place, 1 - place) >= AT_BOUND:
+            return None
+        return "at its least" if place < AT_BOUND else "at its largest"
     if min(value - shape.lower, shape.upper - value) < AT_BOUND * width:
         return "at its bound, unknown"
     return f"unknown between {shape.lower:.3g} and {shape.upper:.3g}"

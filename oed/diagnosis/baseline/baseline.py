@@ -217,7 +217,8 @@ def _free_form_floor(
     ranks = np.array([f.rank for f in found])
     freedom = np.maximum(0.2, 1 - ranks / counted)
     ends = np.cumsum([p.rows for p in prepared])[:-1]
-    return floor_from_free_form(np.split(residual, ends), np.split(trusted, ends), freedom)
+    rate = prepared[0].band.analysis_rate
+    return floor_from_free_form(np.split(residual, ends), np.split(trusted, ends), freedom, rate)
 
 
 def _trusted_rows(

@@ -26,6 +26,8 @@ LEAST_SHARE_OF_LAST = 0.3  # of the last repetition that must be left for it to 
 BLOCK = 1.0  # [s] over which the loudness of noise is compared
 QUIETER = 0.9  # ratio of two floors that differ
 QUIET = 3.0  # times the lower quartile of the blocks' deviations, beyond which it is no noise
+# The same of what a fit leaves, which differs from block to block by what it lacks: a blow or a hand.
+UNDISTURBED = 10.0
 
 
 @dataclass(frozen=True)
@@ -167,6 +169,7 @@ def _quiet(
     noise: Sequence[Float[ndarray, "_ joints"]],
     trusted: Sequence[Bool[ndarray, "_ joints"]],
     block: int,
+    quiet: float = QUIET,
 ) -> list[Bool[ndarray, "_ joints"]]:
     """Trusted rows without the blocks in which something else than noise is heard."""
     starts = [np.arange(0, len(x), block) for x in noise]
@@ -179,7 +182,7 @@ def _quiet(
     filled = np.concatenate(rows) > block / 2
     every = np.where(filled, np.concatenate(power), np.nan)
     usual = np.nanquantile(every, 0.25, axis=0) if filled.any(axis=0).all() else np.inf
-    loud = [p > QUIET**2 * usual for p in power]
+    loud = [p > quiet**2 * usual for p in power]
     return [m & ~np.repeat(x, block, axis=0)[: len(m)] for m, x in zip(trusted, loud, strict=True)]
 
 
@@ -187,6 +190,7 @@ def floor_from_free_form(
     residuals: Sequence[Float[ndarray, "_ joints"]],
     trusted: Sequence[Bool[ndarray, "_ joints"]],
     freedom: Float[ndarray, " joints"],
+    rate: float,
 ) -> NoiseFloor:
     """Noise floor from what a rich free-form fit leaves.
 
@@ -198,7 +202,9 @@ def floor_from_free_form(
         residuals: One array a recording [N m].
         trusted: Rows that show nothing but noise.
         freedom: (n,) share of the degrees of freedom that the fit left to each joint.
+        rate: Of the rows [Hz].
     """
+    trusted = _quiet(residuals, trusted, round(BLOCK * rate), UNDISTURBED)
     deviation = _deviation(residuals, trusted, freedom)
     noise = tuple(Autoregression.white(d) for d in deviation)
     dilution = np.array(

@@ -127,7 +127,8 @@ def binned(
     average = np.array(mean)
     weights = np.full(len(average), 1 / max(len(average), 1))
     total = float(np.var(y))
-    share = float(np.sum(weights * (average - average.mean()) ** 2) / total) if total > 0 else 0.0
+    spread = float(np.sum(weights * (average - average.mean()) ** 2)) if len(average) else 0.0
+    share = spread / total if total > 0 else 0.0
     return Dependence(joint, name, np.array(centre), average, np.array(deviation), min(share, 1.0))
 
 

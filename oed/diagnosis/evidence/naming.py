@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.final_model import (
@@ -23,13 +25,13 @@ from oed.diagnosis.evidence.verdict import (
     riddles,
 )
 from oed.diagnosis.search.exchange import foretelling
-from oed.diagnosis.search.judgement import WORSE, costs
+from oed.diagnosis.search.judgement import EARLY_AND_LATE, WORSE, costs
 from oed.diagnosis.search.paying import validation_gain
 from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.ripening import is_late
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.search.workbench import Augmented, early_and_late
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -90,6 +92,8 @@ def _sure(
         if doubtful is None:
             doubtful, reason = _implausible(shop, selection, found)
         if doubtful is None:
+            doubtful, reason = _weakest(selection, early_and_late(found.chosen)), EARLY_AND_LATE
+        if doubtful is None:
             doubtful = _harmful(shop, selection.trials)
             reason = "beside all other additions it raises the validation error"
         if doubtful is None:
@@ -115,6 +119,12 @@ def _implausible(
         if reason is not None and (worst[0] is None or gains[trial.key] < gains[worst[0].key]):
             worst = (trial, reason)
     return worst
+
+
+def _weakest(selection: Selection, trials: Sequence[Trial]) -> Trial | None:
+    """Of some additions the one that explained least when it was added; None of none."""
+    gains = {item.trial.key: item.gain for item in selection.accepted}
+    return min(trials, key=lambda t: gains[t.key], default=None)
 
 
 def _harmful(shop: Workshop, chosen: tuple[Trial, ...]) -> Trial | None:

@@ -16,6 +16,7 @@ from oed.diagnosis.search.leftovers import is_own, too_little
 from oed.diagnosis.search.open_shapes import shapes_beside
 from oed.diagnosis.search.scan import Score, implausible
 from oed.diagnosis.search.within import comes_at_once, differs_alone
+from oed.diagnosis.search.workbench import early_and_late
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.bodies import is_no_body
@@ -28,6 +29,7 @@ WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the su
 # parameters that all rows share, and so does a share of another joint's torque. To a curve
 # that claims no physics nobody has to lose.
 PRICE = 1 / 3
+EARLY_AND_LATE = "a torque that comes first is not late as well"
 
 
 def judge(
@@ -53,6 +55,8 @@ def judge(
     others = [*(a.trial for a in accepted), *partners]
     reason = too_little(shop, candidate, accepted, partners) or implausible(candidate, shop.context)
     reason = reason or _no_body(shop, others, candidate)
+    if early_and_late([*others, candidate.trial]) and not early_and_late(others):
+        reason = reason or EARLY_AND_LATE
     p_value = 1.0
     if reason is None:
         p_value = p_value_of(shop, candidate, others, pool)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
 
 from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.clocks import by_other_clock
 from oed.diagnosis.search.ripening import (
     has_crests,
     is_late,
@@ -22,7 +22,6 @@ from oed.diagnosis.search.turning import GRAVITY
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.terms.trials import Trial, moved
-from oed.dynamics.effects.catalogue import CATALOGUE
 
 OF_EACH = 2  # candidates of every joint that are refined in any case
 LATE_SHARE = 0.2  # of the best gain, from which on a late torque is worth evaluating anew
@@ -113,21 +112,14 @@ def _within_recordings(
 
 
 def _on_its_clock(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
-    """A change in time by the clock that the validation recordings go by.
-
-    A single estimation recording says nothing of whether the next goes on with its clock.
-    """
-    if found.trial.is_free_form or not shop.validation:
+    """A change in time by the clock that the validation recordings go by."""
+    if not shop.validation:
         return found
-    shapes = CATALOGUE[found.trial.name].shapes_for(shop.context, found.trial.target)
-    tried = [found]
-    for place, shape in enumerate(shapes):
-        if shape.scale == "choice" and shape.points == 1 and shape.lower < shape.upper:
-            other = shape.lower + shape.upper - found.trial.values[place]
-            values = (*found.trial.values[:place], other, *found.trial.values[place + 1 :])
-            there = dataclasses.replace(found.trial, values=values)
-            tried.append(score(moved(there, fit.rows, shop.context, contrast=there.contrast), fit))
-    return min(tried, key=lambda s: _unseen_error(shop, others, s.trial)) if tried[1:] else found
+    turned = by_other_clock(shop, found.trial)
+    if turned is None:
+        return found
+    tried = [found, score(turned, fit)]
+    return min(tried, key=lambda s: _unseen_error(shop, others, s.trial))
 
 
 def _unseen_error(shop: Workshop, others: Sequence[Trial], trial: Trial) -> float:

@@ -27,6 +27,7 @@ from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense
 from oed.dynamics.effects import Effect, MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.delay import TimeDelay
 from oed.dynamics.effects.payload import PayloadChange, PickUp
 from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
@@ -197,6 +198,13 @@ def added_columns(
 def lags_of(chosen: Sequence[Trial]) -> tuple[MeasurementEffect, ...]:
     """What makes the torque of the whole arm late, among some additions."""
     return tuple(lag for lag in map(_lag_of, chosen) if lag is not None)
+
+
+def early_and_late(chosen: Sequence[Trial]) -> list[Trial]:
+    """Late torques of which one comes first: together they stand for a filter that no log has."""
+    late = [(t, lag) for t in chosen if (lag := _lag_of(t)) is not None]
+    comes_first = any(isinstance(lag, TimeDelay) and lag.delay < 0 for _, lag in late)
+    return [t for t, _ in late] if comes_first and len(late) > 1 else []
 
 
 def _lag_of(trial: Trial) -> MeasurementEffect | None:

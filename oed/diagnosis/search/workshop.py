@@ -54,6 +54,7 @@ class Workshop:
         gear_ratio: tuple[float, ...] | None,
         declared: Baseline | None = None,
         pickups: tuple[PickUp, ...] = (),
+        later: tuple[Prepared, ...] = (),
     ) -> None:
         self.baseline, self.settings, self.gear_ratio = baseline, settings, gear_ratio
         # With the gravity that the data set declares; the tables may have been turned.
@@ -63,6 +64,7 @@ class Workshop:
         self.mean = lay_out(baseline, estimation, mean=True) if repeated else self.full
         self.estimation, self.validation = estimation, validation
         self.pickups = pickups
+        self.later = later or validation  # of which nothing but the clock is known to a search
         self.rng = np.random.default_rng(settings.seed)
         self._fits: Recent[Augmented] = Recent(RECENT_FITS)
         self.before = self._fitted((), self.mean, bend=False)
@@ -114,6 +116,7 @@ class Workshop:
             gear_ratio=self.gear_ratio,
             declared=baseline if same else self.declared,
             pickups=self.pickups,
+            later=self.later,
         )
 
     @property
@@ -170,8 +173,8 @@ class Workshop:
 
     def context_with(self, found: Augmented) -> Context:
         """What the catalogue may know beside a fit."""
-        rows, later = self.full.rows, self.validation
-        return context_of(found, rows, self.gear_ratio, later, self.pickups)
+        rows = self.full.rows
+        return context_of(found, rows, self.gear_ratio, self.later, self.pickups)
 
     def take_up(self, pickups: tuple[PickUp, ...]) -> None:
         """Have a load taken up at these moments."""
