@@ -7,7 +7,12 @@ import pytest
 
 from oed.diagnosis.baseline import baseline
 from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.baseline.noise_floor import NoiseFloor, differences, floor_from_repetitions
+from oed.diagnosis.baseline.noise_floor import (
+    NoiseFloor,
+    differences,
+    floor_from_free_form,
+    floor_from_repetitions,
+)
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import catalogue_trial
@@ -215,3 +220,14 @@ def test_recordings_too_short_to_tell_noise_from_motion_are_refused():
     prepared = prepare((short,), DiagnosisSettings())
     with pytest.raises(ValueError, match="record longer, or repeat the motion"):
         find_baseline(TorqueModel.standard(dataset.robot), prepared)
+
+
+def test_a_blow_that_the_arm_takes_is_no_noise():
+    rate, rng = 50.0, np.random.default_rng(0)
+    quiet = rng.normal(size=(3000, 2)) * [0.05, 0.01]
+    struck = quiet.copy()
+    struck[1000:1030] += [5.0, 3.0]  # for six tenths of a second
+    trusted, freedom = [np.ones(quiet.shape, dtype=bool)], np.ones(2)
+    floors = [floor_from_free_form([x], trusted, freedom, rate).deviation for x in (quiet, struck)]
+    # Without the seconds that were struck a sixtieth of the rows is left out.
+    assert floors[1] == pytest.approx(floors[0], rel=0.02)

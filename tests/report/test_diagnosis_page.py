@@ -214,6 +214,19 @@ def test_a_known_shape_keeps_its_standard_deviation(found):
     assert (speed.note, speed.uncertainty) == (None, speed.std)
 
 
+@pytest.mark.parametrize(("end", "words"), [("lower", "at its least"), ("upper", "at its largest")])
+def test_a_known_shape_at_its_bound_says_so(end, words, found):
+    effect, context = found.effects[0], found.shop.context
+    shapes = CATALOGUE[effect.name].shapes_for(context, effect.trial.target)
+    (place,) = [k for k, p in enumerate(effect.parameters) if p.name == "speed"]
+    bound = getattr(next(s for s in shapes if s.name == "speed"), end)
+    speed = dataclasses.replace(effect.parameters[place], value=bound)
+    parameters = (*effect.parameters[:place], speed, *effect.parameters[place + 1 :])
+    moved = dataclasses.replace(effect, parameters=parameters)
+    known = known_parameters(moved, context, found.before.model.robot.joints)
+    assert known[place].note == words
+
+
 def test_a_sliding_joint_has_forces_and_metres(found, tmp_path):
     slide = with_slide(found)
     known = known_parameters(slide.effects[0], slide.shop.context, slide.before.model.robot.joints)
