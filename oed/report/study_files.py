@@ -84,7 +84,10 @@ class StudyFiles:
     def _remove(self, folder: Path) -> None:
         """Remove this study's files; the record first: a folder that has it is complete."""
         for name in (self.record, *self.others):
-            (folder / name).unlink(missing_ok=True)
+            path = folder / name
+            path.unlink(missing_ok=True)
+            if path.parent != folder and path.parent.is_dir() and not any(path.parent.iterdir()):
+                path.parent.rmdir()
 
 
 def _move(source: Path, target: Path, *, last: str) -> None:

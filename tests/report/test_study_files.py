@@ -44,6 +44,17 @@ def test_an_interrupt_leaves_what_was_there(tmp_path: Path) -> None:
     assert {path.name for path in out.iterdir()} == {"estimate.json", "report.html"}
 
 
+def test_no_empty_folder_stays_of_an_earlier_run(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for motion in (True, False):
+        with CLOSE_LOOP.replaced(out) as folder:
+            (folder / "diagnosis.json").write_text('{"verdict": "ambiguous"}')
+            if motion:
+                (folder / "next_experiment").mkdir()
+                (folder / "next_experiment" / "trajectory.csv").write_text("t,q_1\n")
+    assert [path.name for path in out.iterdir()] == ["diagnosis.json"]
+
+
 def test_another_study_s_results_are_not_replaced(tmp_path: Path) -> None:
     fill(tmp_path)
     IDENTIFY.check(tmp_path)
