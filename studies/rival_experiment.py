@@ -141,8 +141,8 @@ class Table:
         """Which of them the diagnosis would name, and whether by a decisive difference."""
         own, other = found
         first = most_telling_first(self.shop, sorted(found, key=lambda s: -s.gain), ())[0]
-        said, against = telling(self.shop, (), found)
-        lead, margin = float(said - against), decisive_between(self.shop, own, other)
+        (said, against), unit = telling(self.shop, (), found)
+        lead, margin = float(said - against), decisive_between(self.shop, own, other, unit)
         return Decision(
             wrong=first.trial.name != own.trial.name,
             decided=lead >= margin,

@@ -83,11 +83,8 @@ def calibrate(
     Raises:
         ValueError: If there is nothing to estimate from, or a recording is too short.
         TooFewSamples: If there are fewer equations than base parameters.
-        OedError: If a joint stands still, or friction drives every joint, as with torques of the
-            opposite sign.
+        OedError: If friction drives every joint, as with torques of the opposite sign.
     """
-    if dataset.estimation:
-        dataset.check_moves()
     recordings = process_all(dataset, settings)
     base = base_parameters(model)
     training = recordings["estimation"]
