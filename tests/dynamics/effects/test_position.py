@@ -101,12 +101,13 @@ def test_a_known_gear_ratio_widens_the_search_to_the_motors_harmonics() -> None:
     assert shape.upper == pytest.approx(420.0)
 
 
-def test_teeth_of_a_slide_are_counted_on_its_pinion() -> None:
+@pytest.mark.parametrize("name", ["torque_ripple", "position_dependent_friction"])
+def test_teeth_of_a_slide_are_counted_on_its_pinion(name: str) -> None:
     robot = scara()
     slide = dataclasses.replace(robot.joints[1], kind="prismatic")
     rack = dataclasses.replace(robot, joints=(robot.joints[0], slide))
     turning, sliding = (
-        CATALOGUE["torque_ripple"].shapes_for(context_of(r, MOTION), 1)[0] for r in (robot, rack)
+        CATALOGUE[name].shapes_for(context_of(r, MOTION), 1)[0] for r in (robot, rack)
     )
     assert sliding.upper * slide.speed(1.0) == pytest.approx(turning.upper)
 

@@ -154,7 +154,10 @@ TORQUE_RIPPLE = CatalogueEntry(
 def _friction_harmonics(
     context: Context, target: Target, shapes: tuple[Shape, ...]
 ) -> tuple[Shape, ...]:
-    return (_spaced_by_range(context, joint_of(target), shapes[0]), *shapes[1:])
+    joint, shape = joint_of(target), shapes[0]
+    radius = context.model.robot.joints[joint].speed(1.0)  # of a slide's pinion, or a screw's lead
+    bounds = {x: getattr(shape, x) / radius for x in ("lower", "upper", "default")}
+    return (_spaced_by_range(context, joint, dataclasses.replace(shape, **bounds)), *shapes[1:])
 
 
 def _position_friction(
