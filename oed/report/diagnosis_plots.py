@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from textwrap import fill
 
 import matplotlib as mpl
 import numpy as np
@@ -17,6 +18,7 @@ from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
 MOST_PANELS = 9  # strongest dependences that a reader looks at
 FLOOR = "noise floor"
+TITLE = 26  # characters across a third of the page
 UNVISITED = "#D8D8D8"  # no colour of a map
 SINCE = (("before", VERMILION), ("after", BLUE))
 
@@ -130,7 +132,8 @@ def plot_contributions(shown: Sequence[CurvePanel | MapPanel]) -> Figure:
     Raises:
         ValueError: If there is none.
     """
-    figure, panels = titled_panels([s.title for s in shown], "")
+    titles = [fill(s.title, TITLE, break_long_words=False) for s in shown]
+    figure, panels = titled_panels(titles, "")
     for panel, s in zip(panels, shown, strict=True):
         panel.title.set_fontsize(7.5)
         if isinstance(s, CurvePanel):
