@@ -8,10 +8,13 @@ import pytest
 
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import unlocated
+from oed.diagnosis.evidence.lack_of_fit import LackOfFit
+from oed.diagnosis.evidence.withheld import Errors
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError
 from tests.diagnosis.arm import data_set, stribeck
+from tests.diagnosis.shop import shop_of
 
 HUM = 2.347  # [Hz], no multiple of the motion's own frequency
 EARLY = 2e-3  # [s], as a commanded torque comes before what it does
@@ -184,6 +187,19 @@ def test_what_is_far_above_the_floor_is_said_though_noise_might_change_as_slowly
     assert min(proof["estimation"][0], proof["validation"][0]) > unlocated.NO_FLOOR
     assert found.verdict == "unexplained"
     assert [(u.joint, u.depends_on) for u in found.unexplained] == [(0, ("time",))]
+
+
+@pytest.mark.parametrize(("unseen", "said"), [(1.0, True), (3.0, False), (0.0, False)])
+def test_what_the_fitted_motions_alone_show_in_no_step_with_them_is_of_time(
+    monkeypatch, unseen, said
+):
+    """A blow that the arm takes once; without other recordings it may as well be slow noise."""
+    monkeypatch.setattr(unlocated, "keeps_step", lambda *_: False)
+    shop, level = shop_of(data_set(0, repetitions=1)), np.ones(2)
+    errors = Errors(np.array([5.0, 1.0]), np.array([unseen, 1.0]), level, level)
+    left = LackOfFit(errors.seen, np.array([0.0, 1.0]), 100 * level)
+    found = list(unlocated.unlocated(shop, (), (), left, errors))
+    assert [(u.joint, u.depends_on) for u in found] == ([(0, ("time",))] if said else [])
 
 
 def test_says_that_friction_comes_and_goes():
