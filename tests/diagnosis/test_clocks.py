@@ -2,14 +2,17 @@
 
 import dataclasses
 
+import numpy as np
+
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.search.clocks import by_other_clock
+from oed.diagnosis.search.judgement import held_out_fault
 from oed.diagnosis.search.workbench import early_and_late
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import data_set
+from tests.diagnosis.arm import RATE, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
 
@@ -59,3 +62,15 @@ def test_a_torque_that_comes_first_is_not_late_as_well():
     assert early_and_late([early, offset, lag]) == [early, lag]
     assert early_and_late([late, lag]) == []
     assert early_and_late([early, offset]) == []
+
+
+def test_where_one_joint_comes_first_and_another_late_the_arm_does_neither():
+    dataset = data_set(3, repetitions=2)
+    # The motion is periodic, so that the torque wraps.
+    recordings = tuple(
+        dataclasses.replace(r, tau=np.stack([np.roll(r.tau[:, 0], -3), np.roll(r.tau[:, 1], 3)], 1))
+        for r in dataset.recordings
+    )
+    shop = shop_of(dataclasses.replace(dataset, recordings=recordings), held=False)
+    early = trial_of(shop, "time_delay", None, (-3 / RATE,))
+    assert held_out_fault(shop, (), early) == "some joints would rather come late"

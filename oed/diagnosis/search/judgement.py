@@ -16,7 +16,7 @@ from oed.diagnosis.search.leftovers import is_own, too_little
 from oed.diagnosis.search.open_shapes import shapes_beside
 from oed.diagnosis.search.scan import Score, implausible
 from oed.diagnosis.search.within import comes_at_once, differs_alone
-from oed.diagnosis.search.workbench import early_and_late
+from oed.diagnosis.search.workbench import comes_first, early_and_late
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.bodies import is_no_body
@@ -86,6 +86,10 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
         return other
     layout = shop.layout(trial)
     before, after = (shop.fit(chosen, layout, bend=False) for chosen in (others, [*others, trial]))
+    if comes_first(trial):
+        falls = np.sum(before.fit.residual**2 - after.fit.residual**2, axis=1)
+        if _won(-falls) > PRICE * _won(falls):
+            return "some joints would rather come late"
     folds = shop.settings.folds
     gain, others_gain = cross_validate(after, folds).gain_over(cross_validate(before, folds))
     if others_gain <= 0:

@@ -202,9 +202,14 @@ def lags_of(chosen: Sequence[Trial]) -> tuple[MeasurementEffect, ...]:
 
 def early_and_late(chosen: Sequence[Trial]) -> list[Trial]:
     """Late torques of which one comes first: together they stand for a filter that no log has."""
-    late = [(t, lag) for t in chosen if (lag := _lag_of(t)) is not None]
-    comes_first = any(isinstance(lag, TimeDelay) and lag.delay < 0 for _, lag in late)
-    return [t for t, _ in late] if comes_first and len(late) > 1 else []
+    late = [t for t in chosen if _lag_of(t) is not None]
+    return late if len(late) > 1 and any(map(comes_first, late)) else []
+
+
+def comes_first(trial: Trial) -> bool:
+    """Whether an addition is a torque that comes before what it does."""
+    lag = _lag_of(trial)
+    return isinstance(lag, TimeDelay) and lag.delay < 0
 
 
 def _lag_of(trial: Trial) -> MeasurementEffect | None:
