@@ -106,6 +106,8 @@ def _by_other_clocks(found: Finding) -> Finding:
         turned = by_other_clock(shop, trial)
         if turned is not None:
             selection = selection.exchanged(shop, trial, turned)
+    if selection is found.selection:
+        return found
     selection, after, effects = named(shop, selection, (), found.before)
     return dataclasses.replace(found, selection=selection, after=after, effects=effects)
 

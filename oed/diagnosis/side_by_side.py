@@ -54,6 +54,7 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> list[
         made.update(_taken(work, items, todo))
         for _, results in children:
             made.update(_received(results))
+        made |= {k: work(items[k]) for k in range(len(items)) if k not in made}
     except BaseException:
         for child, _ in children:
             os.kill(child, signal.SIGKILL)
@@ -95,7 +96,11 @@ def _fork(work: Callable[[Item], Result], items: Sequence[Item], todo: int) -> t
 
 
 def _received(results: BinaryIO) -> dict[int, Result]:
-    outcome = pickle.load(results)  # noqa: S301 this program has written it
+    """What a process has made; nothing of one that the system ended, as where memory runs short."""
+    written = results.read()
+    if not written:
+        return {}
+    outcome = pickle.loads(written)  # noqa: S301 this program has written it
     if isinstance(outcome, BaseException):
         raise outcome
     return outcome

@@ -1,6 +1,7 @@
 """Work on several processes: the results of one after another, and nothing left behind."""
 
 import os
+import signal
 
 import pytest
 
@@ -28,6 +29,17 @@ def test_what_one_item_raises_is_raised():
 
     with pytest.raises(ValueError, match="5 will not do"):
         side_by_side(work, list(range(9)))
+
+
+def test_what_a_process_took_with_it_is_made_here():
+    here = os.getpid()
+
+    def work(x):
+        if os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return x + 1
+
+    assert side_by_side(work, list(range(9))) == list(range(1, 10))
 
 
 def test_no_process_is_left_behind():
