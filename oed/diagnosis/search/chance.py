@@ -21,6 +21,8 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 MAIN = 0.1  # of the most that a candidate explains of a joint, at one that counts
+ROUNDS = 10  # of residuals at most, while a chance is within
+DOUBTFUL = 5.0  # times the level, or of it
 
 # Residuals that chance might have left, of a fit and so many.
 Draw = Callable[[LinearFit, int, np.random.Generator], Float[ndarray, "joints rows count"]]
@@ -80,7 +82,7 @@ def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
     fit = shop.fit(others, shop.mean).fit
     own = [t for t in (*shop.smooth, *shop.smooth_pairs) if t.joint == joint]
     left = float(largest_surprises(own, fit, fit.residual[:, :, None])[0])
-    return shop.context.n * _chance_of(shop, left, own, fit, moved_in_time) <= shop.settings.level
+    return _chance_of(shop, left, own, fit, moved_in_time, shop.context.n) <= shop.settings.level
 
 
 def keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> bool:
@@ -116,12 +118,26 @@ def _family_wise(
     ]
     surprise = candidate.surprise(inflation_of(fit))
     places = shop.context.n / len(own.group)
-    return min(1.0, places * _chance_of(shop, surprise, kin, fit, draw))
+    return _chance_of(shop, surprise, kin, fit, draw, places)
 
 
 def _chance_of(
-    shop: Workshop, surprise: float, kin: Sequence[Trial], fit: LinearFit, draw: Draw
+    shop: Workshop,
+    surprise: float,
+    kin: Sequence[Trial],
+    fit: LinearFit,
+    draw: Draw,
+    places: float,
 ) -> float:
-    """Chance that a search through some trials surprises as much in residuals that are drawn."""
-    null = largest_surprises(kin, fit, draw(fit, shop.settings.surrogates, shop.rng))
-    return family_p_value(surprise, null)
+    """Chance that a search through some trials, in so many places, surprises as much.
+
+    Near the level, which a few residuals that are drawn put it above or below, more are.
+    """
+    null, chance = np.zeros(0), 1.0
+    for _ in range(ROUNDS):
+        drawn = draw(fit, shop.settings.surrogates, shop.rng)
+        null = np.append(null, largest_surprises(kin, fit, drawn))
+        chance = min(1.0, places * family_p_value(surprise, null))
+        if abs(np.log(chance / shop.settings.level)) > np.log(DOUBTFUL):
+            break
+    return chance

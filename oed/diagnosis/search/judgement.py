@@ -23,7 +23,7 @@ from oed.diagnosis.terms.bodies import is_no_body
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 
-MUCH_LESS = 0.8  # ratio of a joint's held-out errors, from which on an addition is looked at again
+MUCH_LESS = 1.0  # ratio
 WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls
 # Share of what joints win, in -2 log likelihood, that others may lose to a named effect: it moves
 # parameters that all rows share, and so does a share of another joint's torque. To a curve

@@ -59,7 +59,7 @@ def too_little(
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if not meet or _outdoes(shop, candidate, earlier, others):
             continue
-        is_like = bool(_families(earlier) & _families(candidate))
+        is_like = _may_be_one(earlier, candidate) and bool(_families(earlier) & _families(candidate))
         is_slight = share < shop.settings.family_floor and is_like
         mend = None if is_slight else _mend_that_covers(shop, candidate, earlier, others)
         if not is_slight and mend is None:
@@ -240,6 +240,12 @@ def is_own(free: Trial, named: Trial) -> bool:
     if free.between_repetitions != named.between_repetitions:
         return False
     return set(effect.depends_on) <= set(named.effect.depends_on)
+
+
+def _may_be_one(earlier: Accepted, candidate: Score) -> bool:
+    """Whether two of a family act in one place; another joint's gear has its own equation."""
+    places = {earlier.trial.joint, candidate.trial.joint}
+    return len(places) == 1 or None in places
 
 
 def _families(item: Accepted | Score) -> set[str]:

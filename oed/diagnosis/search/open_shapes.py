@@ -70,14 +70,17 @@ def shapes_beside(shop: Workshop, others: Sequence[Trial], trial: Trial) -> list
         others: Additions at the shapes that they have without it.
         trial: The further one.
     """
-    moved = list(others)
-    shaped = [k for k, t in enumerate(moved) if t.shapes and not t.is_free_form]
+    beside = list(others)
+    shaped = [k for k, t in enumerate(beside) if t.shapes and not t.is_free_form]
+    # A delay acts on what a gear does, too.
+    context = shop.context_with(shop.fit([*others, trial], bend=False)) if shaped else shop.context
     for k in shaped:
-        rest = [*moved[:k], *moved[k + 1 :], trial]
-        fit = shop.fit(rest, shop.layout(moved[k])).fit
-        found = at_rest(score(shop.renewed(moved[k]), fit), fit, shop.context)
-        moved[k] = decided(shop, rest, found).trial
-    return moved if shaped else []
+        rest, own = [*beside[:k], *beside[k + 1 :], trial], beside[k]
+        fit = shop.fit(rest, shop.layout(own)).fit
+        there = moved(own, fit.rows, context, contrast=own.contrast)
+        found = at_rest(score(there, fit), fit, context)
+        beside[k] = decided(shop, rest, found).trial
+    return beside if shaped else []
 
 
 def _usual(shop: Workshop, trial: Trial) -> list[Trial]:

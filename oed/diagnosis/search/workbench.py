@@ -31,6 +31,7 @@ from oed.dynamics.effects.delay import TimeDelay
 from oed.dynamics.effects.payload import PayloadChange, PickUp
 from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
+from oed.dynamics.effects.transmission import TransmissionChange
 from oed.dynamics.torque_model import TorqueModel
 
 
@@ -107,12 +108,13 @@ def context_of(
         later: Recordings on which it is judged.
         pickups: When a load is taken up in recordings that have a moment of their own.
     """
-    # Only what depends on nothing but the state: a reference to a reference would have no end.
+    # Only what depends on nothing but the state, or on what does, as a gear: a reference to a
+    # reference would have no end.
     beside = tuple(
         (_forgetful(trial.effect), values)
         for trial, values in zip(found.chosen, found.coefficients, strict=True)
         if not trial.is_free_form
-        and CATALOGUE[trial.name].install is None
+        and (CATALOGUE[trial.name].install is None or isinstance(trial.effect, TransmissionChange))
         and not isinstance(trial.effect, OnReference)
     )
     several = len(rows.prepared) > 1

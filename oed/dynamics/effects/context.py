@@ -17,6 +17,7 @@ from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.offset import TorqueOffset
 from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.effects.transmission import TransmissionChange
 from oed.dynamics.motion import Motion, follow_one_another
 from oed.dynamics.torque_model import TorqueModel
 
@@ -139,6 +140,14 @@ class Context:
     def reference(self) -> ReferenceTorque:
         """The model with the current estimate put in, and the effects found so far."""
         return _reference(self.model, self.parameters, self.beside)
+
+    @cached_property
+    def unyielding(self) -> ReferenceTorque:
+        """The same without gears that yield: what such a gear is driven by."""
+        if not any(isinstance(effect, TransmissionChange) for effect, _ in self.beside):
+            return self.reference
+        rest = tuple(k for k in self.beside if not isinstance(k[0], TransmissionChange))
+        return _reference(self.model, self.parameters, rest)
 
     def sign_width(self, joint: int) -> float:
         """Width over which the model's own Coulomb friction turns its sign [rad/s]."""
