@@ -122,7 +122,7 @@ def work(case: Case) -> dict[str, str | int | float]:
     prepared = prepare(dataset.recordings, settings)
     estimation, validation = (_with_role(prepared, r) for r in ("estimation", "validation"))
     baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
-    shop = Workshop(baseline, estimation, validation, settings, gear_ratio=None)
+    shop = Workshop(baseline, estimation, validation, settings)
     shop, selection = search(shop)
     effects = describe_effects(shop, selection, with_uncertainty(shop, selection.found))
     intervals = compare(hidden, effects[0], dataset.robot.n) if effects else []

@@ -178,7 +178,7 @@ def lay(scene: Scene, pairs: Sequence[tuple[Recording, Recording]]) -> Table:
     settings = DiagnosisSettings()
     prepared, clean = (prepare(tuple(side), settings) for side in zip(*pairs, strict=True))
     baseline = find_baseline(TorqueModel.standard(scene.declared), prepared)
-    return Table(Workshop(baseline, prepared, (), settings, gear_ratio=None), clean)
+    return Table(Workshop(baseline, prepared, (), settings), clean)
 
 
 def tune(duel: Duel, wanted: float, rng: np.random.Generator) -> tuple[Scene, float]:

@@ -40,6 +40,7 @@ from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.catalogue import Drives
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.dissipation import check_dissipation
@@ -142,11 +143,10 @@ def diagnose(
     deviations = zip(baseline.floor.deviation, model.robot.joints, strict=True)
     levels = ", ".join(f"{level:.3g} {joint.unit('N m')}" for level, joint in deviations)
     say(f"noise, as first read off {baseline.floor.source}: {levels}")
-    ratio = dataset.drive.gear_ratio
-    gear_ratio = None if ratio is None else tuple(float(x) for x in ratio)
+    drives = _drives(dataset)
     held = by_role["validation"]
     later = held or by_role["test"]
-    shop = Workshop(baseline, estimation, held, settings, gear_ratio=gear_ratio, later=later)
+    shop = Workshop(baseline, estimation, held, settings, drives=drives, later=later)
     _check_signs(shop, dataset.name)
     # The mean over repetitions, which a search looks at, shows a sign's turn better than they do.
     shop = shop.sharpened(()) or shop
@@ -154,6 +154,12 @@ def diagnose(
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")
     return _conclude(result, by_role, settings)
+
+
+def _drives(dataset: DataSet) -> Drives:
+    ratio = dataset.drive.gear_ratio
+    gears = None if ratio is None else tuple(float(x) for x in ratio)
+    return Drives(gears, of_motors=dataset.torque != "measured")
 
 
 def _check_signs(shop: Workshop, name: str) -> None:

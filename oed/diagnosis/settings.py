@@ -36,7 +36,8 @@ class DiagnosisSettings:
         lowest_cutoff: Of the analysis band [Hz].
         highest_cutoff: Of the analysis band [Hz].
         folds: Of the cross-validation within the estimation recordings.
-        surrogates: Sign-flipped residuals that calibrate the search.
+        surrogates: Sign-flipped residuals that calibrate the search; up to ten times as many where a
+            chance is near the level.
         refined: Candidates whose shape is refined after each scan.
         bootstrap: Replicates behind each interval of the proof.
         seed: Of surrogates and bootstrap.

@@ -17,7 +17,7 @@ def shop_of(dataset, *, held=True, **settings):
         tuple(p for p in prepared if p.role == role) for role in ("estimation", "validation")
     )
     baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
-    return Workshop(baseline, own, validation if held else (), chosen, gear_ratio=None)
+    return Workshop(baseline, own, validation if held else (), chosen)
 
 
 def trial_of(shop, name, joint, values=()):

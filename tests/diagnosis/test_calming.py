@@ -36,7 +36,7 @@ def laid_out():
     estimation, *others = prepare((*rounded.recordings, *sharp), settings)
     validation, truth = tuple(others[: len(sharp)]), tuple(others[len(sharp) :])
     baseline = find_baseline(TorqueModel.standard(rounded.robot), (estimation,))
-    return Workshop(baseline, (estimation,), validation, settings, gear_ratio=None), truth
+    return Workshop(baseline, (estimation,), validation, settings), truth
 
 
 def lag_of(shop):

@@ -26,7 +26,7 @@ def laid_out(roles):
     own = tuple(p for p in prepared if p.role == "estimation")
     later = tuple(p for p in prepared if p.role != "estimation")
     baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
-    return Workshop(baseline, own, (), settings, gear_ratio=None, later=later)
+    return Workshop(baseline, own, (), settings, later=later)
 
 
 def test_a_single_recording_leaves_the_clock_open():

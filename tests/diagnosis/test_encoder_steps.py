@@ -117,7 +117,7 @@ def mean_square(dataset, **changes):
         dataclasses.replace(p, **changes) for p in prepare(dataset.estimation, DiagnosisSettings())
     )
     baseline = find_baseline(TorqueModel.standard(dataset.robot), prepared)
-    fit = Workshop(baseline, prepared, (), DiagnosisSettings(), gear_ratio=None).before.fit
+    fit = Workshop(baseline, prepared, (), DiagnosisSettings()).before.fit
     return np.sum(fit.residual[0] ** 2) / fit.freedom()[0]
 
 

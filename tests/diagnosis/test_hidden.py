@@ -91,7 +91,7 @@ def test_turns_cost_a_mean_of_repetitions_few_rows_where_noise_grows_with_freque
     )
     prepared = prepare(recordings, DiagnosisSettings())
     baseline = find_baseline(TorqueModel.standard(dataset.robot), prepared)
-    shop = Workshop(baseline, prepared, (), DiagnosisSettings(), gear_ratio=None)
+    shop = Workshop(baseline, prepared, (), DiagnosisSettings())
     rows = shop.mean.rows
     assert max(n.order for n in rows.noise) > 5
     assert np.all(rows.counted > 0.6 * rows.count)

@@ -100,7 +100,7 @@ def test_a_free_form_term_keeps_only_what_the_data_determine():
     prepared = prepare(dataset.recordings, SETTINGS)
     estimation = tuple(p for p in prepared if p.role == "estimation")
     baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
-    shop = Workshop(baseline, estimation, (), SETTINGS, gear_ratio=None)
+    shop = Workshop(baseline, estimation, (), SETTINGS)
     term = next(t for t in shop.smooth if t.effect.label == "f(dq_1)" and t.joint == 0)
     counts = [len(t.effect.parameters) for t in restrained(term, shop.before.fit)]
     assert len(counts) > 0

@@ -60,7 +60,7 @@ def _shop(joint: int, gear: Gear, *, unseen: bool = False) -> Workshop:
     settings = DiagnosisSettings()
     prepared, *others = prepare(tuple(recordings), settings)
     baseline = find_baseline(TorqueModel.standard(imi_scara()), (prepared,))
-    return Workshop(baseline, (prepared,), tuple(others), settings, gear_ratio=None)
+    return Workshop(baseline, (prepared,), tuple(others), settings)
 
 
 def _record(

@@ -219,7 +219,7 @@ def test_a_sign_that_was_taken_for_slow_becomes_sharp_again():
 def test_only_candidates_are_tried():
     shop = shop_with("ripple")
     few = dataclasses.replace(shop.settings, candidates=("torque_offset", "joint_spring"))
-    restricted = Workshop(shop.baseline, shop.estimation, (), few, gear_ratio=None)
+    restricted = Workshop(shop.baseline, shop.estimation, (), few)
     assert {t.name for t in restricted.physical} == {"torque_offset", "joint_spring"}
     with pytest.raises(ValueError, match="gremlin"):
         DiagnosisSettings(candidates=("gremlin",))

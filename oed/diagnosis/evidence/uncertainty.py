@@ -32,7 +32,9 @@ from oed.diagnosis.terms.trials import dense, moved
 
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
 STEPS = (1e-5, 0.25)
-FIRST_STEP = 0.1
+# The first: of a wave's harmonic any large step is one to another wave, and no slope. A gear's shapes
+# have crests, and a profile is not looked at.
+FIRST_STEP, FIRST_OF_GEAR = 1e-4, 0.1
 ROUNDING = 1e-9  # of a shape's range, below which a deviation is none
 ALIKE = 1.2  # ratio of two steps up to which a secant is taken for settled
 MOST_ROUNDS = 8
@@ -72,7 +74,9 @@ def with_uncertainty(shop: Workshop, found: Augmented) -> Augmented:
     """
     layout = shop.layout_for(found.chosen)
     places = _places(found, layout)
-    steps = [np.full(len(t.values), FIRST_STEP) for t in found.chosen]
+    steps = [
+        np.full(len(t.values), FIRST_OF_GEAR if is_unripe(t) else FIRST_STEP) for t in found.chosen
+    ]
     linear = _linearised(shop, found, layout, steps)
     covariance = linear.covariance
     widest = np.sqrt(np.diag(covariance))

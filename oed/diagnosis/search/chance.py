@@ -82,7 +82,8 @@ def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
     fit = shop.fit(others, shop.mean).fit
     own = [t for t in (*shop.smooth, *shop.smooth_pairs) if t.joint == joint]
     left = float(largest_surprises(own, fit, fit.residual[:, :, None])[0])
-    return _chance_of(shop, left, own, fit, moved_in_time, shop.context.n) <= shop.settings.level
+    level, null = shop.settings.level, _null(shop, own, fit, moved_in_time)
+    return _chance_of(left, null, level, shop.context.n) <= level
 
 
 def keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> bool:
@@ -92,8 +93,8 @@ def keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> 
     """
     if not shop.validation:
         return False
-    gears, baseline = shop.gear_ratio, shop.baseline
-    alone = Workshop(baseline, shop.validation, (), shop.settings, gear_ratio=gears)
+    own = shop.validation
+    alone = Workshop(shop.baseline, own, (), shop.settings, drives=shop.drives)
     return keeps_step(alone, others, joint)
 
 
@@ -118,26 +119,27 @@ def _family_wise(
     ]
     surprise = candidate.surprise(inflation_of(fit))
     places = shop.context.n / len(own.group)
-    return _chance_of(shop, surprise, kin, fit, draw, places)
+    return _chance_of(surprise, _null(shop, kin, fit, draw), shop.settings.level, places)
+
+
+def _null(
+    shop: Workshop, kin: Sequence[Trial], fit: LinearFit, draw: Draw
+) -> Callable[[], Float[ndarray, " count"]]:
+    """Surprises of a search through some trials, in as many residuals as are drawn at once."""
+    return lambda: largest_surprises(kin, fit, draw(fit, shop.settings.surrogates, shop.rng))
 
 
 def _chance_of(
-    shop: Workshop,
-    surprise: float,
-    kin: Sequence[Trial],
-    fit: LinearFit,
-    draw: Draw,
-    places: float,
+    surprise: float, null: Callable[[], Float[ndarray, " count"]], level: float, places: float
 ) -> float:
-    """Chance that a search through some trials, in so many places, surprises as much.
+    """Chance that a search in so many places surprises as much.
 
     Near the level, which a few residuals that are drawn put it above or below, more are.
     """
-    null, chance = np.zeros(0), 1.0
+    found, chance = np.zeros(0), 1.0
     for _ in range(ROUNDS):
-        drawn = draw(fit, shop.settings.surrogates, shop.rng)
-        null = np.append(null, largest_surprises(kin, fit, drawn))
-        chance = min(1.0, places * family_p_value(surprise, null))
-        if abs(np.log(chance / shop.settings.level)) > np.log(DOUBTFUL):
+        found = np.append(found, null())
+        chance = min(1.0, places * family_p_value(surprise, found))
+        if abs(np.log(chance / level)) > np.log(DOUBTFUL):
             break
     return chance

@@ -59,7 +59,9 @@ def too_little(
             return f"gains {share:.1%} of what {earlier.trial.name} gained"
         if not meet or _outdoes(shop, candidate, earlier, others):
             continue
-        is_like = _may_be_one(earlier, candidate) and bool(_families(earlier) & _families(candidate))
+        is_like = _may_be_one(earlier, candidate) and bool(
+            _families(earlier) & _families(candidate)
+        )
         is_slight = share < shop.settings.family_floor and is_like
         mend = None if is_slight else _mend_that_covers(shop, candidate, earlier, others)
         if not is_slight and mend is None:

@@ -55,6 +55,6 @@ def _with_roles_changed(shop: Workshop) -> Workshop:
         shop.validation,
         shop.estimation,
         shop.settings,
-        gear_ratio=shop.gear_ratio,
+        drives=shop.drives,
         declared=shop.declared,
     )

@@ -26,7 +26,7 @@ from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense
 from oed.dynamics.effects import Effect, MeasurementEffect
-from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives
 from oed.dynamics.effects.delay import TimeDelay
 from oed.dynamics.effects.payload import PayloadChange, PickUp
 from oed.dynamics.effects.reference import OnReference
@@ -95,7 +95,7 @@ def mean_rows(baseline: Baseline, prepared: tuple[Prepared, ...]) -> Rows:
 def context_of(
     found: Augmented,
     rows: Rows,
-    gear_ratio: tuple[float, ...] | None,
+    drives: Drives,
     later: Sequence[Prepared],
     pickups: tuple[PickUp, ...] = (),
 ) -> Context:
@@ -104,7 +104,7 @@ def context_of(
     Args:
         found: The fit so far.
         rows: Where the effect may act.
-        gear_ratio: Motor turns a joint turn, None where unknown.
+        drives: What is known of them.
         later: Recordings on which it is judged.
         pickups: When a load is taken up in recordings that have a moment of their own.
     """
@@ -122,7 +122,7 @@ def context_of(
         found.fit.model,
         found.fit.full_parameters(),
         [p.motion for p in rows.prepared],
-        gear_ratio,
+        drives,
         beside,
         later=[p.motion for p in later],
         ordered=not (several and all(p.laid and p.period is None for p in rows.prepared)),

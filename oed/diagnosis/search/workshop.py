@@ -30,9 +30,10 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import terms_alone, terms_together, torques_of_others
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
-from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
+from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives, Shape
 from oed.dynamics.effects.payload import PickUp
 
+NOTHING_KNOWN = Drives()
 RECENT_FITS = 16  # kept: what is asked of one addition is asked beside the same others
 
 
@@ -51,12 +52,12 @@ class Workshop:
         validation: tuple[Prepared, ...],
         settings: DiagnosisSettings,
         *,
-        gear_ratio: tuple[float, ...] | None,
+        drives: Drives = NOTHING_KNOWN,
         declared: Baseline | None = None,
         pickups: tuple[PickUp, ...] = (),
         later: tuple[Prepared, ...] = (),
     ) -> None:
-        self.baseline, self.settings, self.gear_ratio = baseline, settings, gear_ratio
+        self.baseline, self.settings, self.drives = baseline, settings, drives
         # With the gravity that the data set declares; the tables may have been turned.
         self.declared = baseline if declared is None else declared
         self.full = lay_out(baseline, estimation, mean=False)
@@ -113,7 +114,7 @@ class Workshop:
             self.estimation,
             self.validation,
             self.settings,
-            gear_ratio=self.gear_ratio,
+            drives=self.drives,
             declared=baseline if same else self.declared,
             pickups=self.pickups,
             later=self.later,
@@ -174,7 +175,7 @@ class Workshop:
     def context_with(self, found: Augmented) -> Context:
         """What the catalogue may know beside a fit."""
         rows = self.full.rows
-        return context_of(found, rows, self.gear_ratio, self.later, self.pickups)
+        return context_of(found, rows, self.drives, self.later, self.pickups)
 
     def take_up(self, pickups: tuple[PickUp, ...]) -> None:
         """Have a load taken up at these moments."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from oed.dynamics.effects.context import Context
+from oed.dynamics.effects.context import Context, Drives
 from oed.dynamics.effects.entries import (
     friction,
     history,
@@ -22,7 +22,7 @@ from oed.dynamics.effects.entries import (
 )
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 
-__all__ = ["CATALOGUE", "CatalogueEntry", "Context", "EffectPage", "Shape", "Target"]
+__all__ = ["CATALOGUE", "CatalogueEntry", "Context", "Drives", "EffectPage", "Shape", "Target"]
 
 CATALOGUE: Mapping[str, CatalogueEntry] = MappingProxyType(
     {

@@ -26,6 +26,20 @@ HIGHEST = 0.995
 Known = tuple[tuple[Effect, Float[ndarray, " _"]], ...]
 
 
+@dataclass(frozen=True)
+class Drives:
+    """What is known of the drives.
+
+    Attributes:
+        gear_ratio: Motor turns a joint turn, None where unknown.
+        of_motors: Whether torques are those of the motors, and no sensors': what is coupled in
+            the drives is then mixed in them.
+    """
+
+    gear_ratio: tuple[float, ...] | None = None
+    of_motors: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Context:
     """What is known when an effect is tried: the model so far and what the data cover.
@@ -38,7 +52,7 @@ class Context:
         top_speed: (n,) largest speed, but for a few samples [rad/s].
         top_acceleration: (n,) likewise [rad/s^2].
         peak_torque: (n,) largest predicted torque, but for a few samples [N m].
-        gear_ratio: Motor turns a joint turn, None where unknown.
+        drives: What is known of them.
         session: First and last time of recordings that one clock timed, one after another [s];
             None for a single recording, or if every one starts its own clock.
         recordings: How many show the effect.
@@ -57,7 +71,7 @@ class Context:
     top_speed: Float[ndarray, " joints"]
     top_acceleration: Float[ndarray, " joints"]
     peak_torque: Float[ndarray, " joints"]
-    gear_ratio: tuple[float, ...] | None = None
+    drives: Drives = Drives()
     session: tuple[float, float] | None = None
     recordings: int = 1
     between: tuple[float, ...] = ()
@@ -71,7 +85,7 @@ class Context:
         model: TorqueModel,
         parameters: Float[ndarray, " parameters"],
         motions: Sequence[Motion],
-        gear_ratio: tuple[float, ...] | None = None,
+        drives: Drives = Drives(),
         beside: Known = (),
         *,
         later: Sequence[Motion] = (),
@@ -83,7 +97,7 @@ class Context:
             model: As the attribute, and so are the next.
             parameters: Of the model.
             motions: Of the recordings that show the effect.
-            gear_ratio: As the attribute.
+            drives: As the attribute.
             beside: As the attribute.
             later: Of further recordings, which tell whether the clock of a single one goes on.
             ordered: As the attribute.
@@ -103,7 +117,7 @@ class Context:
             top_speed=np.quantile(np.abs(dq), HIGHEST, axis=0),
             top_acceleration=np.quantile(np.abs(ddq), HIGHEST, axis=0),
             peak_torque=np.quantile(np.abs(torque), HIGHEST, axis=0),
-            gear_ratio=gear_ratio,
+            drives=drives,
             session=session,
             recordings=len(motions),
             between=() if session is None else _between(motions, session[0]),

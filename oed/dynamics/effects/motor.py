@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.scalars import Scalar, mul, total
 
 
@@ -133,3 +134,40 @@ class CrossCoupling(Effect):
         speed = state.dq[i]
         inertia = {j: state.ddq[i], **({i: state.ddq[j]} if self.mutual else {})}
         return [inertia, {j: speed}, {j: state.sign(speed, self.width)}]
+
+
+@dataclass(frozen=True)
+class MixedTorque(Effect):
+    """s tau_i on joint j: motors' torques that stand for the joints' without their coupling undone.
+
+    Where motor i turns with dq_i + r dq_j, as in a wrist, virtual work gives motor j the torque
+    tau_j - r tau_i: what is recorded there holds a share of all that joint i needs.
+
+    Attributes:
+        joint: j, whose recorded torque it is.
+        other: i, whose torque it holds.
+        reference: Predicts that.
+    """
+
+    joint: int
+    other: int
+    reference: ReferenceTorque
+    name = "motor_coupling"
+
+    def __post_init__(self) -> None:
+        if self.joint == self.other:
+            raise ValueError(f"{self.joint=} cannot be coupled to itself")
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The share s."""
+        return (Parameter(f"share_x{self.joint + 1}{self.other + 1}", "1", self.joint),)
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The other joint's torque."""
+        return (f"tau_{self.other + 1}",)
+
+    def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
+        """tau_i on joint j."""
+        return [{self.joint: self.reference.total(state)[self.other]}]

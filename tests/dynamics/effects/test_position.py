@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives
 from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.effects.motor import CrossCoupling
 from oed.dynamics.effects.position import JointSpring, PositionFriction, TorqueRipple
@@ -83,7 +83,7 @@ def test_a_balancer_may_carry_more_than_the_drive_shows(share: float, is_plausib
     assert (reason is None) is is_plausible
 
 
-@pytest.mark.parametrize("harmonic", [14.2, 17.7, 61.2, 129.0])
+@pytest.mark.parametrize("harmonic", [14.2, 17.7, 61.2, 129.0, 320.0])
 def test_first_scan_comes_near_enough_to_every_ripple(harmonic: float) -> None:
     context = context_of(scara(), MOTION)
     shape, _ = CATALOGUE["torque_ripple"].shapes_for(context, 1)
@@ -96,7 +96,7 @@ def test_first_scan_comes_near_enough_to_every_ripple(harmonic: float) -> None:
 
 def test_a_known_gear_ratio_widens_the_search_to_the_motors_harmonics() -> None:
     model = TorqueModel.standard(scara())
-    context = Context.of(model, parameters_of(model), [MOTION], gear_ratio=(100.0, 80.0))
+    context = Context.of(model, parameters_of(model), [MOTION], Drives(gear_ratio=(100.0, 80.0)))
     shape, _ = CATALOGUE["torque_ripple"].shapes_for(context, 0)
     assert shape.upper == pytest.approx(420.0)
 

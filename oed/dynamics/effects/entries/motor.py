@@ -9,6 +9,7 @@ from numpy import ndarray
 
 from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.entries.plausibility import (
+    at_most,
     finite,
     first_reason,
     joint_of,
@@ -16,14 +17,17 @@ from oed.dynamics.effects.entries.plausibility import (
     positive,
 )
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
-from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling, RotorInertia
+from oed.dynamics.effects.motor import CrossCoupling, MixedTorque, MotorCoupling, RotorInertia
 
 ONE_WAY = 0.05  # a ratio below this: the joint hardly turns the motor, which is recorded in its row
 FALLING = 0.5  # share of its friction at rest that a motor may lose at top speed
 SMALL = 0.1  # of what else a motor does, up to which a part of it may be noise
 # Of one that turns with both alike, the outer joint is named: each would do. Ratios meet in between.
 ALIKE = 0.9
-BOTH_ROWS = 2.0  # that show the inertia of a motor; one if the log has torques of motors
+# What a coupled motor shows in: its torque in one row, its inertia in both, or, in a log of motors'
+# torques, all that its joint needs in the row of the other.
+BOTH_ROWS, WHOLE_TORQUE = 2.0, 3.0
+MOST_SHARE = 1.5  # of a joint's torque that the motor of another one carries; ratios are up to 1
 LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
 
 
@@ -62,17 +66,25 @@ ROTOR_INERTIA = CatalogueEntry(
 
 def _coupling(
     context: Context, target: Target, values: tuple[float, ...]
-) -> CrossCoupling | MotorCoupling:
+) -> CrossCoupling | MixedTorque | MotorCoupling:
     joint, other = pair_of(target)
+    if _is_mixed(values):
+        return MixedTorque(joint, other, context.reference)
     width = max(context.sign_width(joint), context.sign_width(other))
     if abs(values[0]) < ONE_WAY:
         return CrossCoupling(joint, other, width, mutual=round(values[1]) == BOTH_ROWS)
     return MotorCoupling((joint, other), (values[0], 1.0), width)
 
 
-def _ratios(_context: Context, target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
+def _is_mixed(values: tuple[float, ...]) -> bool:
+    return abs(values[0]) < ONE_WAY and values[1] == WHOLE_TORQUE
+
+
+def _ratios(context: Context, target: Target, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     joint, other = pair_of(target)
     ratio, rows = shapes
+    if context.drives.of_motors:
+        rows = dataclasses.replace(rows, upper=WHOLE_TORQUE, also=(*rows.also, WHOLE_TORQUE))
     if joint < other:
         return dataclasses.replace(ratio, lower=-ALIKE, upper=ALIKE, usual=()), rows
     return dataclasses.replace(ratio, lower=-1 / ALIKE, upper=1 / ALIKE), rows
@@ -84,6 +96,8 @@ def _coupling_plausible(
     values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
+    if _is_mixed(values):
+        return at_most(abs(float(estimates[0])), MOST_SHARE, "the share", "1", "that of any gears")
     if abs(values[0]) < ONE_WAY:
         _, other = pair_of(target)
         return finite(estimates) or _both_ways(context, other, estimates)
@@ -143,11 +157,11 @@ MOTOR_COUPLING = CatalogueEntry(
     page=EffectPage(
         equation="on joint j, r times what is on joint i: I_a u' + F_v u + F_c sgn u, u = dq_i + r "
         "dq_j; at r = 0: I_x ddq_i + F_xv dq_i + F_xc sgn dq_i on joint j, I_x ddq_j on joint i; of "
-        "motors' torques on joint j alone",
+        "motors' torques on joint j alone, or a share of joint i's whole torque there",
         source="Janot, Vandanjon, Gautier 2014, IEEE Trans. Control Systems Technology 22(1), "
         "132-145 (wrist of the Stäubli TX40)",
         parameters="inertia in kg m², viscous in N m s/rad and Coulomb friction in N m of the "
-        "coupled motor; ratio r; rows that show the inertia at r = 0",
+        "coupled motor; ratio r; rows that show the inertia at r = 0 (1 or 2), or 3 for the share",
         signature="the residual of one joint follows another joint's velocity and acceleration",
         confused_with=("torque_gain", "rotor_inertia"),
         exposed_by="moving one joint at a time",

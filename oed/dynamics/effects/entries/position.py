@@ -78,8 +78,8 @@ def _ripple_harmonics(
     least = max(shape.lower, LEAST_PERIODS * 2 * np.pi / swing)
     default, upper = max(shape.default, least), max(shape.upper, 2 * least)
     shape = dataclasses.replace(shape, lower=least, upper=upper, default=default)
-    if context.gear_ratio is not None:
-        upper = max(MOTOR_HARMONICS * abs(context.gear_ratio[joint]), shape.upper)
+    if (ratio := context.drives.gear_ratio) is not None:
+        upper = max(MOTOR_HARMONICS * abs(ratio[joint]), shape.upper)
         shape = dataclasses.replace(shape, upper=upper)
     return (_spaced_by_range(context, joint, shape), *shapes[1:])
 
@@ -131,7 +131,7 @@ TORQUE_RIPPLE = CatalogueEntry(
     name="torque_ripple",
     families=("position",),
     scope="joint",
-    shapes=(Shape("harmonic", "1/turn", 2.0, 130.0, "linear", 200, 6.0), RIPPLE_WAVES),
+    shapes=(Shape("harmonic", "1/turn", 2.0, 330.0, "linear", 500, 6.0), RIPPLE_WAVES),
     build=_ripple,
     plausible=_ripple_plausible,
     fuller=_fuller_ripples,
