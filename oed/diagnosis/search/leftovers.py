@@ -66,8 +66,7 @@ def too_little(
         mend = None if is_slight else _mend_that_covers(shop, candidate, earlier, others)
         if not is_slight and mend is None:
             continue
-        may_be_two = mend is not None or _is_rigid(candidate.trial)
-        if may_be_two and _explain_more_together(shop, candidate, earlier, others):
+        if _explain_more_together(shop, candidate, earlier, others):
             continue
         if mend is None:
             return f"gains {share:.1%} of what {earlier.trial.name}, its like, gained"
@@ -212,13 +211,6 @@ def _explain_more_together(
         < cost(shop.fit([*others, mend], layout, bend=False).fit, earlier.trial.shapes)
         for mend in mends
     )
-
-
-def _is_rigid(trial: Trial) -> bool:
-    """Whether nothing but sizes, and how many terms there are, adapts to another effect."""
-    if trial.is_free_form:
-        return False
-    return all(s.scale == "formula" for s in CATALOGUE[trial.name].shapes)
 
 
 def _free_forms_of(shop: Workshop, named: Trial) -> list[Trial]:

@@ -154,7 +154,7 @@ THERMAL_DRIFT = CatalogueEntry(
     name="thermal_drift",
     families=("time",),
     scope="joint",
-    shapes=(Shape("time_constant", "s", 0.1, 2e4, "log", 8, 600.0), CLOCK),
+    shapes=(Shape("time_constant", "s", 2.0, 2e4, "log", 8, 600.0), CLOCK),
     build=_thermal,
     plausible=_thermal_plausible,
     narrow=_time_constants,
@@ -164,7 +164,7 @@ THERMAL_DRIFT = CatalogueEntry(
         source="Bittencourt and Gunnarsson 2012, J. Dynamic Systems, Measurement, and Control "
         "134(5); Simoni, Beschi, Legnani, Visioli 2015, IEEE/RSJ IROS",
         parameters="a in N m s/rad and b in N m, 5 to 40 % of the warm values, negative "
-        "where the joint cools or bearings tighten as they warm; T in s",
+        "where the joint cools or bearings tighten as they warm; T in s, at least 2",
         signature="repetitions of one motion differ, less and less",
         confused_with=("payload_change", "nonlinear_viscous"),
         exposed_by="the same motion cold and warm",
