@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import blake2b
@@ -12,9 +12,11 @@ from itertools import chain, pairwise
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 from oed.robot import Robot
 
+Curve = Callable[[Float[ndarray, " times"]], Float[ndarray, "times joints"]]
 Components = tuple[Float[ndarray, " samples"], ...]
 
 STRIDE = 8  # samples that a motion's fingerprint leaves out
@@ -63,6 +65,15 @@ class Motion:
         """q, dq and ddq as contiguous (N,) arrays, one a joint."""
         q, dq, ddq = (tuple(np.ascontiguousarray(x.T)) for x in (self.q, self.dq, self.ddq))
         return q, dq, ddq
+
+    @cached_property
+    def curves(self) -> tuple[Curve, Curve, Curve]:
+        """q, dq and ddq between the samples, cubic; the first two with the slopes that they have."""
+        return (
+            CubicHermiteSpline(self.t, self.q, self.dq),
+            CubicHermiteSpline(self.t, self.dq, self.ddq),
+            make_interp_spline(self.t, self.ddq, k=3),
+        )
 
     @cached_property
     def signs(self) -> dict[tuple[int, float], Float[ndarray, " samples"]]:

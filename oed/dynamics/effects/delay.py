@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
-from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 from oed.dynamics.effects.effect import MeasurementEffect
 from oed.dynamics.effects.linear_filter import respond
@@ -103,11 +102,6 @@ def delayed(motion: Motion, delay: float) -> Motion:
         motion: Smooth between samples: cubic in position and velocity.
         delay: [s].
     """
-    t = motion.t
-    earlier = np.clip(t - delay, t[0], t[-1])
-    return dataclasses.replace(
-        motion,
-        q=CubicHermiteSpline(t, motion.q, motion.dq)(earlier),
-        dq=CubicHermiteSpline(t, motion.dq, motion.ddq)(earlier),
-        ddq=make_interp_spline(t, motion.ddq, k=3)(earlier),
-    )
+    earlier = np.clip(motion.t - delay, motion.t[0], motion.t[-1])
+    q, dq, ddq = (curve(earlier) for curve in motion.curves)
+    return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
