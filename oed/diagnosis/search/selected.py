@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from oed.diagnosis.search.accepted import Accepted, Refused, refusal
@@ -45,10 +45,11 @@ class Selection:
         rest = [a for a in self.accepted if a is not item]
         return Selection.of(shop, rest, [*self.refused, refusal(item, reason)])
 
-    def with_stand_ins_aside(self, shop: Workshop) -> Selection:
-        """The same with free-form terms only to say where something is missing."""
+    def with_aside(self, shop: Workshop, terms: Collection[Trial]) -> Selection:
+        """The same with some free-form terms only to say where something is missing."""
+        aside = {t.key for t in terms}
         accepted = [
-            dataclasses.replace(a, stands_in=False) if a.trial.is_free_form else a
+            dataclasses.replace(a, stands_in=False) if a.trial.key in aside else a
             for a in self.accepted
         ]
         return Selection.of(shop, accepted, self.refused)

@@ -51,6 +51,7 @@ def largest_surprises(
 
     The maximum over all trials carries the multiplicity of the search.
     """
+    residuals = _as_left(fit, residuals)
     inside = np.einsum("jrb,jrs->bs", fit.projection.basis, residuals, optimize=True)
     largest = np.zeros(residuals.shape[2])
     inflation = inflation_of(fit)
@@ -62,6 +63,22 @@ def largest_surprises(
             share = float(inflation[list(trial.group)].mean())
             largest = np.maximum(largest, _surprises(trial, normal, moments, share))
     return largest
+
+
+def _as_left(
+    fit: LinearFit, residuals: Float[ndarray, "joints rows count"]
+) -> Float[ndarray, "joints rows count"]:
+    """Residuals as large as the fit left them.
+
+    They have lost to it what noise has in common with its columns; beside the model, where a
+    search looks, those that are drawn from them would lose as much again.
+    """
+    basis = fit.projection.basis
+    inside = np.einsum("jrb,jrs->bs", basis, residuals, optimize=True)
+    outside = residuals - np.einsum("jrb,bs->jrs", basis, inside, optimize=True)
+    size, kept = (np.sum(x**2, axis=1) for x in (residuals, outside))
+    scale = np.sqrt(size / np.where(kept > 0, kept, np.inf))
+    return outside * scale[:, None]
 
 
 def _moments(
