@@ -109,7 +109,10 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
             continue
         others = [t for t in found.chosen if t is not trial]
         without = _white_squares(shop, final_with(shop, shop.fit(others)))
-        acting = list(joints) if trial.joint is None else [trial.joint]
+        if isinstance(trial.target, tuple):
+            acting = list(trial.target)
+        else:
+            acting = list(joints) if trial.joint is None else [trial.joint]
         if np.sum((without - whole)[acting]) <= 0:
             return trial
     return None

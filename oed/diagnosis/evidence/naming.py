@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.final_model import (
     FinalModel,
@@ -55,7 +56,8 @@ def named(
     while True:
         selection, after, found = _sure(shop, selection, validation, before)
         effects = describe_effects(shop, selection, found)
-        exchange = preferred_rival(effects, shop.settings.decisive, barred)
+        ended = {e.trial.key for e in effects if is_at_its_end(shop, e)}
+        exchange = preferred_rival(effects, shop.settings.decisive, barred, ended)
         if exchange is not None:
             barred.add(exchange[0].key)
             selection = selection.exchanged(shop, *exchange)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,6 +22,7 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.motor import CrossCoupling
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 
@@ -112,29 +113,52 @@ def describe_effects(
 
 
 def preferred_rival(
-    effects: Sequence[FoundEffect], decisive: float, barred: set[tuple[str, object]]
+    effects: Sequence[FoundEffect],
+    decisive: float,
+    barred: Collection[tuple[str, object]],
+    ended: Collection[tuple[str, object]] = (),
 ) -> tuple[Trial, Trial] | None:
     """A name, and the rival that the data prefer by far beside all others.
 
     The search took the name when the others were not yet there. The rival has fewer parameters, for
-    more would find something else that is missing; but a lag for a delay bends no other way.
+    more would find something else that is missing; but a lag for a delay bends no other way. Of one
+    at the end of what its name says, any rival within the evidence is preferred; of an inertia that
+    couples two joints alike, the inner joint.
 
     Args:
         effects: With their rivals.
         decisive: Difference of evidence that separates two.
         barred: Keys that may not come back.
+        ended: Keys of names at their end.
     """
-    taken = barred | {e.trial.key for e in effects}
+    taken = {*barred} | {e.trial.key for e in effects}
     for effect in effects:
         for rival in effect.rivals:
-            if not rival.contender or rival.trial.key in taken:
+            if rival.trial.key in taken:
+                continue
+            if _is_inner_mirror(rival, effect.trial, decisive):
+                return effect.trial, rival.trial
+            if not rival.contender:
                 continue
             plainer = _is_plainer(rival.trial, effect.trial)
-            if (plainer and rival.evidence < -decisive) or (
-                are_lags(rival.trial, effect.trial) and rival.evidence < -rival.margin
+            if (
+                effect.trial.key in ended
+                or (plainer and rival.evidence < -decisive)
+                or (are_lags(rival.trial, effect.trial) and rival.evidence < -rival.margin)
             ):
                 return effect.trial, rival.trial
     return None
+
+
+def _is_inner_mirror(rival: Rival, trial: Trial, decisive: float) -> bool:
+    """Whether an inertia in two joints' rows is the same named from the inner one."""
+    own, its = trial.target, rival.trial.target
+    if not isinstance(own, tuple) or its != own[::-1] or own[0] < own[1]:
+        return False
+    alike = isinstance(trial.effect, CrossCoupling) and isinstance(
+        rival.trial.effect, CrossCoupling
+    )
+    return alike and rival.evidence < decisive
 
 
 def outdone(effects: Sequence[FoundEffect], decisive: float) -> Trial | None:

@@ -9,11 +9,11 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained, riddles
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.workshop import Workshop
-from oed.dynamics.effects.catalogue import CATALOGUE
 
 # Of what is not catalogued, one name may fit a part and curves another. What a name explains must
 # be so many times what the model then still lacks of its joint, where that is clear on all
@@ -23,7 +23,6 @@ CLEAR = 3.0
 CLEAR_WHERE_FITTED = 2.0
 # Squares of the test error that a joint's additions explain, over what they leave of it.
 MOSTLY = 1.5
-AT_END, KNOWN = 0.005, 0.1  # of the range of a shape: where it ends, and what deviation tells it
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,7 @@ def withheld(
         joint = effect.joint
         if joint is None or (
             _is_claimed(effect, joint, errors, beside_curves=joint in curves)
-            and not _is_at_its_end(shop, effect)
+            and not is_at_its_end(shop, effect)
         ):
             claimed.append(effect)
         else:
@@ -100,20 +99,6 @@ def _is_claimed(effect: FoundEffect, joint: int, errors: Errors, *, beside_curve
     if not beside_curves or float(errors.seen[joint]) ** 2 - 1 < CLEAR_WHERE_FITTED:
         return True
     return _is_sure(effect, float(errors.unseen[joint]))
-
-
-def _is_at_its_end(shop: Workshop, effect: FoundEffect) -> bool:
-    """Whether an effect would be something that its name does not say, if it were let.
-
-    A loop wider than any presliding is none. Not where the shape is unknown.
-    """
-    trial = effect.trial
-    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
-    if trial.between_repetitions or not shapes or shapes[0].scale != "log":
-        return False
-    first, value = shapes[0], trial.values[0]
-    std = next(p.std for p in effect.parameters if p.name == first.name) / first.slope_at(value)
-    return min(first.place_of(value), 1 - first.place_of(value)) < AT_END and std < KNOWN
 
 
 def _is_contradicted(before: float, after: float) -> bool:

@@ -83,7 +83,7 @@ def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
     own = [t for t in (*shop.smooth, *shop.smooth_pairs) if t.joint == joint]
     left = float(largest_surprises(own, fit, fit.residual[:, :, None])[0])
     level, null = shop.settings.level, _null(shop, own, fit, moved_in_time)
-    return _chance_of(left, null, level, shop.context.n) <= level
+    return _chance_of(left, null, level, float(shop.context.n)) <= level
 
 
 def keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> bool:

@@ -147,13 +147,15 @@ def drop_needless(
 ) -> list[Accepted]:
     """Drop free-form terms, the most needless first, that the evidence no longer asks for.
 
-    They were added beside names that have found their places since, a tilt above all.
+    They were added beside names that have found their places since, a tilt above all. What only says
+    where something is missing takes the place of none that is part of the model.
     """
     kept, rows = list(accepted), shop.full.rows.count
     while True:
         found = []
         for item in (a for a in kept if a.trial.is_free_form):
-            others = [a.trial for a in kept if a is not item]
+            beside = [a for a in kept if a is not item]
+            others = [a.trial for a in beside if a.stands_in or not item.stands_in]
             own = score(item.trial, shop.fit(others, shop.layout(item.trial)).fit)
             found.append((own.evidence(rows), own.gain, item))
         if not found:

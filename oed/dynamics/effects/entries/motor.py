@@ -152,7 +152,10 @@ MOTOR_COUPLING = CatalogueEntry(
     build=_coupling,
     plausible=_coupling_plausible,
     narrow=_ratios,
-    equivalent=("the pair in the other order, for ratios of 1 and -1: the outer joint is named",),
+    equivalent=(
+        "the pair in the other order, for ratios of 1 and -1: the outer joint is named",
+        "the same for an inertia in both rows and no friction: the inner joint is named",
+    ),
     holds=("rotor_inertia",),
     page=EffectPage(
         equation="on joint j, r times what is on joint i: I_a u' + F_v u + F_c sgn u, u = dq_i + r "

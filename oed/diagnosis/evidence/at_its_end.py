@@ -1,0 +1,28 @@
+"""Effects that are as far as their name goes."""
+
+from __future__ import annotations
+
+from oed.diagnosis.evidence.verdict import FoundEffect
+from oed.diagnosis.search.workshop import Workshop
+from oed.dynamics.effects.catalogue import CATALOGUE
+
+# Of the range of a shape: where it ends, and what deviation tells that it is there.
+AT_END, KNOWN = 0.005, 0.1
+
+
+def is_at_its_end(shop: Workshop, effect: FoundEffect) -> bool:
+    """Whether an effect would be something that its name does not say, if it were let.
+
+    A loop wider than any presliding is none. Of a joint alone, and not where the shape is unknown:
+    a change in time may be slower than a recording is long, and a filter slower than any is one.
+    """
+    trial = effect.trial
+    if trial.joint is None or trial.between_repetitions:
+        return False
+    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
+    if not shapes or shapes[0].scale != "log":
+        return False
+    first, value = shapes[0], trial.values[0]
+    std = next(p.std for p in effect.parameters if p.name == first.name) / first.slope_at(value)
+    place = first.place_of(value)
+    return min(place, 1 - place) < AT_END and std < KNOWN
