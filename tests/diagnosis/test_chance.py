@@ -1,9 +1,11 @@
 """Chance is counted where a candidate acts: what another joint lacks is no noise of this one."""
 
 import numpy as np
+import pytest
+from scipy.stats import gumbel_r
 
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.chance import p_value_of
+from oed.diagnosis.search.chance import ROUNDS, chance_of, p_value_of
 from oed.diagnosis.search.scan import score
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set
 from tests.diagnosis.shop import shop_of, trial_of
@@ -39,3 +41,20 @@ def test_nothing_is_as_likely_as_chance_says():
         key=lambda s: s.surprise(np.ones(2)),
     )
     assert p_value_of(shop, best, [], shop.physical) > 0.01
+
+
+@pytest.mark.parametrize(("chance", "rounds"), [(1e-6, 1), (0.3, 1), (0.011, ROUNDS)])
+def test_a_chance_near_the_level_is_drawn_more_finely(chance, rounds):
+    """Surprises of a search through noise have the tail of a largest value."""
+    rng, drawn = np.random.default_rng(4), []
+
+    def null():
+        drawn.append(gumbel_r.rvs(5.0, 1.5, size=99, random_state=rng))
+        return drawn[-1]
+
+    surprise = float(gumbel_r.isf(chance / 3, 5.0, 1.5))
+    found = chance_of(surprise, null, level=0.01, places=3.0)
+    assert len(drawn) == rounds
+    if rounds > 1:
+        # A tail's slope from 990 draws is known to 3 %, so that chance itself to a fifth.
+        assert found == pytest.approx(chance, rel=0.5)

@@ -9,7 +9,7 @@ import pytest
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.final_model import fit_final, install, lost_when_repeated
 from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.review import review_names
+from oed.diagnosis.search.review import drop_needless, review_names
 from oed.diagnosis.search.scan import at_rest, implausible, scan, score
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.turning import HEAVIER, moment_fault
@@ -212,3 +212,19 @@ def test_an_offset_of_a_tether_is_not_named_beside_the_tether():
     refused = []
     assert review_names(shop, [offset, tether_term], refused) == [tether_term]
     assert [r.name for r in refused] == ["torque_offset"]
+
+
+def test_a_curve_of_the_model_is_not_needless_beside_one_that_is_not_part_of_it():
+    def curved(q, dq, ddq):
+        return np.stack([np.sin(q[:, 0]), np.zeros(len(q))], axis=1)
+
+    shop = shop_with(curved)
+    own = next(t for t in shop.smooth if t.key == ("f(q_1)", 0))
+    pair = next(t for t in shop.smooth_pairs if t.key == ("f(q_1, dq_1)", 0))
+    aside = Accepted(pair, 1.0, 1e-9, stands_in=False)
+    curve, refused = Accepted(own, 1e4, 1e-9), []
+    left = drop_needless(shop, [curve, aside], refused)
+    # Beside the pair it would be needless; but the pair is no part of the model.
+    beside = score(own, shop.fit([pair], shop.mean).fit)
+    assert beside.evidence(shop.full.rows.count) < 0
+    assert curve in left

@@ -16,6 +16,7 @@ from oed.diagnosis.search.telling import most_telling_first
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording
@@ -179,3 +180,23 @@ def test_a_spring_explains_what_a_gap_with_the_same_spring_does(monkeypatch):
     # What a gap adds besides is of no weight: the plainer of the two is meant.
     first, *_ = most_telling_first(shop, sorted((spring, gap), key=lambda s: -s.gain), ())
     assert first.trial.name == "joint_elasticity"
+
+
+def test_a_lag_is_evaluated_on_what_a_gear_does_and_a_gear_on_the_rigid_arm():
+    shop = _shop(0, SPRING)
+    gear = trial_of(shop, "joint_elasticity", 0, (6.0, 0.08, 0.15, 0.0))
+    plain = trial_of(shop, "filter_lag", None, (0.01, 0.0))
+    shop.update_context(shop.fit([gear], bend=False))
+    (motion,) = (p.motion for p in shop.mean.rows.prepared)
+    bent = shop.context.reference.parts(motion).sum(axis=2)
+    rigid = shop.context.unyielding.parts(motion).sum(axis=2)
+    change = evaluate(gear.effect, motion, 2)[:, :, 0]
+    assert np.abs(change).max() > 0.05 * np.abs(rigid).max()
+    assert bent - rigid == pytest.approx(change, abs=1e-9 * np.abs(rigid).max())
+    # What is recorded late is the torque that the gear shows, by the filter's own equation.
+    late = evaluate(shop.renewed(plain).effect, motion, 2)[:, :, 0] + bent
+    rate = np.gradient(late, motion.t, axis=0)
+    settled = motion.t > motion.t[0] + 0.2
+    left = (late + 0.01 * rate - bent)[settled]
+    # Differences of steps of 1 ms, friction's leaps smoothed, err by far less than the gear does.
+    assert np.sqrt(np.mean(left**2)) < 0.1 * np.sqrt(np.mean(change[settled] ** 2))

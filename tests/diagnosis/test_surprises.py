@@ -9,6 +9,7 @@ from scipy.stats import chi2
 from oed.diagnosis.fit.addition import NormalEquations
 from oed.diagnosis.search.scan import inflation_of, minus_log_chance, score
 from oed.diagnosis.search.surrogates import largest_surprises
+from oed.diagnosis.search.workbench import fit_layout
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of
 
@@ -23,9 +24,31 @@ def test_all_trials_at_once_are_each_by_itself():
     inflation = inflation_of(fit)
     expected = []
     for k in range(3):
-        left = dataclasses.replace(fit, residual=fit.projection.residual(drawn[:, :, k]))
+        beside = fit.projection.residual(drawn[:, :, k])
+        # As large as what was drawn, joint by joint.
+        scale = np.linalg.norm(drawn[:, :, k], axis=1) / np.linalg.norm(beside, axis=1)
+        left = dataclasses.replace(fit, residual=fit.projection.residual(beside * scale[:, None]))
         expected.append(max(score(t, left).surprise(inflation) for t in trials))
     assert largest_surprises(trials, fit, drawn) == pytest.approx(np.array(expected))
+
+
+def test_a_search_finds_as_much_in_what_a_model_left_of_noise_as_in_other_noise():
+    """Beside a model that takes half of it; other noise loses as much to the model once."""
+    shop, rng = shop_of(data_set(5), held=False), np.random.default_rng(8)
+    layout, size = shop.mean, shop.mean.torque.shape
+    model = [rng.normal(size=(*size, size[1]))]
+    fit = fit_layout(shop.baseline, layout, model, rng.normal(size=size))
+    (some,) = (t for t in shop.physical if t.key == ("torque_offset", 0))
+    columns = rng.normal(size=(20, size[1], 1))
+    trials = [dataclasses.replace(some, group={0: own}) for own in columns]
+    inflation, expected = inflation_of(fit), []
+    for _ in range(60):
+        other = dataclasses.replace(fit, residual=fit.projection.residual(rng.normal(size=size)))
+        expected.append(max(score(t, other).surprise(inflation) for t in trials))
+    signs = rng.choice([-1.0, 1.0], size=(1, size[1], 200))
+    found = largest_surprises(trials, fit, fit.residual[:, :, None] * signs)
+    # Largest surprises of twenty trials scatter by 1.1: their means by 0.16, of one fit by as much.
+    assert np.mean(found) == pytest.approx(np.mean(expected), abs=0.6)
 
 
 @pytest.mark.parametrize("freedom", [1, 2, 7, 60])

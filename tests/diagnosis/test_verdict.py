@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.contenders import Rival
+from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error
 from oed.diagnosis.evidence.unlocated import describe_unlocated
 from oed.diagnosis.evidence.verdict import (
@@ -15,7 +17,7 @@ from oed.diagnosis.evidence.verdict import (
 )
 from oed.diagnosis.settings import DiagnosisSettings
 from tests.diagnosis.arm import data_set
-from tests.diagnosis.shop import shop_of
+from tests.diagnosis.shop import shop_of, trial_of
 
 SETTINGS = DiagnosisSettings()
 SURE = 1e-9  # chance of a lack of fit that no one doubts
@@ -92,6 +94,48 @@ def test_a_name_gives_way_to_a_plainer_one_that_says_far_more(name, evidence, co
         assert found == (effect.trial, effect.rivals[0].trial)
         # What gave way once does not come back.
         assert preferred_rival([effect], SETTINGS.decisive, {found[1].key}) is None
+
+
+@pytest.mark.parametrize(("evidence", "gives_way"), [(-2.0, True), (4.0, True), (20.0, False)])
+def test_a_name_at_its_end_gives_way_to_any_rival_within_the_evidence(evidence, gives_way):
+    effect = _effect("stribeck", evidence, contender=evidence < SETTINGS.decisive)
+    found = preferred_rival([effect], SETTINGS.decisive, (), {effect.trial.key})
+    assert (found is not None) is gives_way
+    assert preferred_rival([effect], SETTINGS.decisive, ()) is None
+
+
+@pytest.mark.parametrize(
+    ("outer", "ratio", "evidence", "gives_way"),
+    [
+        ((1, 0), 0.0, 1.0, True),
+        ((1, 0), 0.0, 20.0, False),  # friction tells which of the two it is
+        ((1, 0), -1.0, 1.0, False),  # one motor turned by both: the outer joint's
+        ((0, 1), 0.0, 1.0, False),
+    ],
+)
+def test_an_inertia_that_couples_two_joints_alike_is_the_inner_ones(
+    outer, ratio, evidence, gives_way
+):
+    shop = shop_of(data_set(1, repetitions=1), held=False)
+    own, mirror = (
+        trial_of(shop, "motor_coupling", target, (ratio, 2.0)) for target in (outer, outer[::-1])
+    )
+    rival = Rival("motor_coupling", mirror.joint, evidence, mirror, False, SETTINGS.decisive)
+    effect = FoundEffect("motor_coupling", own.joint, (), 1e-9, 0.2, (rival,), own)
+    found = preferred_rival([effect], SETTINGS.decisive, ())
+    assert found == ((own, mirror) if gives_way else None)
+
+
+@pytest.mark.parametrize(
+    ("distance", "std", "ended"),
+    [(0.08, 1e-3, True), (0.0799, 1e-3, True), (0.02, 1e-3, False), (0.08, 0.3, False)],
+)
+def test_a_loop_as_wide_as_presliding_gets_is_at_its_end(distance, std, ended):
+    shop = shop_of(data_set(1, repetitions=1), held=False)
+    trial = trial_of(shop, "presliding_hysteresis", 0, (distance, 0.7))
+    parameters = (Estimated("Fh_1", 1.0, 0.1, "N m"), Estimated("distance", distance, std, "rad"))
+    effect = FoundEffect(trial.name, 0, parameters, 1e-9, 0.2, (), trial)
+    assert is_at_its_end(shop, effect) is ended
 
 
 @pytest.mark.parametrize(

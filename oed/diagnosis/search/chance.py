@@ -83,7 +83,7 @@ def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
     own = [t for t in (*shop.smooth, *shop.smooth_pairs) if t.joint == joint]
     left = float(largest_surprises(own, fit, fit.residual[:, :, None])[0])
     level, null = shop.settings.level, _null(shop, own, fit, moved_in_time)
-    return _chance_of(left, null, level, float(shop.context.n)) <= level
+    return chance_of(left, null, level, float(shop.context.n)) <= level
 
 
 def keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> bool:
@@ -119,7 +119,7 @@ def _family_wise(
     ]
     surprise = candidate.surprise(inflation_of(fit))
     places = shop.context.n / len(own.group)
-    return _chance_of(surprise, _null(shop, kin, fit, draw), shop.settings.level, places)
+    return chance_of(surprise, _null(shop, kin, fit, draw), shop.settings.level, places)
 
 
 def _null(
@@ -129,7 +129,7 @@ def _null(
     return lambda: largest_surprises(kin, fit, draw(fit, shop.settings.surrogates, shop.rng))
 
 
-def _chance_of(
+def chance_of(
     surprise: float, null: Callable[[], Float[ndarray, " count"]], level: float, places: float
 ) -> float:
     """Chance that a search in so many places surprises as much.

@@ -25,7 +25,7 @@ from oed.diagnosis.terms.trials import Trial, moved
 
 OF_EACH = 2  # candidates of every joint that are refined in any case
 LATE_SHARE = 0.2  # of the best gain, from which on a late torque is worth evaluating anew
-PROMISING = 0.4  # of the best gain, from which on what a gear promises is worth it
+PROMISING = 0.3  # of the best gain, from which on what a gear promises is worth it
 CONTENDING = 0.5  # of the best gain, from which on it is worth a wide search
 
 
