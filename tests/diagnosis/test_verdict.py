@@ -105,20 +105,23 @@ def test_a_name_at_its_end_gives_way_to_any_rival_within_the_evidence(evidence, 
 
 
 @pytest.mark.parametrize(
-    ("outer", "ratio", "evidence", "gives_way"),
+    ("first", "ratio", "evidence", "gives_way"),
     [
         ((1, 0), 0.0, 1.0, True),
         ((1, 0), 0.0, 20.0, False),  # friction tells which of the two it is
-        ((1, 0), -1.0, 1.0, False),  # one motor turned by both: the outer joint's
         ((0, 1), 0.0, 1.0, False),
+        # One motor that both turn alike: the outer joint's.
+        ((1, 0), -1.0, 1.0, False),
+        ((0, 1), -0.9, 1.0, True),
+        ((0, 1), -0.5, 1.0, False),
     ],
 )
-def test_an_inertia_that_couples_two_joints_alike_is_the_inner_ones(
-    outer, ratio, evidence, gives_way
+def test_a_coupling_that_is_the_same_from_either_joint_has_one_name(
+    first, ratio, evidence, gives_way
 ):
     shop = shop_of(data_set(1, repetitions=1), held=False)
     own, mirror = (
-        trial_of(shop, "motor_coupling", target, (ratio, 2.0)) for target in (outer, outer[::-1])
+        trial_of(shop, "motor_coupling", target, (ratio, 2.0)) for target in (first, first[::-1])
     )
     rival = Rival("motor_coupling", mirror.joint, evidence, mirror, False, SETTINGS.decisive)
     effect = FoundEffect("motor_coupling", own.joint, (), 1e-9, 0.2, (rival,), own)

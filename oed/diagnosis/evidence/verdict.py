@@ -22,8 +22,10 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects.motor import CrossCoupling
+from oed.dynamics.effects.entries.motor import ALIKE
+from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling
 
+NEARLY = 0.99
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 
 
@@ -122,8 +124,8 @@ def preferred_rival(
 
     The search took the name when the others were not yet there. The rival has fewer parameters, for
     more would find something else that is missing; but a lag for a delay bends no other way. Of one
-    at the end of what its name says, any rival within the evidence is preferred; of an inertia that
-    couples two joints alike, the inner joint.
+    at the end of what its name says, any rival within the evidence is preferred; of a coupling that
+    is the same from either joint, the one by which it is named.
 
     Args:
         effects: With their rivals.
@@ -136,7 +138,7 @@ def preferred_rival(
         for rival in effect.rivals:
             if rival.trial.key in taken:
                 continue
-            if _is_inner_mirror(rival, effect.trial, decisive):
+            if rival.evidence < decisive and _is_meant(rival.trial, effect.trial):
                 return effect.trial, rival.trial
             if not rival.contender:
                 continue
@@ -150,15 +152,21 @@ def preferred_rival(
     return None
 
 
-def _is_inner_mirror(rival: Rival, trial: Trial, decisive: float) -> bool:
-    """Whether an inertia in two joints' rows is the same named from the inner one."""
-    own, its = trial.target, rival.trial.target
-    if not isinstance(own, tuple) or its != own[::-1] or own[0] < own[1]:
+def _is_meant(mirror: Trial, trial: Trial) -> bool:
+    """Whether a coupling is named by the other of its joints.
+
+    An inertia in both rows by the inner one; a motor that both turn alike by the outer one, whose
+    ratio seen from the inner joint ends short of that.
+    """
+    own, its = trial.target, mirror.target
+    if mirror.name != trial.name or not isinstance(own, tuple) or its != own[::-1]:
         return False
-    alike = isinstance(trial.effect, CrossCoupling) and isinstance(
-        rival.trial.effect, CrossCoupling
-    )
-    return alike and rival.evidence < decisive
+    alike = type(mirror.effect) is type(trial.effect)
+    if isinstance(trial.effect, CrossCoupling):
+        return alike and own[0] > own[1]
+    if isinstance(trial.effect, MotorCoupling):
+        return alike and own[0] < own[1] and abs(trial.values[0]) > NEARLY * ALIKE
+    return False
 
 
 def outdone(effects: Sequence[FoundEffect], decisive: float) -> Trial | None:

@@ -65,7 +65,8 @@ def withheld(
 ) -> tuple[tuple[FoundEffect, ...], tuple[Unexplained, ...]]:
     """Names that are claimed; what has none, with the terms of those that are not.
 
-    They stay part of the model, which they make better.
+    They stay part of the model, which they make better. A name of the whole arm holds if it does at
+    any of its joints.
 
     Args:
         shop: The laid-out data.
@@ -77,13 +78,12 @@ def withheld(
     curves = {u.joint for u in riddles(effects, unexplained) if u.depends_on}
     claimed, resembling = [], []
     for effect in effects:
-        joint = effect.joint
-        if joint is None or (
-            _is_claimed(effect, joint, errors, beside_curves=joint in curves)
-            and not is_at_its_end(shop, effect)
-        ):
+        joints = range(shop.context.n) if effect.joint is None else (effect.joint,)
+        holds = any(_is_claimed(effect, j, errors, beside_curves=j in curves) for j in joints)
+        if holds and not is_at_its_end(shop, effect):
             claimed.append(effect)
         else:
+            joint = max(joints, key=lambda j: errors.unseen[j])
             resembling.append(_without_name(shop, selection, effect, joint))
     return tuple(claimed), (*unexplained, *resembling)
 
