@@ -228,3 +228,16 @@ def test_a_curve_of_the_model_is_not_needless_beside_one_that_is_not_part_of_it(
     beside = score(own, shop.fit([pair], shop.mean).fit)
     assert beside.evidence(shop.full.rows.count) < 0
     assert curve in left
+
+
+def test_a_coupling_is_held_against_the_repetitions_of_both_its_joints():
+    """Its inertia is far below the noise of the first joint, and clear at the second."""
+
+    def shared(q, dq, ddq):
+        return 0.008 * ddq[:, ::-1]
+
+    shop = shop_of(data_set(5, extra=shared), held=False)
+    found = shop.fit([trial_of(shop, "motor_coupling", (0, 1), (0.0, 2.0))])
+    model = install(shop.baseline, found, shop.context)
+    final = fit_final(shop.baseline, shop.mean, model)
+    assert lost_when_repeated(shop, found, final) is None
