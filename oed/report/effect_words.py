@@ -16,6 +16,7 @@ from oed.dynamics.effects.payload import PayloadChange
 from oed.robot.robot import Joint
 
 WHOLE_RANGE = 0.999  # of the spread of a uniform distribution: the data say no more than the range
+ROUNDING = 1e-9  # of a shape's range: what moves nothing is no estimate
 AT_BOUND = 1e-3  # of the range
 
 
@@ -101,7 +102,7 @@ def _shape_note(value: float, std: float, shape: Shape) -> str | None:
     width = shape.upper - shape.lower
     if shape.is_idle(value):
         return "for good"
-    if not shape.is_estimated or width <= 0:
+    if not shape.is_estimated or width <= 0 or std <= ROUNDING * width:
         return "chosen, not estimated"
     if std < WHOLE_RANGE * width / np.sqrt(12):
         place = shape.place_of(value)
