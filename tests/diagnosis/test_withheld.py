@@ -96,3 +96,20 @@ def test_names_that_the_test_recording_contradicts_are_none(in_test, names):
     assert [effect.name for effect in found.effects] == names
     assert all(np.mean((p.after / p.before) ** 2) <= 1 for p in found.proof)
     assert ("torque_offset" in {r.name for r in found.refused}) is (not names)
+
+
+@pytest.mark.parametrize(("late", "claimed"), [("time_delay", False), ("gravity_direction", True)])
+def test_a_name_of_the_whole_arm_is_none_beside_its_like_that_is_none(sprung, late, claimed):
+    """A gear foretells nothing: what is late may be the rest of what it is not."""
+    shop, _ = sprung
+    gear = trial_of(shop, "joint_elasticity", 1)
+    arm = next(t for t in shop.physical if t.name == late)
+    selection = Selection.of(shop, [Accepted(t, 100.0, 1e-6) for t in (gear, arm)], [])
+    effects = [
+        FoundEffect(t.name, t.joint, (), 1e-6, gain, (), t)
+        for t, gain in ((gear, -0.01), (arm, 0.3))
+    ]
+    small = Errors(*(np.full(2, 1.0) for _ in range(4)))
+    kept, without = withheld(shop, selection, effects, (), small)
+    assert [e.name for e in kept] == [late] * claimed
+    assert [u.trial for u in without] == [gear, *([] if claimed else [arm])]

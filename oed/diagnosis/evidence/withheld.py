@@ -14,6 +14,7 @@ from oed.diagnosis.evidence.proof import RoleProof, error_in_floors
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained, riddles
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.workshop import Workshop
+from oed.dynamics.effects.catalogue import CATALOGUE
 
 # Of what is not catalogued, one name may fit a part and curves another. What a name explains must
 # be so many times what the model then still lacks of its joint, where that is clear on all
@@ -65,8 +66,8 @@ def withheld(
 ) -> tuple[tuple[FoundEffect, ...], tuple[Unexplained, ...]]:
     """Names that are claimed; what has none, with the terms of those that are not.
 
-    They stay part of the model, which they make better. A name of the whole arm holds if it does at
-    any of its joints.
+    They stay part of the model, which they make better. A name of the whole arm holds beside none of
+    its family that does not.
 
     Args:
         shop: The laid-out data.
@@ -76,16 +77,24 @@ def withheld(
         errors: Before and after.
     """
     curves = {u.joint for u in riddles(effects, unexplained) if u.depends_on}
+    unclaimed: set[str] = set()
     claimed, resembling = [], []
     for effect in effects:
-        joints = range(shop.context.n) if effect.joint is None else (effect.joint,)
-        holds = any(_is_claimed(effect, j, errors, beside_curves=j in curves) for j in joints)
-        if holds and not is_at_its_end(shop, effect):
+        joint = effect.joint
+        if joint is None or (
+            _is_claimed(effect, joint, errors, beside_curves=joint in curves)
+            and not is_at_its_end(shop, effect)
+        ):
             claimed.append(effect)
         else:
-            joint = max(joints, key=lambda j: errors.unseen[j])
+            unclaimed |= set(CATALOGUE[effect.name].families)
             resembling.append(_without_name(shop, selection, effect, joint))
-    return tuple(claimed), (*unexplained, *resembling)
+    # Of a gear that is none, a delay may be the rest.
+    rest = [e for e in claimed if e.joint is None and unclaimed & set(CATALOGUE[e.name].families)]
+    loudest = int(np.argmax(errors.unseen))
+    resembling += [_without_name(shop, selection, e, loudest) for e in rest]
+    kept = tuple(e for e in claimed if all(e is not r for r in rest))
+    return kept, (*unexplained, *resembling)
 
 
 def _is_claimed(effect: FoundEffect, joint: int, errors: Errors, *, beside_curves: bool) -> bool:

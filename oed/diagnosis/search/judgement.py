@@ -54,7 +54,7 @@ def judge(
     """
     others = [*(a.trial for a in accepted), *partners]
     reason = too_little(shop, candidate, accepted, partners) or implausible(candidate, shop.context)
-    reason = reason or _no_body(shop, others, candidate)
+    reason = reason or no_body(shop, others, candidate)
     if early_and_late([*others, candidate.trial]) and not early_and_late(others):
         reason = reason or EARLY_AND_LATE
     p_value = 1.0
@@ -108,8 +108,8 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
 
 
-def _no_body(shop: Workshop, others: Sequence[Trial], candidate: Score) -> str | None:
-    """Why a load cannot be one, before the others settle beside it; None if it can."""
+def no_body(shop: Workshop, others: Sequence[Trial], candidate: Score) -> str | None:
+    """Why a load cannot be one; None if it can, or a candidate is none."""
     trial = candidate.trial
     fit = shop.fit(others, shop.layout(trial)).fit
     gram = normal_equations(fit.projection, fit.residual, trial.group).gram

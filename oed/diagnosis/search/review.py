@@ -9,7 +9,7 @@ import numpy as np
 
 from oed.diagnosis.search.accepted import Accepted, Refused, refusal
 from oed.diagnosis.search.free_form_rivals import FULLER, in_more_terms
-from oed.diagnosis.search.judgement import share_needed
+from oed.diagnosis.search.judgement import no_body, share_needed
 from oed.diagnosis.search.leftovers import COVERED, gain_at, is_own
 from oed.diagnosis.search.margin import is_of_kind
 from oed.diagnosis.search.paying import validation_gain
@@ -177,6 +177,8 @@ def _better_name(shop: Workshop, others: list[Trial], item: Accepted) -> str | N
     here = score(shop.renewed(item.trial), fit).evidence(rows)
     for rival in ranked(shop, shop.in_place_of(item.trial), others, 1):
         if rival.trial.key == item.trial.key or is_of_kind(rival.trial, item.trial):
+            continue
+        if no_body(shop, others, rival) is not None:
             continue
         gain, joints = rival.gain, sorted(item.trial.group)
         if not set(rival.trial.group) <= set(joints):
