@@ -25,7 +25,7 @@ from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.entries.motor import ALIKE
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling
 
-NEARLY = 0.99
+NEARLY = 0.99  # of the largest ratio that a motor is named by from the inner joint
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 
 

@@ -23,7 +23,6 @@ from oed.diagnosis.terms.bodies import is_no_body
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 
-MUCH_LESS = 1.0  # ratio
 WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls
 # Share of what joints win, in -2 log likelihood, that others may lose to a named effect: it moves
 # parameters that all rows share, and so does a share of another joint's torque. To a curve
@@ -101,7 +100,7 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     floor = shop.baseline.floor.deviation
     if not costs(old, new, floor, price):
         return None
-    if np.min(new / old) < MUCH_LESS and (moved := shapes_beside(shop, others, trial)):
+    if np.min(new / old) < 1 and (moved := shapes_beside(shop, others, trial)):
         _, best = shop.foretold(others, [*moved, trial], as_it_is=trial.is_free_form)
         if best is not None and not costs(old, best, floor, price):
             return None
