@@ -132,10 +132,11 @@ def _without_what_raises(
 
     What came last goes first.
     """
+    ratios = _test_ratios(found, test)
     for term in reversed(_curves(found.selection)):
-        raised = _test_ratios(found, test) > 1
-        if term.joint is not None and raised[term.joint]:
+        if term.joint is not None and ratios[term.joint] > 1:
             found = _with_aside(found, validation, [term])
+            ratios = _test_ratios(found, test)
     return found
 
 

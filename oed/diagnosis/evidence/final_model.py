@@ -109,10 +109,7 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
             continue
         others = [t for t in found.chosen if t is not trial]
         without = _white_squares(shop, final_with(shop, shop.fit(others)))
-        if isinstance(trial.target, tuple):
-            acting = list(trial.target)
-        else:
-            acting = list(joints) if trial.joint is None else [trial.joint]
+        acting = [j for j in joints if j in trial.places or None in trial.places]
         if np.sum((without - whole)[acting]) <= 0:
             return trial
     return None

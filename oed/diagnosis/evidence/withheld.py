@@ -101,18 +101,16 @@ def _is_claimed(effect: FoundEffect, joint: int, errors: Errors, *, beside_curve
     if effect.validation_gain is not None and effect.validation_gain < 0:
         return False  # beside a curve it may be worth something, but not what its name says
     # The test recordings chose nothing: a claim that they contradict is none.
-    target = effect.trial.target
-    between = target if isinstance(target, tuple) else (joint,)
-    if any(_is_contradicted(float(errors.before[j]), float(errors.after[j])) for j in between):
+    if any(_is_contradicted(errors, j) for j in effect.trial.places if j is not None):
         return False
     if not beside_curves or float(errors.seen[joint]) ** 2 - 1 < CLEAR_WHERE_FITTED:
         return True
     return _is_sure(effect, float(errors.unseen[joint]))
 
 
-def _is_contradicted(before: float, after: float) -> bool:
-    missed = after**2 - 1
-    return missed > CLEAR and before**2 - 1 < (1 + MOSTLY) * missed
+def _is_contradicted(errors: Errors, joint: int) -> bool:
+    missed = float(errors.after[joint]) ** 2 - 1
+    return missed > CLEAR and float(errors.before[joint]) ** 2 - 1 < (1 + MOSTLY) * missed
 
 
 def _is_sure(effect: FoundEffect, unseen: float) -> bool:

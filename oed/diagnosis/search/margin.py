@@ -80,8 +80,7 @@ def is_of_kind(one: Trial, other: Trial) -> bool:
     if one.is_free_form or other.is_free_form:
         return False
     families = (set(CATALOGUE[t.name].families) for t in (one, other))
-    places = (set(t.target if isinstance(t.target, tuple) else (t.target,)) for t in (one, other))
-    return bool(set.intersection(*places)) and bool(set.intersection(*families))
+    return bool(set(one.places) & set(other.places)) and bool(set.intersection(*families))
 
 
 def are_lags(one: Trial, other: Trial) -> bool:

@@ -66,6 +66,11 @@ class Trial:
         return self.target
 
     @property
+    def places(self) -> tuple[int | None, ...]:
+        """The joints that it acts between, mostly one; None alone for the whole arm."""
+        return self.target if isinstance(self.target, tuple) else (self.target,)
+
+    @property
     def between_repetitions(self) -> bool:
         """Whether it makes repetitions differ, so that their mean does not show it."""
         if isinstance(self.effect, FreeForm):
