@@ -214,11 +214,14 @@ def _free_form_floor(
                 f"joint {j + 1}: {rows} samples in the analysis band for {f.rank} functions of "
                 f"the motion: too few to tell noise from it; record longer, or repeat the motion"
             )
-    ranks = np.array([f.rank for f in found])
-    freedom = np.maximum(0.2, 1 - ranks / counted)
+    colours = [f.colour for f in found]
+    noise = np.array([c.mean_square for c in colours])
+    freedom = deviation**2 / np.where(noise > 0, noise, np.inf)
+    dilution = np.array([c.correlated_rows for c in colours])
     ends = np.cumsum([p.rows for p in prepared])[:-1]
+    left, seen = np.split(residual, ends), np.split(trusted, ends)
     rate = prepared[0].band.analysis_rate
-    return floor_from_free_form(np.split(residual, ends), np.split(trusted, ends), freedom, rate)
+    return floor_from_free_form(left, seen, freedom, dilution, rate)
 
 
 def _trusted_rows(

@@ -190,6 +190,7 @@ def floor_from_free_form(
     residuals: Sequence[Float[ndarray, "_ joints"]],
     trusted: Sequence[Bool[ndarray, "_ joints"]],
     freedom: Float[ndarray, " joints"],
+    dilution: Float[ndarray, " joints"],
     rate: float,
 ) -> NoiseFloor:
     """Noise floor from what a rich free-form fit leaves.
@@ -201,28 +202,14 @@ def floor_from_free_form(
     Args:
         residuals: One array a recording [N m].
         trusted: Rows that show nothing but noise.
-        freedom: (n,) share of the degrees of freedom that the fit left to each joint.
+        freedom: (n,) share of the noise's squares that the fit left to each joint.
+        dilution: (n,) rows of the noise that count as one.
         rate: Of the rows [Hz].
     """
     trusted = _quiet(residuals, trusted, round(BLOCK * rate), UNDISTURBED)
     deviation = _deviation(residuals, trusted, freedom)
     noise = tuple(Autoregression.white(d) for d in deviation)
-    dilution = np.array(
-        [correlated_rows([r[:, j] for r in residuals]) for j in range(len(deviation))]
-    )
     return NoiseFloor("free-form fit", noise, deviation, dilution)
-
-
-def correlated_rows(series: Sequence[Float[ndarray, " _"]]) -> float:
-    """1 + 2 sum of the autocorrelation up to its first zero."""
-    power = sum(float(x @ x) for x in series)
-    total = 1.0
-    for lag in range(1, min(len(x) for x in series) // 4):
-        correlation = sum(float(x[lag:] @ x[:-lag]) for x in series) / max(power, 1e-300)
-        if correlation <= 0:
-            break
-        total += 2 * correlation
-    return total
 
 
 def _deviation(

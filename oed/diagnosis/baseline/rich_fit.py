@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.noise_floor import correlated_rows
+from oed.diagnosis.baseline.colour import Colour, Stretches
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
@@ -40,10 +40,12 @@ class RichFit:
         residual: (R,) what it leaves, one recording after another; zero in rows that were
             not fitted [N m].
         rank: Columns that the data determine.
+        colour: Of the noise that was there.
     """
 
     residual: Float[ndarray, " rows"]
     rank: int
+    colour: Colour
 
 
 def rich_fit(
@@ -68,14 +70,18 @@ def rich_fit(
         enriched: Whether products and fine splines may join.
     """
     rows = int(trusted.sum())
+    stretches = Stretches((0, *np.cumsum([p.rows for p in prepared]).tolist()), trusted)
     most = max(10, rows // ROWS_PER_FREE_COLUMN - len(fit.columns) // fit.model.robot.n)
     first = [own, _filtered(_first_terms(fit, prepared, joint, most), prepared, joint)]
     span = _basis(np.concatenate(first, axis=1)[trusted], np.zeros((rows, 0)))
     left = torque[trusted] - span @ (span.T @ torque[trusted])
+    taken = stretches.taken_by(span)
     blocks = [block[trusted] for block in _further(tuple(prepared), joint)] if enriched else []
     for _ in range(MOST_FURTHER if enriched else 0):
         tried = [_basis(block, span) for block in blocks]
-        ratios = [_convincing(left, basis, trusted, rows - span.shape[1]) for basis in tried]
+        shares = [_sum(taken, stretches.taken_by(basis)) for basis in tried]
+        pairs = zip(tried, shares, strict=True)
+        ratios = [_convincing(left, basis, taken, both, stretches) for basis, both in pairs]
         best = int(np.argmax(ratios))
         if (
             ratios[best] < CONVINCING
@@ -83,9 +89,9 @@ def rich_fit(
         ):
             break
         left = left - tried[best] @ (tried[best].T @ left)
-        span = np.concatenate([span, tried[best]], axis=1)
+        span, taken = np.concatenate([span, tried[best]], axis=1), shares[best]
         del blocks[best]
-    return RichFit(_spread(left, trusted), span.shape[1])
+    return RichFit(stretches.whole(left), span.shape[1], Colour.of(left, taken, stretches))
 
 
 def _basis(
@@ -101,30 +107,37 @@ def _basis(
     return scaled @ (vectors[:, kept] / np.sqrt(values[kept]))
 
 
-def _spread(
-    values: Float[ndarray, " trusted_rows"], trusted: Bool[ndarray, " rows"]
-) -> Float[ndarray, " rows"]:
-    """Values at the trusted rows, zero at the others."""
-    result = np.zeros(len(trusted))
-    result[trusted] = values
-    return result
+def _starts(prepared: Sequence[Prepared]) -> list[int]:
+    """First row of each recording, and the end."""
+    return [0, *np.cumsum([p.rows for p in prepared]).tolist()]
 
 
 def _convincing(
-    before: Float[ndarray, " trusted_rows"],
-    basis: Float[ndarray, "trusted_rows new"],
-    trusted: Bool[ndarray, " rows"],
-    freedom: int,
+    before: Float[ndarray, " seen_rows"],
+    basis: Float[ndarray, "seen_rows new"],
+    taken: Sequence[Float[ndarray, " _"]],
+    both: Sequence[Float[ndarray, " _"]],
+    stretches: Stretches,
 ) -> float:
-    """F ratio of new columns, what they leave counted by its correlated rows."""
-    added = basis.shape[1]
-    if added < 1 or freedom <= added:
-        return 0.0
+    """Squares that new columns explain, over those of noise of the colour that they leave.
+
+    Args:
+        before: What is left without them.
+        basis: The new columns.
+        taken: Share of the noise that those before take.
+        both: The same with the new ones.
+        stretches: Where they look.
+    """
     moments = basis.T @ before
-    after = before - basis @ moments
-    noise = float(after @ after) / (freedom - added)
-    noise *= correlated_rows([_spread(after, trusted)])
-    return float(moments @ moments) / added / max(noise, 1e-300)
+    colour = Colour.of(before - basis @ moments, both, stretches)
+    own = [x - y for x, y in zip(both, taken, strict=True)]
+    return float(moments @ moments) / max(colour.along(own, stretches), 1e-300)
+
+
+def _sum(
+    one: Sequence[Float[ndarray, " _"]], other: Sequence[Float[ndarray, " _"]]
+) -> list[Float[ndarray, " _"]]:
+    return [x + y for x, y in zip(one, other, strict=True)]
 
 
 def _filtered(

@@ -55,8 +55,10 @@ def unlocated(
             yield replace(found, depends_on=("time",), label="slow, in no step with the arm")
         elif errors.seen[j] > max(NO_FLOOR, CLEAR_UNSEEN * errors.unseen[j]) and errors.unseen[j]:
             yield replace(found, depends_on=("time",), label="while the fitted motions ran alone")
-        elif errors.unseen[j] > NO_FLOOR * foretold[j] or (
-            errors.unseen[j] > CLEAR_UNSEEN and keeps_step_unseen(shop, chosen, j)
+        elif (
+            errors.seen[j] > NO_FLOOR
+            or errors.unseen[j] > NO_FLOOR * foretold[j]
+            or (errors.unseen[j] > CLEAR_UNSEEN and keeps_step_unseen(shop, chosen, j))
         ):
             yield found
 

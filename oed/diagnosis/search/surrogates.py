@@ -11,11 +11,13 @@ from numpy import ndarray
 from scipy.stats import gumbel_r
 
 from oed.diagnosis.fit.addition import NormalEquations, normal_equations
+from oed.diagnosis.fit.leverage import left_of_noise, taken_of_noise
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.scan import inflation_of, minus_log_chance, ridge_of
 from oed.diagnosis.terms.trials import Trial
 
 AT_ONCE = 64  # trials whose products with the residuals are one: thin ones wait for memory
+LEAST_LEFT = 0.1  # share of noise: where a fit leaves nothing there is nothing to give back
 MIDDLE = (0.08, 0.92)  # of a recording: moved by less, a residual still keeps step
 
 
@@ -28,7 +30,7 @@ def flipped(
     """
     blocks = fit.rows.blocks()
     signs = rng.choice([-1.0, 1.0], size=(int(blocks.max()) + 1, count))
-    return fit.residual[:, :, None] * signs[blocks][None]
+    return undiminished(fit)[:, :, None] * signs[blocks][None]
 
 
 def moved_in_time(
@@ -36,12 +38,29 @@ def moved_in_time(
 ) -> Float[ndarray, "joints rows count"]:
     """Residuals at other times of their own recording, which keep even the slowest of colours."""
     starts, result = fit.rows.starts, np.empty((*fit.residual.shape, count))
+    noise = undiminished(fit)
     parts = rng.uniform(*MIDDLE, size=(len(starts) - 1, count))
     for k, (first, end) in enumerate(pairwise(starts)):
-        own = fit.residual[:, first:end]
+        own = noise[:, first:end]
         for s in range(count):
             result[:, first:end, s] = np.roll(own, round(parts[k, s] * own.shape[1]), axis=1)
     return result
+
+
+def undiminished(fit: LinearFit) -> Float[ndarray, "joints rows"]:
+    """Residuals with what noise has in common with the model, which the fit took from them.
+
+    Beside the model, where a search looks, what is drawn from them loses as much again. A motion is
+    slow: of slow noise a fit takes more than of fast. So each frequency gets back what it lost.
+    """
+    result, basis = np.empty_like(fit.residual), fit.projection.basis
+    seen = fit.rows.weights.T > 0
+    for first, end in pairwise(fit.rows.starts):
+        left = left_of_noise(taken_of_noise(basis[:, first:end]), seen[:, first:end])
+        spectrum = np.fft.rfft(fit.residual[:, first:end], axis=1)
+        spectrum /= np.sqrt(np.maximum(left, LEAST_LEFT))
+        result[:, first:end] = np.fft.irfft(spectrum, end - first, axis=1)
+    return np.where(seen, result, 0.0)
 
 
 def largest_surprises(
@@ -51,7 +70,6 @@ def largest_surprises(
 
     The maximum over all trials carries the multiplicity of the search.
     """
-    residuals = _as_left(fit, residuals)
     inside = np.einsum("jrb,jrs->bs", fit.projection.basis, residuals, optimize=True)
     largest = np.zeros(residuals.shape[2])
     inflation = inflation_of(fit)
@@ -63,22 +81,6 @@ def largest_surprises(
             share = float(inflation[list(trial.group)].mean())
             largest = np.maximum(largest, _surprises(trial, normal, moments, share))
     return largest
-
-
-def _as_left(
-    fit: LinearFit, residuals: Float[ndarray, "joints rows count"]
-) -> Float[ndarray, "joints rows count"]:
-    """Residuals as large as the fit left them.
-
-    They have lost to it what noise has in common with its columns; beside the model, where a
-    search looks, those that are drawn from them would lose as much again.
-    """
-    basis = fit.projection.basis
-    inside = np.einsum("jrb,jrs->bs", basis, residuals, optimize=True)
-    outside = residuals - np.einsum("jrb,bs->jrs", basis, inside, optimize=True)
-    size, kept = (np.sum(x**2, axis=1) for x in (residuals, outside))
-    scale = np.sqrt(size / np.where(kept > 0, kept, np.inf))
-    return outside * scale[:, None]
 
 
 def _moments(
