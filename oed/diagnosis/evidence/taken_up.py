@@ -36,7 +36,9 @@ def with_moments_of(
     """
     if not any(isinstance(t.effect, PayloadChange) for t in found.chosen):
         return final, {}
-    pickups = (*shop.pickups, *read_off(shop, found, test))
+    # As it is: beside derivatives by its shapes, its parameters are those of another model.
+    whole = shop.fit(found.chosen, shop.full, bend=False)
+    pickups = (*shop.pickups, *read_off(shop, whole, test))
     effects = tuple(
         dataclasses.replace(effect, pickups=pickups)
         if isinstance(effect, PayloadChange)

@@ -12,7 +12,7 @@ import numpy as np
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated, estimates
 from oed.diagnosis.search.leftovers import is_own
-from oed.diagnosis.search.margin import are_lags, is_of_kind
+from oed.diagnosis.search.margin import is_of_kind
 from oed.diagnosis.search.paying import validation_gain
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
@@ -123,7 +123,7 @@ def preferred_rival(
     """A name, and the rival that the data prefer by far beside all others.
 
     The search took the name when the others were not yet there. The rival has fewer parameters, for
-    more would find something else that is missing; but a lag for a delay bends no other way. Of one
+    more would find something else that is missing; but another of its kind finds no other. Of one
     at the end of what its name says, any rival within the evidence is preferred; of a coupling that
     is the same from either joint, the one by which it is named.
 
@@ -146,7 +146,7 @@ def preferred_rival(
             if (
                 effect.trial.key in ended
                 or (plainer and rival.evidence < -decisive)
-                or (are_lags(rival.trial, effect.trial) and rival.evidence < -rival.margin)
+                or (is_of_kind(rival.trial, effect.trial) and rival.evidence < -rival.margin)
             ):
                 return effect.trial, rival.trial
     return None

@@ -81,14 +81,17 @@ def withheld(
     claimed, resembling = [], []
     for effect in effects:
         joint = effect.joint
-        if joint is None or (
-            _is_claimed(effect, joint, errors, beside_curves=joint in curves)
-            and not is_at_its_end(shop, effect)
-        ):
+        if joint is None:
+            is_claimed = not _is_less_than_is_left(shop, selection, effect, errors)
+        else:
+            is_claimed = _is_claimed(effect, joint, errors, beside_curves=joint in curves)
+            is_claimed = is_claimed and not is_at_its_end(shop, effect)
+        if is_claimed:
             claimed.append(effect)
         else:
             unclaimed |= set(CATALOGUE[effect.name].families)
-            resembling.append(_without_name(shop, selection, effect, joint))
+            where = int(np.argmax(errors.seen)) if joint is None else joint
+            resembling.append(_without_name(shop, selection, effect, where))
     # Of a gear that is none, a delay may be the rest.
     rest = [e for e in claimed if e.joint is None and unclaimed & set(CATALOGUE[e.name].families)]
     loudest = int(np.argmax(errors.unseen))
@@ -106,6 +109,20 @@ def _is_claimed(effect: FoundEffect, joint: int, errors: Errors, *, beside_curve
     if not beside_curves or float(errors.seen[joint]) ** 2 - 1 < CLEAR_WHERE_FITTED:
         return True
     return _is_sure(effect, float(errors.unseen[joint]))
+
+
+def _is_less_than_is_left(
+    shop: Workshop, selection: Selection, effect: FoundEffect, errors: Errors
+) -> bool:
+    """Whether a load explains less than the model still lacks where it was fitted.
+
+    It parts the recordings at a moment: of what rang for a while, it takes a share.
+    """
+    if not effect.trial.between_repetitions:
+        return False
+    item = next(a for a in selection.accepted if a.trial.key == effect.trial.key)
+    left = np.maximum(errors.seen**2 - 1, 0.0) @ shop.full.rows.counted
+    return bool(item.gain < left)
 
 
 def _is_contradicted(errors: Errors, joint: int) -> bool:
