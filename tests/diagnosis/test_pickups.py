@@ -5,13 +5,16 @@ from itertools import count
 import numpy as np
 import pytest
 
+from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.evidence.final_model import final_with
+from oed.diagnosis.evidence.taken_up import with_moments_of
 from oed.diagnosis.search.pickups import _best_stretch, _is_shown_unseen
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import LENGTH, PERIOD, RATE, data_set, rigid
-from tests.diagnosis.shop import shop_of
+from tests.diagnosis.shop import shop_of, trial_of
 
 MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
 SETTINGS = DiagnosisSettings(
@@ -121,3 +124,17 @@ def test_a_load_that_comes_again_nowhere_needs_other_proof(moment, is_shown):
     before = shop.unseen_full.left(shop.fit([], shop.full, bend=False))
     assert _is_shown_unseen(shop, [], before) is is_shown
     assert _is_shown_unseen(shop, [], 0.5 * before)
+
+
+def test_a_moment_is_not_read_off_what_a_shape_would_be_if_it_were_another():
+    """Beside a friction that is hardly there, what its derivative takes in a fit is any amount."""
+    dataset = data_set(5, extra=load_from((13.0, 0.0, 0.0, 0.0)))
+    shop = shop_of(dataset)
+    load = trial_of(shop, "payload_change", None, (13.0,))
+    friction = trial_of(shop, "nonlinear_viscous", 1, (3.0,))
+    found = shop.fit([load, friction])
+    test = [p for p in prepare(dataset.recordings, shop.settings) if p.role == "test"]
+    _, moments = with_moments_of(shop, found, final_with(shop, found), test)
+    (own,) = moments.values()
+    # There all the time: the arm's first second hardly shows it.
+    assert own.value < 1.0

@@ -96,6 +96,24 @@ def test_a_name_gives_way_to_a_plainer_one_that_says_far_more(name, evidence, co
         assert preferred_rival([effect], SETTINGS.decisive, {found[1].key}) is None
 
 
+@pytest.mark.parametrize(
+    ("name", "evidence", "gives_way"),
+    [
+        ("stribeck", -20.0, True),
+        ("stribeck", -2.0, False),
+        ("torque_ripple", -20.0, False),  # another kind: it may be something else that is there
+    ],
+)
+def test_a_name_gives_way_to_one_of_its_kind_that_says_far_more(name, evidence, gives_way):
+    """With as many parameters: these are paid for in what it says."""
+    shop = shop_of(data_set(1, repetitions=1), held=False)
+    own, other = trial_of(shop, "nonlinear_viscous", 1), trial_of(shop, name, 1)
+    rival = Rival(name, 1, evidence, other, True, SETTINGS.decisive)
+    effect = FoundEffect(own.name, 1, (), 1e-9, 0.2, (rival,), own)
+    found = preferred_rival([effect], SETTINGS.decisive, ())
+    assert found == ((own, other) if gives_way else None)
+
+
 @pytest.mark.parametrize(("evidence", "gives_way"), [(-2.0, True), (4.0, True), (20.0, False)])
 def test_a_name_at_its_end_gives_way_to_any_rival_within_the_evidence(evidence, gives_way):
     effect = _effect("stribeck", evidence, contender=evidence < SETTINGS.decisive)

@@ -73,6 +73,28 @@ def test_what_lies_between_two_joints_is_claimed_if_neither_contradicts_it(sprun
     assert withheld(shop, selection, [effect], (), errors)[0] == (effect,)
 
 
+@pytest.mark.parametrize(
+    ("name", "gain", "claimed"),
+    [
+        ("payload_change", 0.9, False),
+        ("payload_change", 1.1, True),
+        ("time_delay", 0.9, True),  # nothing that rings for a while looks like it
+    ],
+)
+def test_a_load_explains_more_than_is_left(sprung, name, gain, claimed):
+    shop, _ = sprung
+    arm = next(t for t in shop.physical if t.name == name)
+    left = 3.0  # noises squared, of the second joint
+    gain *= left * float(shop.full.rows.counted[1])
+    selection = Selection.of(shop, [Accepted(arm, gain, 1e-6)], [])
+    effect = FoundEffect(name, None, (), 1e-6, 0.5, (), arm)
+    ones = np.ones(2)
+    errors = Errors(np.array([1.0, np.sqrt(1 + left)]), ones, ones, ones)
+    kept, without = withheld(shop, selection, [effect], (), errors)
+    assert kept == ((effect,) if claimed else ())
+    assert [u.joint for u in without] == ([] if claimed else [1])
+
+
 def test_names_fall_only_for_what_foretells_about_as_much(sprung):
     shop, selection = sprung
     named, nothing = list(selection.accepted), []
