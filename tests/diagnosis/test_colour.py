@@ -52,6 +52,16 @@ def test_slow_noise_is_read_nearer_to_what_it_was_than_by_the_degrees_of_freedom
     assert np.mean(left) + 0.15 < np.mean(squares) <= 1.0
 
 
+@pytest.mark.parametrize(("slowest", "fastest"), [(0.1, 0.24), (0.0, 0.49)])
+def test_an_octave_that_is_all_taken_is_as_loud_as_others(slowest, fastest):
+    """Between others that tell; and where none does, with a fiftieth of the noise left in all."""
+    rng, every = np.random.default_rng(4), waves(fastest)
+    wide = every[:, round(2 * slowest * STARTS[1]) :] if slowest else every
+    basis = wide[:, : int(0.98 * SEEN.sum())]
+    found = [colour_of(rng.normal(size=STARTS[-1]), basis)[0].mean_square for _ in range(40)]
+    assert np.mean(found) == pytest.approx(1.0, abs=0.15)
+
+
 def test_rows_that_count_as_one_are_those_of_a_first_order_noise():
     rng, none = np.random.default_rng(3), np.zeros((int(SEEN.sum()), 0))
     found = [colour_of(coloured(rng, STARTS[-1], POLE)[:, 0], none)[0] for _ in range(20)]

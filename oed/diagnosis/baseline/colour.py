@@ -14,8 +14,8 @@ from numpy import ndarray
 from oed.diagnosis.fit.leverage import left_of_noise, taken_of_noise
 
 OCTAVES = 9  # into which frequencies are divided
-# Share of the noise that a fit must leave of an octave to tell how loud it is there. Of what is
-# slower, noise is as loud as in the slowest octave that tells: most is louder still.
+# Share of the noise that a fit must leave of an octave to tell how loud it is there. Elsewhere it is
+# as loud as in the octaves next to it that tell; slower than all of these, most is louder still.
 TELLING = 0.3
 LAGS = 512  # frequencies from which the autocorrelation is made
 REMEMBERED = 64  # lengths of recordings
@@ -84,10 +84,10 @@ class Colour:
             found += np.bincount(octave, both * squares, OCTAVES)
             left += np.bincount(octave, both * shares, OCTAVES)
             there += np.bincount(octave, both * seen.mean(), OCTAVES)
-        telling = left > TELLING * np.maximum(there, 1e-12)
-        power = found / np.where(telling, left, np.inf)
-        first = int(np.argmax(telling))  # zero where none tells: the fit has taken all
-        return cls(np.where(np.arange(OCTAVES) < first, power[first], power))
+        telling = np.flatnonzero(left > TELLING * np.maximum(there, 1e-12))
+        if not len(telling):  # then nothing says which noise is louder
+            return cls(np.full(OCTAVES, found.sum() / max(float(left.sum()), 1.0)))
+        return cls(np.interp(np.arange(OCTAVES), telling, found[telling] / left[telling]))
 
     @property
     def mean_square(self) -> float:
