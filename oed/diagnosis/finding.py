@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contradiction import test_ratios
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, fit_final
+from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
 from oed.diagnosis.search.accepted import Refused
@@ -27,6 +27,8 @@ from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 Key = tuple[str, object]
+# Ratio of a joint's test errors above which an addition is no gain: noise alone makes 1.03 of a true one.
+RAISED = 1.05
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,8 @@ def uncontradicted(
 ) -> Finding:
     """The same without what the test recordings, which chose nothing, contradict.
 
-    Terms that claim no physics stand aside first, for they extrapolate worst; then names go.
+    Terms that claim no physics stand aside first, for they extrapolate worst; then whatever raises the
+    error of some joint clearly goes, and last of all every name.
 
     Args:
         found: What the search found.
@@ -88,17 +91,18 @@ def uncontradicted(
     if shop.is_turned or not found.selection.trials or not test:
         return found
     if not _is_contradicted(found, test):
+        found = _without_curves_that_raise(found, validation, test)
         return _without_what_raises(found, validation, test)
     if not validation:  # whose clock has not been asked for either
         turned = _by_other_clocks(found)
         if not _is_contradicted(turned, test):
             return turned
+    if _curves(found.selection):
+        found = _with_aside(found, validation, _curves(found.selection))
+    found = _without_what_raises(found, validation, test)
+    if not _is_contradicted(found, test):
+        return found
     selection = found.selection
-    if _curves(selection):
-        found = _with_aside(found, validation, _curves(selection))
-        selection = found.selection
-        if not _is_contradicted(found, test):
-            return found
     for trial in _names(selection):
         selection = selection.without(shop, trial, "it does not lower the test error")
     return dataclasses.replace(found, selection=selection, after=found.before, effects=())
@@ -113,19 +117,47 @@ def _by_other_clocks(found: Finding) -> Finding:
             selection = selection.exchanged(shop, trial, turned)
     if selection is found.selection:
         return found
-    selection, after, effects = named(shop, selection, (), found.before)
-    return dataclasses.replace(found, selection=selection, after=after, effects=effects)
+    return _renamed(found, selection, ())
 
 
 def _with_aside(
     found: Finding, validation: tuple[Prepared, ...], terms: Collection[Trial]
 ) -> Finding:
     selection = found.selection.with_aside(found.shop, terms)
+    return _renamed(found, selection, validation)
+
+
+def _renamed(found: Finding, selection: Selection, validation: tuple[Prepared, ...]) -> Finding:
     selection, after, effects = named(found.shop, selection, validation, found.before)
     return dataclasses.replace(found, selection=selection, after=after, effects=effects)
 
 
 def _without_what_raises(
+    found: Finding, validation: tuple[Prepared, ...], test: tuple[Prepared, ...]
+) -> Finding:
+    """The same without additions that clearly raise the test error of a joint, theirs or another.
+
+    To add to one joint moves the parameters of all. So whatever lowers the worst joint's error most
+    by going goes, as long as it does.
+    """
+    shop, selection, ratios = found.shop, found.selection, _test_ratios(found, test)
+    while selection.trials and ratios.max() > RAISED:
+        fewer = [_less(shop, selection, trial) for trial in selection.trials]
+        tried = [test_ratios(shop, s, found.before, final_with(shop, s.found), test) for s in fewer]
+        best = int(np.argmin([r.max() for r in tried]))
+        if tried[best].max() >= ratios.max():
+            break
+        selection, ratios = fewer[best], tried[best]
+    return found if selection is found.selection else _renamed(found, selection, validation)
+
+
+def _less(shop: Workshop, selection: Selection, trial: Trial) -> Selection:
+    if trial.is_free_form:
+        return selection.with_aside(shop, [trial])
+    return selection.without(shop, trial, "it raises the test error")
+
+
+def _without_curves_that_raise(
     found: Finding, validation: tuple[Prepared, ...], test: tuple[Prepared, ...]
 ) -> Finding:
     """The same without terms that claim no physics where they raise a joint's test error.

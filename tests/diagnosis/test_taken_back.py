@@ -41,3 +41,29 @@ def test_a_curve_that_raises_its_joints_error_stands_aside_and_the_name_beside_i
     assert [e.name for e in left.effects] == ["stribeck"]
     assert {a.trial.key for a in left.selection.accepted} == {name.key, curve.key}
     assert [a.stands_in for a in left.selection.accepted] == [True, stays]
+
+
+def sprung(q, dq, ddq):
+    """Friction that falls at the second joint, and a spring at the first."""
+    return FALL(q, dq, ddq) + np.stack([2.0 * q[:, 0], np.zeros(len(q))], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("tested", "kept"), [(FALL, ["stribeck"]), (sprung, ["joint_spring", "stribeck"])]
+)
+def test_a_name_that_raises_a_joints_error_goes_alone(tested, kept):
+    """All that was added lowers the error by far; the spring is not there when it is tested."""
+    shop = shop_of(
+        data_set(3, extra=sprung), surrogates=19, candidates=("stribeck", "joint_spring")
+    )
+    names = [trial_of(shop, "joint_spring", 0), trial_of(shop, "stribeck", 1, (0.1, 2.0, 1.0))]
+    selection = Selection.of(shop, [Accepted(t, 1e3, 1e-9) for t in names], [])
+    before = fit_final(shop.baseline, shop.mean, shop.baseline.model)
+    selection, after, effects = named(shop, selection, shop.validation, before)
+    found = Finding(shop, selection, before, after, effects)
+    recordings = data_set(3, extra=tested).recordings
+    test = tuple(p for p in prepare(recordings, shop.settings) if p.role == "test")
+    left = uncontradicted(found, shop.validation, test)
+    assert sorted(e.name for e in left.effects) == kept
+    gone = {r.name for r in left.selection.refused if r.reason == "it raises the test error"}
+    assert gone == {t.name for t in names} - {*kept}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.evidence.at_its_end import is_at_its_end
-from oed.diagnosis.evidence.contenders import Rival
+from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error
 from oed.diagnosis.evidence.unlocated import describe_unlocated
@@ -15,8 +15,9 @@ from oed.diagnosis.evidence.verdict import (
     outdone,
     preferred_rival,
 )
+from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.settings import DiagnosisSettings
-from tests.diagnosis.arm import data_set
+from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
 SETTINGS = DiagnosisSettings()
@@ -112,6 +113,25 @@ def test_a_name_gives_way_to_one_of_its_kind_that_says_far_more(name, evidence, 
     effect = FoundEffect(own.name, 1, (), 1e-9, 0.2, (rival,), own)
     found = preferred_rival([effect], SETTINGS.decisive, ())
     assert found == ((own, other) if gives_way else None)
+
+
+def test_a_gain_is_weighed_against_that_of_the_other_joint():
+    """Of an arm of two joints no data tell them apart: the other is told, and no experiment asked."""
+
+    def louder(q, dq, ddq):
+        whole = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
+        return 0.1 * whole * [0.0, 1.0]
+
+    shop = shop_of(data_set(3, extra=louder))
+    for joint in (0, 1):
+        own = trial_of(shop, "torque_gain", joint)
+        rivals = find_rivals(shop, Accepted(own, 1e3, 1e-9), [])
+        (other,) = (r for r in rivals if r.name == "torque_gain")
+        assert other.joint == 1 - joint
+        # The first is worth what the other is, but for what a gain of 10 % is to second order.
+        assert abs(other.evidence) < SETTINGS.decisive
+        assert not other.contender
+        assert all(r.evidence > SETTINGS.decisive for r in rivals if r is not other)
 
 
 @pytest.mark.parametrize(("evidence", "gives_way"), [(-2.0, True), (4.0, True), (20.0, False)])

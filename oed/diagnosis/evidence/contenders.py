@@ -18,6 +18,7 @@ from oed.diagnosis.search.tilt_review import stood_upright
 from oed.diagnosis.search.turning import GRAVITY, turned
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects.actuator import GainError
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 RIVALS = 5
@@ -59,7 +60,7 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     least = WITHIN_REACH * here.gain
     other = [
         found
-        for found in ranked(shop, shop.in_place_of(own.trial), others, RIVALS, least=least)
+        for found in ranked(shop, _in_place_of(shop, own.trial), others, RIVALS, least=least)
         if found.trial.key != own.trial.key
     ]
     candidates = [decided(shop, others, s) if s.gain > least else s for s in other[:RIVALS]]
@@ -72,6 +73,18 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
         trial = found.trial
         rivals.append(Rival(trial.name, trial.joint, float(behind), trial, contender, margin))
     return tuple(rivals)
+
+
+def _in_place_of(shop: Workshop, trial: Trial) -> list[Trial]:
+    """Candidates that act on a joint on which an addition acts, and gains of any joint with a gain.
+
+    Too small a gain of one is too large a gain of all others.
+    """
+    near = shop.in_place_of(trial)
+    if not isinstance(trial.effect, GainError):
+        return near
+    gains = [t for t in shop.physical if isinstance(t.effect, GainError)]
+    return near + [t for t in gains if set(t.group).isdisjoint(trial.group)]
 
 
 def _rivals_of_tilt(shop: Workshop, others: list[Trial]) -> tuple[Rival, ...]:
