@@ -137,15 +137,15 @@ def _without_what_raises(
 ) -> Finding:
     """The same without additions that clearly raise the test error of a joint, theirs or another.
 
-    To add to one joint moves the parameters of all. So whatever lowers the worst joint's error most
-    by going goes, as long as it does.
+    To add to one joint moves the parameters of all. So whatever lowers all errors together most by
+    going goes, as long as it does.
     """
     shop, selection, ratios = found.shop, found.selection, _test_ratios(found, test)
     while selection.trials and ratios.max() > RAISED:
         fewer = [_less(shop, selection, trial) for trial in selection.trials]
         tried = [test_ratios(shop, s, found.before, final_with(shop, s.found), test) for s in fewer]
-        best = int(np.argmin([r.max() for r in tried]))
-        if tried[best].max() >= ratios.max():
+        best = int(np.argmin([np.sum(r**2) for r in tried]))
+        if np.sum(tried[best] ** 2) >= np.sum(ratios**2):
             break
         selection, ratios = fewer[best], tried[best]
     return found if selection is found.selection else _renamed(found, selection, validation)

@@ -20,15 +20,16 @@ from tests.diagnosis.shop import shop_of, trial_of
 
 FLOOR = np.array([0.5, 0.1])
 OLD = np.array([1.0, 0.2])
+ROWS = np.full(2, 300.0)
 
 
 def test_falling_errors_cost_nothing():
-    assert not costs(OLD, np.array([0.9, 0.19]), FLOOR)
-    assert not costs(OLD, np.array([0.9, 0.19]), FLOOR, price=0.0)
+    assert not costs(OLD, np.array([0.9, 0.19]), FLOOR, ROWS)
+    assert not costs(OLD, np.array([0.9, 0.19]), FLOOR, ROWS, price=0.0)
 
 
 def test_errors_that_rise_together_do():
-    assert costs(OLD, np.array([1.01, 0.2]), FLOOR)
+    assert costs(OLD, np.array([1.01, 0.2]), FLOOR, ROWS)
 
 
 # What may take the place of something that is even in speed, without what is dear to evaluate.
@@ -50,20 +51,29 @@ def test_a_loss_is_weighed_against_the_gain_as_likelihoods_are(share, dear):
     new = np.array([0.6, OLD[1] * (OLD[0] / 0.6) ** share])
     assert np.mean((new / OLD) ** 2) < 1
     assert new[1] > WORSE * OLD[1]
-    assert costs(OLD, new, FLOOR) is dear
-    assert costs(OLD, new, FLOOR, price=0.0)
+    assert costs(OLD, new, FLOOR, ROWS) is dear
+    assert costs(OLD, new, FLOOR, ROWS, price=0.0)
+
+
+def test_rows_of_slow_noise_count_as_the_few_that_they_are():
+    new = np.array([0.6, OLD[1] * (OLD[0] / 0.6) ** (1.1 * PRICE)])
+    assert costs(OLD, new, FLOOR, ROWS)
+    assert not costs(OLD, new, FLOOR, ROWS * [1.0, 0.5])
+    old, new = np.array([FLOOR[0], 10 * FLOOR[1]]), np.array([0.7 * FLOOR[0], 10.5 * FLOOR[1]])
+    assert costs(old, new, FLOOR, ROWS)
+    assert not costs(old, new, FLOOR, ROWS * [1.0, 0.04])  # 0.51 of the first's, and 10 of these
 
 
 def test_no_more_is_lost_than_won_in_squares_of_the_floor():
     """A joint whose error is many floors loses more by a tenth than another wins by a third."""
     old, new = np.array([FLOOR[0], 10 * FLOOR[1]]), np.array([0.7 * FLOOR[0], 10.5 * FLOOR[1]])
-    assert not costs(FLOOR, new * FLOOR / old, FLOOR)
-    assert costs(old, new, FLOOR)
+    assert not costs(FLOOR, new * FLOOR / old, FLOOR, ROWS)
+    assert costs(old, new, FLOOR, ROWS)
 
 
 def test_a_rise_within_the_margin_is_chance():
     new = np.array([0.6, (WORSE - 0.001) * OLD[1]])
-    assert not costs(OLD, new, FLOOR, price=0.0)
+    assert not costs(OLD, new, FLOOR, ROWS, price=0.0)
 
 
 def test_an_addition_is_judged_beside_shapes_that_have_settled():

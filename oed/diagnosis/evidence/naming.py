@@ -157,12 +157,14 @@ def _never_worse(
     """
     weights = shop.baseline.noise_share(validation)
     old = rms(errors_of(before, validation), weights) if validation else None
+    floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
     kept, late = selection, [t for t in selection.trials if is_late(t)]
     while kept.trials:
         final = final_with(shop, kept.found)
-        if old is None or not costs(
-            old, rms(errors_of(final, validation), weights), shop.baseline.floor.deviation
-        ):
+        if old is None:
+            return kept, final
+        new = rms(errors_of(final, validation), weights)
+        if not costs(old, new, floor, counted):
             return kept, final
         if late:
             moved = foretelling(shop, kept.trials, late[0])

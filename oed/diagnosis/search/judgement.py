@@ -97,12 +97,12 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     if old is None or new is None:
         return None
     price = 0.0 if trial.is_free_form and not trial.is_share else PRICE
-    floor = shop.baseline.floor.deviation
-    if not costs(old, new, floor, price):
+    floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
+    if not costs(old, new, floor, counted, price):
         return None
     if np.min(new / old) < 1 and (moved := shapes_beside(shop, others, trial)):
         _, best = shop.foretold(others, [*moved, trial], as_it_is=trial.is_free_form)
-        if best is not None and not costs(old, best, floor, price):
+        if best is not None and not costs(old, best, floor, counted, price):
             return None
     return f"validation error changes by the factors {np.round(new / old, 3).tolist()}"
 
@@ -122,6 +122,7 @@ def costs(
     old: Float[ndarray, " joints"],
     new: Float[ndarray, " joints"],
     floor: Float[ndarray, " joints"],
+    counted: Float[ndarray, " joints"],
     price: float = PRICE,
 ) -> bool:
     """Whether held-out errors rise, or too much at one joint for what the others win.
@@ -130,13 +131,14 @@ def costs(
         old: (n,) root mean squares before [N m].
         new: After.
         floor: (n,) standard deviation of the noise [N m].
+        counted: (n,) rows that count; of slow noise many are one, and its joint is foretold as it may.
         price: Share of what joints win that others may lose.
     """
     ratio = new / old
     if price > 0:
         # Where a joint lacks most of what it does, all that is added moves its error: what others
         # win counts as the joint's likelihood does, and in squares of the floor no less is won.
-        shares, squares = -2 * np.log(ratio), (old**2 - new**2) / floor**2
+        shares, squares = -counted * np.log(ratio), counted * (old**2 - new**2) / floor**2
         dear = _won(-shares) > price * _won(shares) or _won(-squares) > _won(squares)
     else:
         dear = True

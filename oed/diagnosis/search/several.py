@@ -91,11 +91,12 @@ def _worth(shop: Workshop, member: Score, chance: Float[ndarray, " joints"]) -> 
 
 def _foretelling(shop: Workshop, others: Sequence[Trial], members: Sequence[Trial]) -> list[Trial]:
     """Members that together lower the held-out error; those that raise it most fall away."""
-    floor, kept = shop.baseline.floor.deviation, list(members)
+    floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
+    kept = list(members)
     old = _held_out(shop, others)
     while old is not None and kept:
         new = _held_out(shop, [*others, *kept])
-        if new is None or not costs(old, new, floor):
+        if new is None or not costs(old, new, floor, counted):
             break
         without = [[m for m in kept if m is not left_out] for left_out in kept]
         kept = min(without, key=lambda rest: np.sum((_held_out(shop, [*others, *rest]) / old) ** 2))
