@@ -196,7 +196,7 @@ def test_what_the_fitted_motions_alone_show_in_no_step_with_them_is_of_time(
     """A blow that the arm takes once; what others show too, or where there are none, is something."""
     monkeypatch.setattr(unlocated, "keeps_step", lambda *_: False)
     shop, level = shop_of(data_set(0, repetitions=1)), np.ones(2)
-    errors = Errors(np.array([5.0, 1.0]), np.array([unseen, 1.0]), level, level)
+    errors = Errors(np.array([5.0, 1.0]), np.array([unseen, 1.0]), level, level, level)
     left = LackOfFit(errors.seen, np.array([0.0, 1.0]), 100 * level)
     found = list(unlocated.unlocated(shop, (), (), left, errors))
     assert [(u.joint, u.depends_on) for u in found] == [(0, of)]

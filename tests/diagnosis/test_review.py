@@ -156,6 +156,21 @@ def test_what_mends_a_name_does_not_make_it_doubtful():
     assert is_doubtful("f(q_2)")
 
 
+@pytest.mark.parametrize(
+    ("repetitions", "clear_by", "doubted"), [(1, 4.5, True), (1, 5.5, False), (3, 4.5, False)]
+)
+def test_a_torque_that_comes_first_is_clear_of_what_a_control_answers(
+    repetitions, clear_by, doubted
+):
+    """In single motions encoder noise comes before the torque that answers it; in their mean it is gone."""
+    shop = shop_of(data_set(1, repetitions=repetitions), held=False)
+    lead = trial_of(shop, "time_delay", None, (-0.002,))
+    (shape,) = CATALOGUE["time_delay"].shapes_for(shop.context, None)
+    deviation = 0.002 / clear_by / shape.slope_at(-0.002)
+    found = Augmented((lead,), (np.ones(1),), shop.before.fit, (np.array([[deviation**2]]),))
+    assert (doubtful_name(shop, found) is lead) is doubted
+
+
 def test_a_tilt_of_nothing_with_a_first_moment_of_anything_is_refused():
     shop = shop_with()
     # A level arm shows neither first moment of its first link; a tilted one does.

@@ -15,13 +15,14 @@ from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.evidence.verdict import mends
 from oed.diagnosis.search.ripening import is_late
 from oed.diagnosis.search.telling import foretells_most
-from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.search.workbench import Augmented, comes_first
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 OPEN = 0.9  # of the deviation of a shape of which nothing is known
 AT_BOUND = 0.01  # of its range
+LEAD = 5.0  # deviations: what encoder noise makes of a torque that comes first is up to 4.6
 
 
 def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
@@ -32,7 +33,8 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
     Bonferroni's level for a choice among all candidates). A free form of the same coordinate that
     mends a name can follow it whole, and says nothing against it. Nor is in doubt what foretells
     much of what its joints do on a motion that it was not fitted to. The size of a delay or a lag
-    is its time. What has its size in its shapes is in doubt, too, where none of these is known.
+    is its time; encoder noise that the control answers comes first too, in every single motion, so that
+    a torque which does must be clear of that. What has its size in its shapes is in doubt, too, where none of these is known.
 
     Args:
         shop: The laid-out data.
@@ -50,6 +52,8 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
             continue
         if trial.fixed:
             wald, count = _lateness(trial, covariance, shop.context), 1
+            if comes_first(trial) and shop.mean is shop.full and wald < LEAD**2:
+                return trial
         else:
             count = len(coefficients)
             own = at_given_shapes(covariance, count)

@@ -35,12 +35,14 @@ class Errors:
         unseen: (n,) on the validation recordings, which may lie beyond what the others say.
         before: (n,) of the base model on the test recordings.
         after: (n,) of the augmented model on them.
+        fitted: (n,) of the base model on the estimation recordings.
     """
 
     seen: Float[ndarray, " joints"]
     unseen: Float[ndarray, " joints"]
     before: Float[ndarray, " joints"]
     after: Float[ndarray, " joints"]
+    fitted: Float[ndarray, " joints"]
 
     @classmethod
     def of(cls, proofs: Sequence[RoleProof], floor: Float[ndarray, " joints"]) -> Errors:
@@ -50,11 +52,12 @@ class Errors:
             proofs: Of the roles that there are.
             floor: (n,) noise [N m].
         """
-        before = [p.before / floor for p in proofs if p.role == "test"]
+        before = {p.role: p.before / floor for p in proofs}
         seen, unseen, after = (
             error_in_floors(proofs, floor, role) for role in ("estimation", "validation", "test")
         )
-        return cls(seen, unseen, before[0] if before else np.zeros(len(floor)), after)
+        none = np.zeros(len(floor))
+        return cls(seen, unseen, before.get("test", none), after, before.get("estimation", none))
 
 
 def withheld(
@@ -82,7 +85,7 @@ def withheld(
     for effect in effects:
         joint = effect.joint
         if joint is None:
-            is_claimed = not _is_less_than_is_left(shop, selection, effect, errors)
+            is_claimed = not (effect.trial.between_repetitions and _is_most_left(errors))
         else:
             is_claimed = _is_claimed(effect, joint, errors, beside_curves=joint in curves)
             is_claimed = is_claimed and not is_at_its_end(shop, effect)
@@ -111,18 +114,14 @@ def _is_claimed(effect: FoundEffect, joint: int, errors: Errors, *, beside_curve
     return _is_sure(effect, float(errors.unseen[joint]))
 
 
-def _is_less_than_is_left(
-    shop: Workshop, selection: Selection, effect: FoundEffect, errors: Errors
-) -> bool:
-    """Whether a load explains less than the model still lacks where it was fitted.
+def _is_most_left(errors: Errors) -> bool:
+    """Whether the model clearly lacks more, where it was fitted, than all additions explain.
 
-    It parts the recordings at a moment: of what rang for a while, it takes a share.
+    A load parts the recordings at a moment: of what rang for a while, it takes a share.
     """
-    if not effect.trial.between_repetitions:
-        return False
-    item = next(a for a in selection.accepted if a.trial.key == effect.trial.key)
-    left = np.maximum(errors.seen**2 - 1, 0.0) @ shop.full.rows.counted
-    return bool(item.gain < left)
+    left = np.maximum(errors.seen**2 - 1, 0.0)
+    explained = np.sum(errors.fitted**2 - errors.seen**2)
+    return bool(left.max() > CLEAR_WHERE_FITTED and explained < left.sum())
 
 
 def _is_contradicted(errors: Errors, joint: int) -> bool:
