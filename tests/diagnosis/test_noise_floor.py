@@ -227,7 +227,8 @@ def test_a_blow_that_the_arm_takes_is_no_noise():
     quiet = rng.normal(size=(3000, 2)) * [0.05, 0.01]
     struck = quiet.copy()
     struck[1000:1030] += [5.0, 3.0]  # for six tenths of a second
-    trusted, freedom = [np.ones(quiet.shape, dtype=bool)], np.ones(2)
-    floors = [floor_from_free_form([x], trusted, freedom, rate).deviation for x in (quiet, struck)]
+    trusted, ones = [np.ones(quiet.shape, dtype=bool)], np.ones(2)
+    floors = [floor_from_free_form([x], trusted, ones, ones, rate) for x in (quiet, struck)]
+    usual, after_blow = (floor.deviation for floor in floors)
     # Without the seconds that were struck a sixtieth of the rows is left out.
-    assert floors[1] == pytest.approx(floors[0], rel=0.02)
+    assert after_blow == pytest.approx(usual, rel=0.02)
