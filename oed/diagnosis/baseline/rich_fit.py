@@ -107,11 +107,6 @@ def _basis(
     return scaled @ (vectors[:, kept] / np.sqrt(values[kept]))
 
 
-def _starts(prepared: Sequence[Prepared]) -> list[int]:
-    """First row of each recording, and the end."""
-    return [0, *np.cumsum([p.rows for p in prepared]).tolist()]
-
-
 def _convincing(
     before: Float[ndarray, " seen_rows"],
     basis: Float[ndarray, "seen_rows new"],
