@@ -16,6 +16,8 @@ OTHER_UNIT = 20.0
 # No drive can give it on average; N mm are a thousand times too large.
 IMPOSSIBLE_RMS = 10.0
 IMPOSSIBLE_SAMPLE = 3.0  # a drive's peak torque is two to three times what it may give for long
+FEW = 0.01  # share of a recording's samples, or `FEW_SAMPLES`, up to which they are outliers
+FEW_SAMPLES = 10
 
 
 def check_limits(stated: Mapping[str, Float[ndarray, "joints 2"]], robot: Robot, file: str) -> None:
@@ -64,7 +66,8 @@ def torque_notes(
         One line a joint.
 
     Raises:
-        DataSetError: If the rms of a joint's torque is beyond `IMPOSSIBLE_RMS` times its limit.
+        DataSetError: If the rms of a joint's torque is beyond `IMPOSSIBLE_RMS` times its limit:
+            naming the largest sample where few make it so, such as a sensor's mark of a lost value.
     """
     notes = []
     limit = np.abs(robot.limits.torque).max(axis=1)
@@ -76,20 +79,29 @@ def torque_notes(
     )
     for j, joint in enumerate(robot.joints):
         named = f"the limit of joint {joint.name!r}, {limit[j]:.4g} {joint.unit('N m')}"
+        size = np.abs(tau[:, j])
+        row = int(size.argmax())
+        count = int(np.sum(size > IMPOSSIBLE_SAMPLE * limit[j]))
+        is_few = count <= max(FEW * len(tau), FEW_SAMPLES)
+        beyond = (
+            f"|tau| = {size[row]:.4g} is {size[row] / limit[j]:.3g} times {named}; {count} of "
+            f"{len(tau)} samples are beyond {IMPOSSIBLE_SAMPLE:g} times the limit"
+        )
         if rms[j] >= IMPOSSIBLE_RMS * limit[j]:
+            if is_few:
+                message = f"{beyond}: no torque, but a faulty value; repair the log"
+                raise DataSetError(message, file=file, row=row + first_row, column=f"tau_{j + 1}")
             message = (
                 f"rms of {rms[j]:.4g} is {rms[j] / limit[j]:.3g} times {named}: {cause} Convert it, "
                 "or state [limits] torque in dataset.toml if the robot's file is wrong"
             )
             raise DataSetError(message, file=file, column=f"tau_{j + 1}")
-        size = np.abs(tau[:, j])
-        count = int(np.sum(size > IMPOSSIBLE_SAMPLE * limit[j]))
         if count:
-            row = int(size.argmax())
-            notes.append(
-                f"{file}, row {row + first_row}, column 'tau_{j + 1}': |tau| = {size[row]:.4g} is "
-                f"{size[row] / limit[j]:.3g} times {named}; {count} of {len(tau)} samples are beyond "
-                f"{IMPOSSIBLE_SAMPLE:g} times the limit: outliers distort estimates and noise floor, "
-                "remove them from the log"
+            why = (
+                "outliers distort estimates and noise floor, remove them from the log"
+                if is_few
+                else "too many for outliers: the unit of tau or the limit in the robot's file is "
+                "wrong; state [limits] torque in dataset.toml if it is the limit"
             )
+            notes.append(f"{file}, row {row + first_row}, column 'tau_{j + 1}': {beyond}: {why}")
     return tuple(notes)

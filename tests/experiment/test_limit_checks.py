@@ -61,5 +61,23 @@ def test_single_samples_beyond_what_a_drive_can_give_are_told(tmp_path):
     assert "2 of 30 samples" in note
 
 
+def test_many_samples_beyond_a_limit_are_no_outliers(tmp_path):
+    (note,) = read_dataset(with_torque(tmp_path, lambda tau: 70 * tau)).notes
+    assert "too many for outliers" in note
+    assert "state [limits] torque" in note
+    assert "remove them" not in note
+
+
+def test_one_value_that_is_no_torque_is_named_by_its_row(tmp_path):
+    def marked(tau):
+        return np.where(np.arange(len(tau)) == 11, -1e6, tau)
+
+    error = refused(with_torque(tmp_path, marked))
+    assert error.row == 13
+    assert error.column == "tau_2"
+    assert "|tau| = 1e+06" in str(error)
+    assert "N mm" not in str(error)
+
+
 def test_torque_within_the_limits_needs_no_word(tmp_path):
     assert read_dataset(with_torque(tmp_path, lambda tau: 25 * tau)).notes == ()
