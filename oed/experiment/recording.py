@@ -66,7 +66,7 @@ class Recording:
             before, after = self.t[stuck[0] : stuck[0] + 2]
             raise ValueError(
                 f"{self.name}: time does not increase at sample {stuck[0] + 1}: "
-                f"{before:.9g} s is followed by {after:.9g} s"
+                f"{before:.16g} s is followed by {after:.16g} s"
             )
         if self.period is not None and not (np.isfinite(self.period) and self.period > 0):
             raise ValueError(f"{self.name}: a period of {self.period} s is not positive")

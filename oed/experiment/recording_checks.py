@@ -47,9 +47,10 @@ def check_time(t: Float[ndarray, " samples"], file: str, first_row: int) -> None
     stuck = np.flatnonzero(np.diff(t) <= 0)
     if stuck.size:
         i = int(stuck[0])
+        # Digits enough to tell rows apart in seconds since 1970.
         what = "repeats" if t[i + 1] == t[i] else "runs back"
         message = (
-            f"time {what}: {t[i]:.9g} s is followed by {t[i + 1]:.9g} s; "
+            f"time {what}: {t[i]:.16g} s is followed by {t[i + 1]:.16g} s; "
             "sort the rows, drop repeated ones, or log time with more digits"
         )
         raise DataSetError(message, file=file, row=i + 1 + first_row, column="t")

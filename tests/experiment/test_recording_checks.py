@@ -30,6 +30,16 @@ def test_time_that_runs_back(tmp_path):
     assert "runs back" in str(error)
 
 
+def test_time_since_1970_that_runs_back_shows_how(tmp_path):
+    frame = pd.read_csv(write_files(tmp_path, tiny_files()) / "test.csv")
+    frame["t"] += 1.66e9
+    frame.loc[7, "t"] -= 0.15
+    frame.to_csv(tmp_path / "test.csv", index=False)
+    error = refused(tmp_path)
+    assert error.row == 9
+    assert "1660000000.6 s is followed by 1660000000.55 s" in str(error)
+
+
 def test_time_in_milliseconds(tmp_path):
     frame = pd.read_csv(write_files(tmp_path, tiny_files()) / "test.csv")
     frame["t"] *= 1000
