@@ -8,7 +8,7 @@ from oed.diagnosis.search import name_search, selection
 from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.several import several_at_once
-from oed.diagnosis.search.usual import as_built
+from oed.diagnosis.search.usual import as_usual
 from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.trials import catalogue_trial
@@ -112,7 +112,7 @@ def test_a_usual_ratio_is_taken_unless_the_data_say_another(true, start, given):
     fit = shop.before.fit
     entry = CATALOGUE["motor_coupling"]
     trial = catalogue_trial(entry, shop.context, (1, 0), (start, 2.0), shop.mean.rows)
-    found = as_built(shop, [], score(trial, fit), fit)
+    found = as_usual(shop, [], score(trial, fit), fit)
     assert found.trial.values == (given, 2.0)
 
 

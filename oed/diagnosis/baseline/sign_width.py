@@ -84,6 +84,12 @@ def turn_alike(one: TorqueModel, other: TorqueModel) -> bool:
     )
 
 
+def usual_speed(rows: Rows, joint: int) -> float:
+    """Root mean square of a joint's velocity [rad/s]: what widths are shares of."""
+    velocity = np.concatenate([p.motion.dq[:, joint] for p in rows.prepared])
+    return float(np.sqrt(np.mean(velocity**2)))
+
+
 def _coulomb_terms(model: TorqueModel) -> list[Coulomb]:
     return [effect for effect in model.effects if isinstance(effect, Coulomb)]
 
@@ -115,8 +121,7 @@ def _best_turn(
         group = {joint: rows.whiten_fine(fine, joint)}
         return normal_equations(projection, residual, group).solved().gain
 
-    velocity = np.concatenate([p.motion.dq[:, joint] for p in rows.prepared])
-    scale = float(np.sqrt(np.mean(velocity**2)))
+    scale = usual_speed(rows, joint)
     lowest = max(effect.width, SMALLEST_WIDTH * scale)
     squares = float(np.sum(residual[joint] ** 2))
     weight = max(float(rows.counted[joint]), 1.0)

@@ -130,4 +130,8 @@ def axes_of(trial: Trial, context: Context) -> list[tuple[int, float]]:
     """Which shapes of an addition have a range and are no choice, and where they lie in it."""
     shapes = CATALOGUE[trial.name].shapes_for(context, trial.target)
     places = enumerate(zip(trial.values, shapes, strict=True))
-    return [(k, s.place_of(v)) for k, (v, s) in places if s.is_estimated and s.upper > s.lower]
+    return [
+        (k, s.place_of(v))
+        for k, (v, s) in places
+        if s.is_estimated and s.upper > s.lower and not s.is_plain(v)
+    ]

@@ -28,7 +28,8 @@ from oed.diagnosis.search.ripening import is_unripe
 from oed.diagnosis.search.workbench import Augmented, Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.secants import secants
-from oed.diagnosis.terms.trials import dense, moved
+from oed.diagnosis.terms.trials import Trial, dense, moved
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.
 STEPS = (1e-5, 0.25)
@@ -218,8 +219,18 @@ def _columns(
             target -= columns.sum(axis=2)
         else:
             blocks.append(columns)
-        blocks.append(secants(trial, coefficients, layout.rows, shop.context, step))
+        moving = secants(trial, coefficients, layout.rows, shop.context, step)
+        blocks.append(moving * _estimated(trial, shop.context))
     return np.concatenate(blocks, axis=2), target
+
+
+def _estimated(trial: Trial, context: Context) -> Float[ndarray, " shapes"]:
+    """One for each shape of an addition, zero for those that its plain formula does not have."""
+    if not trial.values:
+        return np.ones(0)
+    shapes = CATALOGUE[trial.name].shapes_for(context, trial.target)
+    pairs = zip(trial.values, shapes, strict=True)
+    return np.array([0.0 if shape.is_plain(value) else 1.0 for value, shape in pairs])
 
 
 def _base(layout: Layout) -> int:

@@ -19,7 +19,7 @@ from oed.diagnosis.search.ranking import ranked
 from oed.diagnosis.search.ripening import is_unripe
 from oed.diagnosis.search.scan import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
 from oed.diagnosis.search.telling import may_replace, replaces
-from oed.diagnosis.search.usual import as_built
+from oed.diagnosis.search.usual import as_usual
 from oed.diagnosis.search.workbench import Layout
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -48,7 +48,7 @@ def rested(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
             best = at_rest(score(shop.renewed(item.trial), fit), fit, shop.context, worth)
             if number == 0:
                 best = at_rest(climbed(shop, best, fit), fit, shop.context, worth)
-            best = as_built(shop, others, best, fit)
+            best = as_usual(shop, others, best, fit)
             kept[k] = dataclasses.replace(item, trial=best.trial)
     return kept
 
@@ -70,7 +70,7 @@ def decided_shapes(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
             continue
         others, fit = _beside(shop, kept, item)
         best = decided(shop, others, score(shop.renewed(item.trial), fit))
-        best = as_built(shop, others, best, fit)
+        best = as_usual(shop, others, best, fit)
         kept[k] = dataclasses.replace(item, trial=best.trial)
     return kept
 
@@ -150,7 +150,7 @@ def _best_in_place(
     fit = shop.fit(others, shop.layout(current.trial)).fit
     worth = worth_beside(others, fit.rows)
     here = at_rest(score(shop.renewed(current.trial), fit), fit, shop.context, worth)
-    here = as_built(shop, others, here, fit)
+    here = as_usual(shop, others, here, fit)
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain, current.p_value)
     # Of any joint: what is better by far elsewhere may be why this one looked needed.

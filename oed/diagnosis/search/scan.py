@@ -193,7 +193,14 @@ def _other_formulas(found: Score, fit: LinearFit, context: Context) -> Iterator[
                 yield score(moved(there, fit.rows, context, contrast=there.contrast), fit)
 
 
-def climb(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of) -> Score:
+def climb(
+    found: Score,
+    fit: LinearFit,
+    context: Context,
+    worth: Worth = gain_of,
+    *,
+    held: int | None = None,
+) -> Score:
     """Improve the shape of a candidate, its formula as it is (Nelder and Mead).
 
     Args:
@@ -201,6 +208,7 @@ def climb(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of
         fit: Beside which.
         context: What is known.
         worth: What is to be large.
+        held: Place of a shape that stays as it is; None if all may move.
     """
     if not found.trial.shapes:
         return found
@@ -210,10 +218,14 @@ def climb(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_of
     # A choice between whole numbers that has but one trial value is not for these data to make.
     free = np.array(
         [
-            (s.is_estimated or (s.scale == "choice" and s.points > 1)) and not s.is_idle(v)
-            for v, s in zip(found.trial.values, shapes, strict=True)
+            (s.is_estimated or (s.scale == "choice" and s.points > 1))
+            and not s.is_idle(v)
+            and place != held
+            for place, (v, s) in enumerate(zip(found.trial.values, shapes, strict=True))
         ]
     )
+    if not free.any():
+        return found
     # From a plausible start on, what is not plausible explains nothing.
     guarded = implausible(found, context) is None
 

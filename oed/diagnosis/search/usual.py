@@ -1,7 +1,9 @@
-"""Shapes that machines are built with, taken where the data do not speak against them.
+"""Shapes that machines are built with, and plain formulas, where the data do not speak against them.
 
 A motor that turns with two joints of a wrist does so by a pair of gears of equal size as a rule. In
-a short recording its friction turns its sign at few samples, and the best ratio is an accident.
+a short recording its friction turns its sign at few samples, and the best ratio is an accident. So
+is the second shape of a family of formulas where the first does as well: both trade places, and the
+best pair of them may be far from either.
 """
 
 from __future__ import annotations
@@ -11,15 +13,15 @@ from collections.abc import Iterator, Sequence
 
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.margin import decisive_between
-from oed.diagnosis.search.scan import Score, implausible, score
+from oed.diagnosis.search.scan import Score, climb, implausible, score
 from oed.diagnosis.search.telling import telling
 from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, moved
-from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.catalogue import CATALOGUE, Shape
 
 
-def as_built(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearFit) -> Score:
-    """A candidate with a usual shape, unless the data tell far more of its own.
+def as_usual(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearFit) -> Score:
+    """A candidate as machines are built and by its plain formula, unless the data tell more else.
 
     Args:
         shop: The laid-out data.
@@ -27,11 +29,16 @@ def as_built(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearF
         found: At its best shape.
         fit: With those additions.
     """
+    return _by_plain_formula(shop, others, _as_built(shop, others, found, fit), fit)
+
+
+def _as_built(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearFit) -> Score:
     usual = [
-        s
-        for s in (score(t, fit) for t in _usual(shop, found.trial, fit))
-        if implausible(s, shop.context) is None
+        score(_with_shape(shop, found.trial, fit, place, value), fit)
+        for place, shape in _shapes(shop, found.trial)
+        for value in shape.usual
     ]
+    usual = [s for s in usual if implausible(s, shop.context) is None]
     if not usual:
         return found
     (own, *values), unit = telling(shop, others, [found, *usual])
@@ -39,12 +46,29 @@ def as_built(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearF
     return best if value > own - decisive_between(shop, found, best, unit) else found
 
 
-def _usual(shop: Workshop, trial: Trial, fit: LinearFit) -> Iterator[Trial]:
-    if trial.is_free_form:
-        return
-    shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
-    for place, shape in enumerate(shapes):
-        for value in shape.usual:
-            values = (*trial.values[:place], value, *trial.values[place + 1 :])
-            there = dataclasses.replace(trial, values=values)
-            yield moved(there, fit.rows, shop.context, contrast=trial.contrast)
+def _by_plain_formula(
+    shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearFit
+) -> Score:
+    """A candidate with every further shape of its family idle that the data do not ask for."""
+    for place, shape in _shapes(shop, found.trial):
+        if not shape.plain or found.trial.values[place] == shape.default:
+            continue
+        there = score(_with_shape(shop, found.trial, fit, place, shape.default), fit)
+        plain = climb(there, fit, shop.context, held=place)
+        if implausible(plain, shop.context) is not None:
+            continue
+        (own, value), _ = telling(shop, others, [found, plain])
+        if value > own - shop.settings.decisive:
+            found = plain
+    return found
+
+
+def _shapes(shop: Workshop, trial: Trial) -> Iterator[tuple[int, Shape]]:
+    if not trial.is_free_form:
+        yield from enumerate(CATALOGUE[trial.name].shapes_for(shop.context, trial.target))
+
+
+def _with_shape(shop: Workshop, trial: Trial, fit: LinearFit, place: int, value: float) -> Trial:
+    values = (*trial.values[:place], value, *trial.values[place + 1 :])
+    there = dataclasses.replace(trial, values=values)
+    return moved(there, fit.rows, shop.context, contrast=trial.contrast)

@@ -15,6 +15,7 @@ from oed.diagnosis.baseline.sign_width import turn_alike, with_fitted_sign, with
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
+from oed.diagnosis.search.joint_sign import with_signs_fitted_together
 from oed.diagnosis.search.predict import fine_torque, prediction_errors, rms
 from oed.diagnosis.search.unseen import Unseen
 from oed.diagnosis.search.workbench import (
@@ -89,6 +90,7 @@ class Workshop:
             added_columns(found, layout, self.context),
         )
         model = dataclasses.replace(late, measurement=sharpest.measurement)
+        model = with_signs_fitted_together(self.baseline, model, layout, chosen, self.context)
         known = [
             sum(
                 (

@@ -43,6 +43,8 @@ class Shape:
         never: Whether its default, beyond its range, stands for what never happens, and is no
             parameter then.
         linear_below: Size below which a "signed log" scale is linear.
+        plain: Whether the default is the plain formula, which holds where the data do not speak
+            against it.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Shape:
     rugged: bool = False
     never: bool = False
     linear_below: float = 0.0
+    plain: bool = False
 
     def __post_init__(self) -> None:
         if not self.never and not self.lower <= self.default <= self.upper:
@@ -75,6 +78,10 @@ class Shape:
     def is_idle(self, value: float) -> bool:
         """Whether it stands for what never happens."""
         return self.never and value > self.upper
+
+    def is_plain(self, value: float) -> bool:
+        """Whether it is idle in the plain formula."""
+        return self.plain and value == self.default
 
     @property
     def grid(self) -> tuple[float, ...]:

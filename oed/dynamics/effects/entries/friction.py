@@ -69,7 +69,7 @@ STRIBECK = CatalogueEntry(
     shapes=(
         Shape("speed", "rad/s", 0.003, 1.0, "log", 14, 0.05),
         Shape("exponent", "1", 0.5, 4.0, "log", 3, 2.0),
-        Shape("tail", "1", 0.0, 1.0, "linear", 2, 0.0),
+        Shape("tail", "1", 0.0, 1.0, "linear", 2, 0.0, plain=True),
     ),
     build=_stribeck,
     plausible=_stribeck_plausible,
@@ -131,7 +131,7 @@ NONLINEAR_VISCOUS = CatalogueEntry(
     scope="joint",
     shapes=(
         Shape("exponent", "1", 0.25, 3.5, "log", 10, 0.6),
-        Shape("thinning", "s/rad", 0.0, 3.0, "linear", 3, 0.0),
+        Shape("thinning", "s/rad", 0.0, 3.0, "linear", 3, 0.0, plain=True),
     ),
     build=_nonlinear_viscous,
     plausible=_nonlinear_viscous_plausible,

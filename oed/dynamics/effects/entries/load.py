@@ -53,7 +53,7 @@ LOAD_DEPENDENT_FRICTION = CatalogueEntry(
     families=("friction over position",),
     scope="joint",
     shapes=(
-        Shape("share", "1", -1.0, 1.0, "linear", 3, 0.0),
+        Shape("share", "1", -1.0, 1.0, "linear", 3, 0.0, plain=True),
         Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0),
     ),
     build=_load_friction,

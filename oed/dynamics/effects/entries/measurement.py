@@ -85,7 +85,7 @@ FILTER_LAG = CatalogueEntry(
     scope="arm",
     shapes=(
         Shape("time_constant", "s", 2e-4, 0.05, "log", 12, 3e-3),
-        Shape("curvature", "1", 0.0, 0.5, "linear", 2, 0.0),
+        Shape("curvature", "1", 0.0, 0.5, "linear", 2, 0.0, plain=True),
     ),
     build=_lag,
     plausible=by_construction,

@@ -1,0 +1,168 @@
+"""A sign that turns over some velocity, and a law of low speed on the same joint, fitted together.
+
+Both bend friction where the joint creeps. Fitted in turn, each settles where the other stands: a
+sign that had taken up half of a Stribeck effect before that had a name keeps it, and the effect
+comes out several times too large beside it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from oed.diagnosis.baseline.baseline import Baseline
+from oed.diagnosis.baseline.sign_width import (
+    COMPLETE,
+    DECISIVE,
+    LARGEST_WIDTH,
+    MODEST_WIDTH,
+    SMALLEST_WIDTH,
+    usual_speed,
+)
+from oed.diagnosis.fit.linear_fit import whitened_regressor
+from oed.diagnosis.search.scan import climb, score
+from oed.diagnosis.search.workbench import Layout, fit_with
+from oed.diagnosis.terms.trials import Trial, moved
+from oed.dynamics.effects import Coulomb, Effect
+from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.dynamics.torque_model import TorqueModel
+
+LAW_OF_SPEED = "odd in speed"  # family whose shapes trade places with the sign's width
+NEARBY = 1.5  # ratio to the widths that tell whether there is a better one at all
+POINTS = 7  # widths that are tried over the whole range
+SETTLED = 0.05  # of the logarithm of a width
+
+
+def with_signs_fitted_together(
+    baseline: Baseline,
+    fitted: TorqueModel,
+    layout: Layout,
+    chosen: Sequence[Trial],
+    context: Context,
+) -> TorqueModel:
+    """A base model with each sign at the width that it wants together with a law of low speed.
+
+    Args:
+        baseline: As the additions stand beside it.
+        fitted: Its model with the signs fitted beside additions as they are.
+        layout: Rows that show all additions.
+        chosen: Additions.
+        context: What is known beside them.
+    """
+    beside = (_sign_beside(baseline.model, trial) for trial in chosen)
+    kept = {sign.joint: sign for sign in beside if sign is not None}
+    effects = tuple(kept.get(e.joint, e) if isinstance(e, Coulomb) else e for e in fitted.effects)
+    baseline = dataclasses.replace(baseline, model=dataclasses.replace(fitted, effects=effects))
+    for trial in chosen:
+        sign = _sign_beside(baseline.model, trial)
+        if sign is not None:
+            together = _Together(baseline, layout, tuple(chosen), context, trial, sign)
+            baseline = dataclasses.replace(baseline, model=together.best_model())
+    return baseline.model
+
+
+def _sign_beside(model: TorqueModel, trial: Trial) -> Coulomb | None:
+    """The sign that trades places with an addition; None if none does."""
+    if trial.is_free_form or LAW_OF_SPEED not in CATALOGUE[trial.name].families:
+        return None
+    signs = [e for e in model.effects if isinstance(e, Coulomb) and e.joint == trial.joint]
+    return signs[0] if signs and trial.shapes else None
+
+
+@dataclass
+class _Together:
+    """One addition, and the sign that turns beside it.
+
+    Attributes:
+        baseline: With the sign.
+        layout: Rows that show all additions.
+        chosen: All additions.
+        context: What is known beside them.
+        trial: The addition, at the shape that it has.
+        sign: As it is in the baseline.
+        best: The addition at the best shape so far; None before the first.
+        least: Squares that were left at that shape.
+    """
+
+    baseline: Baseline
+    layout: Layout
+    chosen: tuple[Trial, ...]
+    context: Context
+    trial: Trial
+    sign: Coulomb
+    best: Trial | None = None
+    least: float = np.inf
+
+    def best_model(self) -> TorqueModel:
+        """The base model with the sign at its best width: the sharpest, if no wider is clearly better."""
+        usual = usual_speed(self.layout.rows, self.sign.joint)
+        sharpest, widest = max(SMALLEST_WIDTH * usual, self._least_width()), LARGEST_WIDTH * usual
+        # Below what the encoder tells apart all widths are alike: a better one may be far.
+        grid = np.geomspace(sharpest, max(widest, sharpest), POINTS)
+        nearby = self.sign.width * np.array([1.0, 1 / NEARBY, NEARBY])
+        tried = [*grid, *nearby[(nearby >= sharpest) & (nearby <= widest)]]
+        left = [self._left(float(width)) for width in tried]
+        best = int(np.argmin(left))
+        step = max(float(grid[1] / grid[0]), NEARBY)
+        found = minimize_scalar(
+            lambda x: self._left(float(np.exp(x))),
+            bounds=(np.log(max(tried[best] / step, sharpest)), np.log(tried[best] * step)),
+            method="bounded",
+            options={"xatol": SETTLED},
+        )
+        width, least = float(np.exp(found.x)), float(found.fun)
+        if left[best] < least:
+            width, least = float(tried[best]), left[best]
+        rows = max(float(self.layout.rows.counted[self.sign.joint]), 1.0)
+        noise = max(1.0, least / float(np.sum(self.layout.rows.counted)))
+        if left[0] - least < noise * DECISIVE + np.log(rows):
+            width = sharpest
+        elif noise > COMPLETE and width > MODEST_WIDTH * usual:  # it stands in for something else
+            width = self.sign.width
+        return self._model(dataclasses.replace(self.sign, width=width))
+
+    def _left(self, width: float) -> float:
+        """Squares that are left with a width, the addition at its best shape beside it."""
+        sign = dataclasses.replace(self.sign, width=width)
+        model = self._model(sign)
+        others = [t for t in self.chosen if t.key != self.trial.key]
+        baseline = dataclasses.replace(self.baseline, model=model)
+        fit = fit_with(baseline, self._layout(sign), others, None).fit
+        context = dataclasses.replace(self.context, model=model)
+        # From the shape that is best so far, too: each alone may lie on the wrong side of a crest.
+        starts = [self.trial] if self.best is None else [self.trial, self.best]
+        climbed = (climb(score(moved(t, fit.rows, context), fit), fit, context) for t in starts)
+        found = max(climbed, key=lambda s: s.gain)
+        left = fit.squares - found.gain
+        if left < self.least:
+            self.least, self.best = left, found.trial
+        return left
+
+    def _model(self, sign: Coulomb) -> TorqueModel:
+        model = self.baseline.model
+        effects = tuple(sign if effect is self.sign else effect for effect in model.effects)
+        return dataclasses.replace(model, effects=effects)
+
+    def _layout(self, sign: Coulomb) -> Layout:
+        """The layout with the sign's column as it is with this sign."""
+        model, columns = self.baseline.model, self.baseline.columns
+        alone = dataclasses.replace(model, effects=(sign,))
+        column = whitened_regressor(alone, np.zeros(1, dtype=int), self.layout.rows)
+        regressor = self.layout.regressor.copy()
+        regressor[:, :, columns == _first_column(model, self.sign)] = column
+        return dataclasses.replace(self.layout, regressor=regressor)
+
+    def _least_width(self) -> float:
+        signs = [e for e in self.baseline.model.effects if isinstance(e, Coulomb)]
+        place = next(k for k, effect in enumerate(signs) if effect is self.sign)
+        return self.baseline.least_widths[place]
+
+
+def _first_column(model: TorqueModel, effect: Effect) -> int:
+    """Of an effect among the columns of its model."""
+    place = next(k for k, other in enumerate(model.effects) if other is effect)
+    return sum(len(other.parameters) for other in model.effects[:place])
