@@ -11,6 +11,7 @@ import numpy as np
 
 from oed.errors import RobotError
 from oed.robot.robot import InertiaFault
+from oed.robot.urdf_numbers import check_numbers
 
 # Relative: files round their numbers, and thin plates lie on the edge of what is possible.
 TRIANGLE_TOLERANCE = 1e-6
@@ -35,7 +36,7 @@ def read_urdf(path: Path) -> UrdfFacts:
     """Read a URDF's text; of other files, and absent ones, nothing is known.
 
     Raises:
-        RobotError: If it is no XML, or a limit of a joint contradicts itself.
+        RobotError: If it is no XML, holds text for numbers, or a joint's limit contradicts itself.
     """
     if path.suffix.lower() != ".urdf" or not path.is_file():
         return UrdfFacts()
@@ -43,6 +44,7 @@ def read_urdf(path: Path) -> UrdfFacts:
         root = ElementTree.fromstring(path.read_bytes())  # noqa: S314  # the user's own robot file
     except ElementTree.ParseError as error:
         raise RobotError(f"{path}: cannot read this file as XML: {error}") from error
+    check_numbers(root, path)
     effort, mimics, faults = {}, {}, {}
     for joint in root.findall("joint"):
         name = joint.get("name", "")
