@@ -122,18 +122,23 @@ class DataSet:
     def _with_role(self, role: Role) -> tuple[Recording, ...]:
         return tuple(recording for recording in self.recordings if recording.role == role)
 
+    @property
+    def still(self) -> dict[str, float]:
+        """Travel [rad or m] of each joint that stands still in all estimation recordings."""
+        travels = np.max([np.ptp(r.q, axis=0) for r in self.estimation], axis=0)
+        names = self.robot.joint_names
+        return {names[j]: float(travels[j]) for j in np.flatnonzero(travels < LEAST_TRAVEL)}
+
     def check_moves(self) -> None:
         """Refuse a joint that stands still in all recordings for estimation.
 
         Raises:
             OedError: If there is one: its friction and its row would be made of noise.
         """
-        travels = np.max([np.ptp(r.q, axis=0) for r in self.estimation], axis=0)
-        for joint, travel in zip(self.robot.joints, travels, strict=True):
-            if travel < LEAST_TRAVEL:
-                raise OedError(
-                    f"{self.name}: joint {joint.name!r} moves by no more than {travel:.2g} rad or m "
-                    "in the estimation recordings, which tells nothing of its friction; record it "
-                    "moving, or make it `fixed` in the robot's file where it stood, and leave it "
-                    "out of `joints`"
-                )
+        for joint, travel in self.still.items():
+            raise OedError(
+                f"{self.name}: joint {joint!r} moves by no more than {travel:.2g} rad or m "
+                "in the estimation recordings, which tells nothing of its friction; record it "
+                "moving, or make it `fixed` in the robot's file where it stood, and leave it "
+                "out of `joints`"
+            )

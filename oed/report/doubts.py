@@ -1,4 +1,4 @@
-"""What of an identification cannot be right, in words: useless predictions, negative friction."""
+"""What of an identification cannot be right, in words: a joint at rest, negative friction, the like."""
 
 from __future__ import annotations
 
@@ -23,8 +23,21 @@ CAUSES = (
 
 
 def doubts(calibration: Calibration) -> tuple[str, ...]:
-    """One line a joint that is predicted badly, and one a parameter that is impossible."""
-    return (*_badly_predicted(calibration), *_impossible(calibration))
+    """A line for each joint that stood still or is predicted badly, and each impossible parameter."""
+    return (
+        *_still(calibration),
+        *_badly_predicted(calibration),
+        *_impossible(calibration),
+    )
+
+
+def _still(calibration: Calibration) -> list[str]:
+    return [
+        f"{joint}: moves by no more than {travel:.2g} rad or m in the estimation recordings: what is "
+        "said of its friction and inertia is made of noise; record it moving, or choose the other "
+        "joints with --joints"
+        for joint, travel in calibration.dataset.still.items()
+    ]
 
 
 def _badly_predicted(calibration: Calibration) -> list[str]:

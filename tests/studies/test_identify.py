@@ -167,6 +167,22 @@ def test_what_cannot_be_right_is_named(tmp_path: Path, capsys: pytest.CaptureFix
     assert len(json.loads((tmp_path / "out" / "estimate.json").read_text())["doubts"]) == len(told)
 
 
+def test_a_joint_whose_encoder_only_flickers_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng = np.random.default_rng(31)
+    _simulated(tmp_path / "data", rng)
+    for name in ("fit.csv", "held.csv"):
+        file = tmp_path / "data" / name
+        table = np.loadtxt(file, delimiter=",", skiprows=1)
+        header = file.read_text().splitlines()[0]
+        table[:, header.split(",").index("q_2")] = 0.1 + 1e-5 * rng.normal(size=len(table))
+        np.savetxt(file, table, delimiter=",", header=header, comments="", fmt="%.17g")
+    arguments = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
+    assert main(arguments) == 0
+    assert "note: joint_2: moves by no more than" in capsys.readouterr().out
+
+
 def test_bad_input_is_one_line_and_leaves_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
