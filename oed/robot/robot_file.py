@@ -1,6 +1,7 @@
 """Robot files read by Drake's own Parser into a plant.
 
-A plant without a scene graph leaves meshes unread, so missing ones stop nobody.
+A plant without a scene graph leaves meshes unread, so missing ones stop nobody; only of MJCF are
+they read, and left out where they cannot be.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from pydrake.multibody.tree import BodyIndex, PrismaticJoint, RevoluteJoint, Rig
 from pydrake.multibody.tree import Joint as DrakeJoint
 
 from oed.errors import RobotError
+from oed.robot.mjcf_file import without_meshes
 
 SUFFIXES = (".urdf", ".sdf", ".xml", ".mjcf")
 
@@ -27,10 +29,27 @@ def load_plant(source: str | Path) -> MultibodyPlant:
         raise RobotError(f"{path}: no such robot file; give a URDF, SDF or MJCF file")
     if path.suffix.lower() not in SUFFIXES:
         raise RobotError(f"{path}: unknown kind of robot file; expected one of {SUFFIXES}")
+    try:
+        plant = _parsed(path, None)
+    except RobotError:
+        text = without_meshes(path)
+        if text is None:
+            raise
+        plant = _parsed(path, text)
+    weld_free_bodies(plant)
+    plant.Finalize()
+    return plant
+
+
+def _parsed(path: Path, text: str | None) -> MultibodyPlant:
+    """The plant of a file, or of the text in its place."""
     plant = MultibodyPlant(time_step=0.0)
     with warnings_off():
         try:
-            Parser(plant).AddModels(path)
+            if text is None:
+                Parser(plant).AddModels(path)
+            else:
+                Parser(plant).AddModelsFromString(text, "xml")
         except RuntimeError as error:
             raise RobotError(f"{path}: Drake cannot read this file: {error}") from error
         except SystemExit as error:  # Drake's failed assertions
@@ -39,8 +58,6 @@ def load_plant(source: str | Path) -> MultibodyPlant:
                 f"{path}: Drake cannot read this file: {condition} Look for a lower limit above "
                 "its upper one, or a mass that is not positive"
             ) from error
-    weld_free_bodies(plant)
-    plant.Finalize()
     return plant
 
 
