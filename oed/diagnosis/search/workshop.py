@@ -90,7 +90,9 @@ class Workshop:
             added_columns(found, layout, self.context),
         )
         model = dataclasses.replace(late, measurement=sharpest.measurement)
-        model = with_signs_fitted_together(self.baseline, model, layout, chosen, self.context)
+        model = with_signs_fitted_together(
+            self.baseline, model, layout, found.chosen, self.context
+        )
         known = [
             sum(
                 (
