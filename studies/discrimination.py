@@ -21,7 +21,7 @@ from scipy.stats import norm
 
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import error_rate, separation
-from oed.diagnosis.search.scan import Score
+from oed.diagnosis.terms.scores import Score
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished

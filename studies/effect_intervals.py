@@ -25,8 +25,8 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import FoundEffect, describe_effects
 from oed.diagnosis.search.selection import search
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.read_dataset import read_dataset
 from oed.report.json_file import write_atomically

@@ -15,17 +15,17 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.candidates.calming import worth_beside
+from oed.diagnosis.candidates.margin import decisive_between
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.telling import most_telling_first, telling
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.rivals.discrimination import NextExperiment, design_discriminating, separation
-from oed.diagnosis.search.calming import worth_beside
-from oed.diagnosis.search.margin import decisive_between
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import Score, refine, scan
-from oed.diagnosis.search.telling import most_telling_first, telling
-from oed.diagnosis.search.workbench import lay_out
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workbench import lay_out
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, refine, scan
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.motion import Motion

@@ -12,6 +12,7 @@ from numpy import ndarray
 from threadpoolctl import threadpool_limits
 
 from oed.diagnosis.baseline.baseline import Baseline, find_baseline
+from oed.diagnosis.candidates.accepted import Refused
 from oed.diagnosis.data.encoder_steps import encoder_torque
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
@@ -35,10 +36,9 @@ from oed.diagnosis.evidence.verdict import (
 from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.finding import Finding, find, uncontradicted
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.accepted import Refused
-from oed.diagnosis.search.predict import rms
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.predict import rms
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import Drives
 from oed.dynamics.effects.entries.measurement import standing

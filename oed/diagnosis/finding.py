@@ -10,20 +10,20 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.candidates.accepted import Refused
+from oed.diagnosis.candidates.clocks import by_other_clock
+from oed.diagnosis.candidates.judgement import WORSE
+from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contradiction import test_ratios
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
-from oed.diagnosis.search.accepted import Refused
-from oed.diagnosis.search.clocks import by_other_clock
-from oed.diagnosis.search.judgement import WORSE
 from oed.diagnosis.search.name_search import FEW
-from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import search, with_stand_ins
-from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.predict import rms
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 Key = tuple[str, object]

@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
+from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.evidence.both_motions import narrowed
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
-from oed.diagnosis.search.open_shapes import decided
-from oed.diagnosis.search.scan import score
+from oed.diagnosis.terms.scores import score
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 

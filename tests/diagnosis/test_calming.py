@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.candidates.calming import worth_beside
+from oed.diagnosis.candidates.margin import decisive_between
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit.motion_noise import calmed
-from oed.diagnosis.search.calming import worth_beside
-from oed.diagnosis.search.margin import decisive_between
-from oed.diagnosis.search.scan import gain_of, refine, score
-from oed.diagnosis.search.workbench import lags_of
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workbench import lags_of
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import gain_of, refine, score
 from oed.diagnosis.terms.trials import moved
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.stats import gumbel_r
 
+from oed.diagnosis.candidates.chance import ROUNDS, chance_of, p_value_of
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.chance import ROUNDS, chance_of, p_value_of
-from oed.diagnosis.search.scan import score
+from oed.diagnosis.terms.scores import score
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 
 from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.candidates.clocks import by_other_clock
+from oed.diagnosis.candidates.judgement import held_out_fault
 from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.search.clocks import by_other_clock
-from oed.diagnosis.search.judgement import held_out_fault
-from oed.diagnosis.search.workbench import early_and_late
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workbench import early_and_late
+from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import RATE, data_set
 from tests.diagnosis.shop import shop_of, trial_of

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.evidence.contributions import (
     ContributionCurve,
     ContributionMap,
     contributions,
 )
 from oed.diagnosis.evidence.final_model import fit_final, install
-from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.selected import Selection
 from tests.diagnosis.arm import NOISE, data_set
 from tests.diagnosis.shop import shop_of, trial_of

@@ -11,7 +11,7 @@ from oed.diagnosis.rivals.discrimination import (
     error_rate,
     separation,
 )
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import dense
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of

@@ -10,8 +10,8 @@ from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.encoder_steps import encoder_steps, encoder_torque, repeated_steps
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.recording import Recording

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.search.exchange import settled
 from tests.diagnosis.arm import VISCOUS, data_set
 from tests.diagnosis.shop import shop_of, trial_of

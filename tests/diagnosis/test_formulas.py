@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.judgement import share_needed
 from oed.diagnosis.diagnosis import diagnose
-from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.judgement import share_needed
 from oed.diagnosis.search.review import drop_needless, review_names
-from oed.diagnosis.search.scan import refine, score
 from oed.diagnosis.search.selection import search
 from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.scores import refine, score
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from oed.diagnosis.fit.model_columns import effect_columns
-from oed.diagnosis.search.scan import score
 from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
 from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.scores import score
 from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid

@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from oed.diagnosis.search.accepted import Accepted
+from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.search.name_search import NameSearch
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of

@@ -11,8 +11,8 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit import hidden as hidden_module
 from oed.diagnosis.fit.hidden import hidden_in
 from oed.diagnosis.fit.whitening import Autoregression
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 

@@ -5,15 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.judgement import PRICE, WORSE, costs
+from oed.diagnosis.candidates.leftovers import too_little
+from oed.diagnosis.candidates.open_shapes import shapes_beside
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
 from oed.diagnosis.search import paying, selection
-from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.judgement import PRICE, WORSE, costs
-from oed.diagnosis.search.leftovers import too_little
-from oed.diagnosis.search.open_shapes import shapes_beside
-from oed.diagnosis.search.scan import at_rest, score
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.scores import at_rest, score
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, RATE, VISCOUS, data_set, rigid, stribeck
 from tests.diagnosis.shop import shop_of, trial_of

@@ -9,8 +9,8 @@ from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.baseline.sign_width import widths_of
 from oed.diagnosis.data.direction import uncertain_direction
 from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.coordinates import Coordinate
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import Left, likeliest, restrained

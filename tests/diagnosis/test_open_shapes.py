@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.open_shapes import MISFIT, decided
 from oed.diagnosis.search import next_name, selection
-from oed.diagnosis.search.open_shapes import MISFIT, decided
-from oed.diagnosis.search.scan import inflation_of, score
+from oed.diagnosis.terms.scores import inflation_of, score
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 

@@ -5,11 +5,11 @@ from itertools import count
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.pickups import _best_stretch, _is_shown_unseen
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.final_model import final_with
 from oed.diagnosis.evidence.taken_up import with_moments_of
-from oed.diagnosis.search.pickups import _best_stretch, _is_shown_unseen
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.torque_model import TorqueModel

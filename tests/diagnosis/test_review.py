@@ -6,15 +6,15 @@ from functools import cache
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.turning import HEAVIER, moment_fault
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.final_model import fit_final, install, lost_when_repeated
-from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.review import drop_needless, review_names
-from oed.diagnosis.search.scan import at_rest, implausible, scan, score
 from oed.diagnosis.search.standing_in import next_free_form
-from oed.diagnosis.search.turning import HEAVIER, moment_fault
-from oed.diagnosis.search.workbench import Augmented
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Augmented
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import at_rest, implausible, scan, score
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of

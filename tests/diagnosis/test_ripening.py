@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.candidates.open_shapes import decided
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.ripening import ripened
+from oed.diagnosis.candidates.telling import most_telling_first
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.search import ranking
-from oed.diagnosis.search.open_shapes import decided
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.ripening import ripened
-from oed.diagnosis.search.scan import at_rest, refine, scan, score
-from oed.diagnosis.search.telling import most_telling_first
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import at_rest, refine, scan, score
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.motion import Motion

@@ -6,15 +6,15 @@ from itertools import count
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.crests import climbed
+from oed.diagnosis.candidates.within import comes_at_once
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.fit.whitening import Autoregression
-from oed.diagnosis.search.crests import climbed
-from oed.diagnosis.search.scan import score
-from oed.diagnosis.search.within import comes_at_once
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.trials import moved, white_group
 from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.effects.payload import PayloadChange

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.search import name_search, selection
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import score
 from oed.diagnosis.search.several import several_at_once
-from oed.diagnosis.search.usual import as_usual
-from oed.diagnosis.search.workbench import Augmented
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workbench import Augmented
+from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set

@@ -7,10 +7,10 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from oed.diagnosis.candidates.surrogates import flipped, largest_surprises, moved_in_time
 from oed.diagnosis.fit.addition import NormalEquations
-from oed.diagnosis.search.scan import inflation_of, minus_log_chance, score
-from oed.diagnosis.search.surrogates import flipped, largest_surprises, moved_in_time
-from oed.diagnosis.search.workbench import fit_layout
+from oed.diagnosis.tables.workbench import fit_layout
+from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, score
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.evidence.final_model import fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.finding import Finding, uncontradicted
-from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.selected import Selection
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of

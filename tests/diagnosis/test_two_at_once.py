@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.judgement import judge
-from oed.diagnosis.search.scan import refine, score
+from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.judgement import judge
 from oed.diagnosis.search.two_at_once import two_at_once
+from oed.diagnosis.terms.scores import refine, score
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

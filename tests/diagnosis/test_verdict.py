@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated
@@ -15,7 +16,6 @@ from oed.diagnosis.evidence.verdict import (
     outdone,
     preferred_rival,
 )
-from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.settings import DiagnosisSettings
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of

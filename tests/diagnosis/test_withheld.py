@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained
 from oed.diagnosis.evidence.withheld import Errors, withheld
-from oed.diagnosis.search.accepted import Accepted
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import _foretelling_most
 from oed.diagnosis.settings import DiagnosisSettings

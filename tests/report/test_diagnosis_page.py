@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.accepted import Refused
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.verdict import Unexplained
-from oed.diagnosis.search.accepted import Refused
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from oed.diagnosis.evidence.verdict import FoundEffect
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 # Of the range of a shape: where it ends, and what deviation tells that it is there.

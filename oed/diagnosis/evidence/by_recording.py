@@ -16,8 +16,8 @@ from numpy import ndarray
 from scipy.stats import norm, t
 
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.workbench import Augmented
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Augmented
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 

@@ -16,8 +16,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.linear_fit import Projection
-from oed.diagnosis.search.workbench import Layout, layout_of
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Layout, layout_of
+from oed.diagnosis.tables.workshop import Workshop
 
 MOST_NOISE = 0.5  # share of a direction's squares that is taken for noise at most
 # Columns of a layout and the torque that they are to explain, all white.

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.judgement import held_out_fault
+from oed.diagnosis.candidates.margin import decisive_between, is_of_kind
+from oed.diagnosis.candidates.open_shapes import decided
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.telling import telling
+from oed.diagnosis.candidates.turning import GRAVITY, turned
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.judgement import held_out_fault
-from oed.diagnosis.search.margin import decisive_between, is_of_kind
-from oed.diagnosis.search.open_shapes import decided
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
-from oed.diagnosis.search.telling import telling
 from oed.diagnosis.search.tilt_review import stood_upright
-from oed.diagnosis.search.turning import GRAVITY, turned
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, implausible, inflation_of, score
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.actuator import GainError
 from oed.dynamics.effects.catalogue import CATALOGUE

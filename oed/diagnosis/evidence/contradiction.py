@@ -10,9 +10,9 @@ from numpy import ndarray
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of
 from oed.diagnosis.evidence.taken_up import with_moments_of
-from oed.diagnosis.search.predict import rms
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.predict import rms
+from oed.diagnosis.tables.workshop import Workshop
 
 
 def test_ratios(

@@ -14,12 +14,12 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.dependence import Dependence, binned, blocks_of, coordinates_of
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 CELLS = 14  # of a map, each way

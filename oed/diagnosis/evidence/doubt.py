@@ -9,14 +9,14 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
+from oed.diagnosis.candidates.ripening import is_late
+from oed.diagnosis.candidates.telling import foretells_most
 from oed.diagnosis.evidence.estimates import from_declared
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
 from oed.diagnosis.evidence.verdict import mends
-from oed.diagnosis.search.ripening import is_late
-from oed.diagnosis.search.telling import foretells_most
-from oed.diagnosis.search.workbench import Augmented, comes_first
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Augmented, comes_first
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.search.turning import GRAVITY, total_tilt
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.turning import GRAVITY, total_tilt
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.entries.motor import ONE_WAY

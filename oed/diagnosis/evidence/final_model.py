@@ -11,11 +11,11 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline
+from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
-from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workbench import Augmented, Layout, lags_of
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Augmented, Layout, lags_of
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.identifiability import base_parameters

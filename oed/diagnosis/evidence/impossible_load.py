@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
-from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.terms.bodies import is_no_body
 from oed.diagnosis.terms.trials import Trial
 

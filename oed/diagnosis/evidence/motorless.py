@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from oed.diagnosis.evidence.uncertainty import at_given_shapes
-from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.entries.motor import MOTOR_COUPLING
 

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from oed.diagnosis.candidates.judgement import EARLY_AND_LATE, WORSE, costs
+from oed.diagnosis.candidates.paying import validation_gain
+from oed.diagnosis.candidates.ripening import is_late
+from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.doubt import doubtful_name
@@ -26,14 +30,10 @@ from oed.diagnosis.evidence.verdict import (
     riddles,
 )
 from oed.diagnosis.search.exchange import foretelling
-from oed.diagnosis.search.judgement import EARLY_AND_LATE, WORSE, costs
-from oed.diagnosis.search.paying import validation_gain
-from oed.diagnosis.search.predict import rms
-from oed.diagnosis.search.ripening import is_late
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workbench import Augmented, early_and_late
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.predict import rms
+from oed.diagnosis.tables.workbench import Augmented, early_and_late
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 

@@ -19,14 +19,14 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.diagnosis.candidates.ripening import is_unripe
 from oed.diagnosis.evidence.both_motions import narrowed
 from oed.diagnosis.evidence.by_recording import rugged_shapes, spread_by_recording
 from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of, left_by, profiled_deviation, widened
 from oed.diagnosis.fit.linear_fit import Projection
-from oed.diagnosis.search.ripening import is_unripe
-from oed.diagnosis.search.workbench import Augmented, Layout
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Augmented, Layout
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.secants import secants
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context

@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.candidates.chance import keeps_step, keeps_step_unseen
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error
 from oed.diagnosis.evidence.verdict import Unexplained
 from oed.diagnosis.evidence.withheld import Errors
-from oed.diagnosis.search.chance import keeps_step, keeps_step_unseen
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 # Ratio of the error on recordings that no parameter was fitted to, to what may be expected of them,

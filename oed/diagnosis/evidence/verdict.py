@@ -9,17 +9,17 @@ from typing import Literal
 
 import numpy as np
 
+from oed.diagnosis.candidates.leftovers import is_own
+from oed.diagnosis.candidates.margin import is_of_kind
+from oed.diagnosis.candidates.paying import validation_gain
+from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated, estimates
-from oed.diagnosis.search.leftovers import is_own
-from oed.diagnosis.search.margin import is_of_kind
-from oed.diagnosis.search.paying import validation_gain
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
-from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workbench import Augmented
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.side_by_side import side_by_side
+from oed.diagnosis.tables.workbench import Augmented
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.entries.motor import ALIKE

@@ -13,7 +13,7 @@ from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained, riddles
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 # Of what is not catalogued, one name may fit a part and curves another. What a name explains must

@@ -18,19 +18,19 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.rivals.drawn import Drawn, best_of_shapes, noise_beside
-from oed.diagnosis.rivals.favourite import Pair, best_imitation, context_beside, torque_beside
-from oed.diagnosis.search.margin import (
+from oed.diagnosis.candidates.margin import (
     are_lags,
     is_first_order,
     of_noise,
     of_sampling,
     of_smoothing,
 )
-from oed.diagnosis.search.scan import score
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.rivals.drawn import Drawn, best_of_shapes, noise_beside
+from oed.diagnosis.rivals.favourite import Pair, best_imitation, context_beside, torque_beside
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import score
 
 DRAWS = 400  # of the noise: a rate of 10 % is known within 1.5 points
 TRUTHS = 8  # that the data at hand leave open
@@ -101,7 +101,7 @@ def _others_like(shop: Workshop, pair: Pair, rng: np.random.Generator, count: in
 
 
 def _judged(shop: Workshop, own: Drawn, other: Drawn, fit: LinearFit) -> Confusion:
-    """As `oed.diagnosis.search.telling.most_telling_first` and its margins have it."""
+    """As `oed.diagnosis.candidates.telling.most_telling_first` and its margins have it."""
     decisive, (one, two) = shop.settings.decisive, (own.trials[0], other.trials[0])
     lead, margin = own.evidence - other.evidence, _margin(shop, own, other, fit)
     nested = is_first_order(one, two)
@@ -117,7 +117,7 @@ def _judged(shop: Workshop, own: Drawn, other: Drawn, fit: LinearFit) -> Confusi
 
 
 def _margin(shop: Workshop, own: Drawn, other: Drawn, fit: LinearFit) -> Float[ndarray, " draws"]:
-    """By how much one must tell more, as `oed.diagnosis.search.margin.decisive_between` has it."""
+    """By how much one must tell more, as `oed.diagnosis.candidates.margin.decisive_between` has it."""
     one, two = own.trials[0], other.trials[0]
     smoothing = of_smoothing(one, two) * np.maximum(own.gain, other.gain)
     margin = np.maximum(shop.settings.decisive, smoothing)

@@ -23,13 +23,13 @@ from scipy.stats import norm
 from oed.design.default_limits import with_default_limits
 from oed.design.limits import fill
 from oed.design.trajectories import FourierClass
+from oed.diagnosis.candidates.margin import of_smoothing
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.favourite import Pair, best_imitation, context_beside, torque_beside
-from oed.diagnosis.search.margin import of_smoothing
-from oed.diagnosis.search.scan import score
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.motion import Motion

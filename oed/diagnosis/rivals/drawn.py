@@ -86,7 +86,7 @@ def best_of_shapes(
 def _judged(
     trial: Trial, fit: LinearFit, torque: Float[ndarray, "joints rows draws"], count: float
 ) -> Float[ndarray, "4 draws"]:
-    """What `oed.diagnosis.search.scan.score` has for one, of many torques at once."""
+    """What `oed.diagnosis.terms.scores.score` has for one, of many torques at once."""
     normal = normal_equations(fit.projection, fit.residual, trial.group)
     # The drawn torque has no part within the model, so that the columns need no projection.
     moments = np.sum([b.T @ torque[joint] for joint, b in trial.group.items()], axis=0)

@@ -11,9 +11,9 @@ from numpy import ndarray
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.scan import Score, refine, score
-from oed.diagnosis.search.workbench import Layout, fit_layout, layout_of
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Layout, fit_layout, layout_of
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, refine, score
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense, grid_of, white_group
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.context import Context

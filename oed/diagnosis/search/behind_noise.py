@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 SLOW = 8.0  # correlated rows that count as one, from which on noise is suspected to be none

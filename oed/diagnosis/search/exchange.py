@@ -8,20 +8,20 @@ from itertools import combinations
 
 import numpy as np
 
+from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.calming import worth_beside
+from oed.diagnosis.candidates.crests import climbed
+from oed.diagnosis.candidates.judgement import held_out_fault
+from oed.diagnosis.candidates.leftovers import too_little
+from oed.diagnosis.candidates.open_shapes import decided
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.ripening import is_unripe
+from oed.diagnosis.candidates.telling import may_replace, replaces
+from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.calming import worth_beside
-from oed.diagnosis.search.crests import climbed
-from oed.diagnosis.search.judgement import held_out_fault
-from oed.diagnosis.search.leftovers import too_little
-from oed.diagnosis.search.open_shapes import decided
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.ripening import is_unripe
-from oed.diagnosis.search.scan import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
-from oed.diagnosis.search.telling import may_replace, replaces
-from oed.diagnosis.search.usual import as_usual
-from oed.diagnosis.search.workbench import Layout
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Layout
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
 from oed.diagnosis.terms.trials import Trial
 
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles

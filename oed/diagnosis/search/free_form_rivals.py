@@ -7,14 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.judgement import share_needed
-from oed.diagnosis.search.leftovers import COVERED
-from oed.diagnosis.search.scan import Score, score
-from oed.diagnosis.search.telling import foretells_most
-from oed.diagnosis.search.workbench import Layout
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.judgement import share_needed
+from oed.diagnosis.candidates.leftovers import COVERED
+from oed.diagnosis.candidates.telling import foretells_most
+from oed.diagnosis.tables.workbench import Layout
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.restraint import restrained
+from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.trials import Trial, white_group
 from oed.dynamics.effects.catalogue import CATALOGUE
 

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
-from oed.diagnosis.search.accepted import Accepted, Refused, at_home, refusal
+from oed.diagnosis.candidates.accepted import Accepted, Refused, at_home, refusal
+from oed.diagnosis.candidates.turning import GRAVITY, turned
 from oed.diagnosis.search.behind_noise import quieter_beside
 from oed.diagnosis.search.exchange import MANY, decided_shapes, settled
 from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms
 from oed.diagnosis.search.next_name import next_names
 from oed.diagnosis.search.other_motion import shown_by_other_motion
 from oed.diagnosis.search.several import several_at_once
-from oed.diagnosis.search.turning import GRAVITY, turned
 from oed.diagnosis.search.two_at_once import two_at_once
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 FEW = 3  # joints of an arm whose effects are added one by one

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from oed.diagnosis.search.accepted import Accepted, Refused, refusal
+from oed.diagnosis.candidates.accepted import Accepted, Refused, refusal
+from oed.diagnosis.candidates.judgement import judge
+from oed.diagnosis.candidates.pickups import with_own_moments
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.telling import most_telling_first
 from oed.diagnosis.search.free_form_rivals import better_free_form
-from oed.diagnosis.search.judgement import judge
-from oed.diagnosis.search.pickups import with_own_moments
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.telling import most_telling_first
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.search.accepted import Accepted, Refused, at_home
+from oed.diagnosis.candidates.accepted import Accepted, Refused, at_home
+from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.search.next_name import next_names
-from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 
 BADLY = 2.0  # root mean square of what is foretold, in noises
 

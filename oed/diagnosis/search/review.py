@@ -7,18 +7,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from oed.diagnosis.search.accepted import Accepted, Refused, refusal
+from oed.diagnosis.candidates.accepted import Accepted, Refused, refusal
+from oed.diagnosis.candidates.judgement import no_body, share_needed
+from oed.diagnosis.candidates.leftovers import COVERED, gain_at, is_own
+from oed.diagnosis.candidates.margin import is_of_kind
+from oed.diagnosis.candidates.paying import validation_gain
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.telling import foretells_most
 from oed.diagnosis.search.free_form_rivals import FULLER, in_more_terms
-from oed.diagnosis.search.judgement import no_body, share_needed
-from oed.diagnosis.search.leftovers import COVERED, gain_at, is_own
-from oed.diagnosis.search.margin import is_of_kind
-from oed.diagnosis.search.paying import validation_gain
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import inflation_of, score
-from oed.diagnosis.search.telling import foretells_most
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
+from oed.diagnosis.terms.scores import inflation_of, score
 from oed.diagnosis.terms.trials import Trial, free_form_trials
 
 # Share by which what bends the model's own torque lowers a held-out error of noise: a delay, a lag or

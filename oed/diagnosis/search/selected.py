@@ -6,9 +6,9 @@ import dataclasses
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from oed.diagnosis.search.accepted import Accepted, Refused, refusal
-from oed.diagnosis.search.workbench import Augmented
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.accepted import Accepted, Refused, refusal
+from oed.diagnosis.tables.workbench import Augmented
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 

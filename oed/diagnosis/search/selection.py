@@ -6,16 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.search.accepted import Accepted, Refused, at_home, refusal
+from oed.diagnosis.candidates.accepted import Accepted, Refused, at_home, refusal
+from oed.diagnosis.candidates.pickups import take_up_again
+from oed.diagnosis.candidates.turning import accepted_tilt, turned, turned_beside
 from oed.diagnosis.search.exchange import decided_shapes, rested
 from oed.diagnosis.search.name_search import FEW, NameSearch
-from oed.diagnosis.search.pickups import take_up_again
 from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
-from oed.diagnosis.search.turning import accepted_tilt, turned, turned_beside
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 
 FAR_LESS = 0.5  # of a squared error
 MUCH = 2.0  # mean squared validation error, in squares of the noise floor

@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.search.accepted import Accepted, Refused
-from oed.diagnosis.search.judgement import costs, judge
-from oed.diagnosis.search.scan import Score, implausible, inflation_of, score
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.accepted import Accepted, Refused
+from oed.diagnosis.candidates.judgement import costs, judge
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, implausible, inflation_of, score
 from oed.diagnosis.terms.trials import Trial
 
 LEAST = 2  # joints

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oed.diagnosis.search.accepted import Accepted, Refused, refusal
-from oed.diagnosis.search.chance import chance_of_slow_noise
-from oed.diagnosis.search.judgement import held_out_fault, judge
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import Score, score
-from oed.diagnosis.search.telling import RIVAL_SHARE
-from oed.diagnosis.search.workbench import Augmented
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.accepted import Accepted, Refused, refusal
+from oed.diagnosis.candidates.chance import chance_of_slow_noise
+from oed.diagnosis.candidates.judgement import held_out_fault, judge
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.telling import RIVAL_SHARE
+from oed.diagnosis.tables.workbench import Augmented
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.coordinates import Coordinate, Factor
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
+from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.trials import Trial, free_form_trials
 from oed.diagnosis.terms.visited import Visited
 from oed.dynamics.effects import State

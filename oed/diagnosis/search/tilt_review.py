@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import inflation_of
-from oed.diagnosis.search.turning import GRAVITY, far_turned, moment_fault, squares_under
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.candidates.turning import GRAVITY, far_turned, moment_fault, squares_under
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import inflation_of
 from oed.diagnosis.terms.trials import Trial
 
 # Mean squared white residual up to which a model leaves nothing for a rival to explain.

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.search.accepted import Accepted, Refused
+from oed.diagnosis.candidates.accepted import Accepted, Refused
+from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.search.free_form_rivals import gain_together
-from oed.diagnosis.search.ranking import ranked
-from oed.diagnosis.search.scan import inflation_of, none_explains_more
 from oed.diagnosis.search.several import several_at_once
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import inflation_of, none_explains_more
 from oed.diagnosis.terms.trials import Trial
 
 LEADERS = 3  # candidates for which a partner is looked for

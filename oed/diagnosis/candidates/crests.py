@@ -13,10 +13,10 @@ from itertools import product
 import numpy as np
 from scipy.ndimage import maximum_filter
 
+from oed.diagnosis.candidates.ripening import is_late, is_unripe
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.ripening import is_late, is_unripe
-from oed.diagnosis.search.scan import Score, implausible, refine, score
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, implausible, refine, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 

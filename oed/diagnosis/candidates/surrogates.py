@@ -13,7 +13,7 @@ from scipy.stats import gumbel_r
 from oed.diagnosis.fit.addition import NormalEquations, normal_equations
 from oed.diagnosis.fit.leverage import left_of_noise, taken_of_noise
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.scan import inflation_of, minus_log_chance, ridge_of
+from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, ridge_of
 from oed.diagnosis.terms.trials import Trial
 
 AT_ONCE = 64  # trials whose products with the residuals are one: thin ones wait for memory

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.clocks import by_other_clock
-from oed.diagnosis.search.ripening import (
+from oed.diagnosis.candidates.clocks import by_other_clock
+from oed.diagnosis.candidates.ripening import (
     has_crests,
     is_late,
     is_part_of,
@@ -17,10 +16,11 @@ from oed.diagnosis.search.ripening import (
     searched,
     where_it_ended,
 )
-from oed.diagnosis.search.scan import Score, best_shapes, refine, score
-from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.turning import GRAVITY
+from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.side_by_side import side_by_side
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, best_shapes, refine, score
 from oed.diagnosis.terms.trials import Trial, moved
 
 OF_EACH = 2  # candidates of every joint that are refined in any case

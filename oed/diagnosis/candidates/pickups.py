@@ -15,13 +15,13 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline
+from oed.diagnosis.candidates.crests import climbed
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.model_columns import filtered_columns
-from oed.diagnosis.search.crests import climbed
-from oed.diagnosis.search.predict import fine_torque, prediction_errors
-from oed.diagnosis.search.scan import Score, at_rest, inflation_of, score
-from oed.diagnosis.search.workbench import Augmented
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.predict import fine_torque, prediction_errors
+from oed.diagnosis.tables.workbench import Augmented
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, at_rest, inflation_of, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.payload import PayloadChange, PickUp
 

@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.model_columns import effect_columns
-from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.terms.trials import Trial
 
 

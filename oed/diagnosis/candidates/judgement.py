@@ -8,19 +8,19 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.candidates.accepted import Accepted, Refused, refusal
+from oed.diagnosis.candidates.chance import p_value_of
+from oed.diagnosis.candidates.leftovers import is_own, too_little
+from oed.diagnosis.candidates.open_shapes import shapes_beside
+from oed.diagnosis.candidates.within import comes_at_once, differs_alone
 from oed.diagnosis.fit.addition import normal_equations
-from oed.diagnosis.search.accepted import Accepted, Refused, refusal
-from oed.diagnosis.search.chance import p_value_of
-from oed.diagnosis.search.held_out import cross_validate
-from oed.diagnosis.search.leftovers import is_own, too_little
-from oed.diagnosis.search.open_shapes import shapes_beside
-from oed.diagnosis.search.scan import Score, implausible
-from oed.diagnosis.search.within import comes_at_once, differs_alone
-from oed.diagnosis.search.workbench import comes_first, early_and_late
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.held_out import cross_validate
+from oed.diagnosis.tables.workbench import comes_first, early_and_late
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.bodies import is_no_body
 from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.scores import Score, implausible
 from oed.diagnosis.terms.trials import Trial
 
 WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls

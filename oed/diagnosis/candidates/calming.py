@@ -14,8 +14,8 @@ from numpy import ndarray
 
 from oed.diagnosis.fit.motion_noise import calmed
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.scan import Score, Worth
-from oed.diagnosis.search.workbench import lags_of
+from oed.diagnosis.tables.workbench import lags_of
+from oed.diagnosis.terms.scores import Score, Worth
 from oed.diagnosis.terms.trials import Trial
 
 

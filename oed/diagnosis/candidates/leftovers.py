@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.accepted import Accepted
-from oed.diagnosis.search.scan import Score, at_rest, inflation_of, none_explains_more, score
-from oed.diagnosis.search.workbench import Layout
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Layout
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.scores import Score, at_rest, inflation_of, none_explains_more, score
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 

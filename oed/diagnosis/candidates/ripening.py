@@ -15,9 +15,11 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.optimize import differential_evolution
 
+from oed.diagnosis.candidates.calming import worth_beside
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.calming import worth_beside
-from oed.diagnosis.search.scan import (
+from oed.diagnosis.tables.workbench import lags_of
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import (
     Score,
     Worth,
     gain_of,
@@ -26,8 +28,6 @@ from oed.diagnosis.search.scan import (
     score,
     score_at,
 )
-from oed.diagnosis.search.workbench import lags_of
-from oed.diagnosis.search.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 

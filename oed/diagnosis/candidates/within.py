@@ -12,9 +12,9 @@ from numpy import ndarray
 
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.scan import inflation_of
-from oed.diagnosis.search.workbench import Layout
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workbench import Layout
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import inflation_of
 from oed.diagnosis.terms.trials import Trial, white_group
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.payload import PayloadChange

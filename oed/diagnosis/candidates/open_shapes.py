@@ -15,9 +15,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.search.ripening import is_late, is_unripe
-from oed.diagnosis.search.scan import Score, at_rest, climb, implausible, inflation_of, score
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.ripening import is_late, is_unripe
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, at_rest, climb, implausible, inflation_of, score
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 

@@ -15,12 +15,12 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.search.calming import calmed_beside, worth_beside
-from oed.diagnosis.search.margin import decisive_between, is_first_order
-from oed.diagnosis.search.open_shapes import decided
-from oed.diagnosis.search.scan import Score, inflation_of
-from oed.diagnosis.search.turning import GRAVITY
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.candidates.calming import calmed_beside, worth_beside
+from oed.diagnosis.candidates.margin import decisive_between, is_first_order
+from oed.diagnosis.candidates.open_shapes import decided
+from oed.diagnosis.candidates.turning import GRAVITY
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, inflation_of
 from oed.diagnosis.terms.trials import Trial
 
 RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be the one that is meant

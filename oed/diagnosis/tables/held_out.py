@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.workbench import Augmented
+from oed.diagnosis.tables.workbench import Augmented
 
 SEGMENTS_PER_FOLD = 4
 

@@ -15,10 +15,11 @@ from oed.diagnosis.baseline.sign_width import turn_alike, with_fitted_sign, with
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
-from oed.diagnosis.search.joint_sign import with_signs_fitted_together
-from oed.diagnosis.search.predict import fine_torque, prediction_errors, rms
-from oed.diagnosis.search.unseen import Unseen
-from oed.diagnosis.search.workbench import (
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.joint_sign import with_signs_fitted_together
+from oed.diagnosis.tables.predict import fine_torque, prediction_errors, rms
+from oed.diagnosis.tables.unseen import Unseen
+from oed.diagnosis.tables.workbench import (
     Augmented,
     Layout,
     added_columns,
@@ -27,7 +28,6 @@ from oed.diagnosis.search.workbench import (
     lags_of,
     lay_out,
 )
-from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import terms_alone, terms_together, torques_of_others
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
@@ -90,9 +90,7 @@ class Workshop:
             added_columns(found, layout, self.context),
         )
         model = dataclasses.replace(late, measurement=sharpest.measurement)
-        model = with_signs_fitted_together(
-            self.baseline, model, layout, found.chosen, self.context
-        )
+        model = with_signs_fitted_together(self.baseline, model, layout, found.chosen, self.context)
         known = [
             sum(
                 (

@@ -11,11 +11,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Sequence
 
+from oed.diagnosis.candidates.margin import decisive_between
+from oed.diagnosis.candidates.telling import telling
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.margin import decisive_between
-from oed.diagnosis.search.scan import Score, climb, implausible, score
-from oed.diagnosis.search.telling import telling
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, climb, implausible, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Shape
 

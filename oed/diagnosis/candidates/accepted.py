@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from oed.diagnosis.search.scan import Score
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score
 from oed.diagnosis.terms.trials import Trial
 
 

@@ -9,15 +9,15 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.search.scan import Score, inflation_of
-from oed.diagnosis.search.surrogates import (
+from oed.diagnosis.candidates.surrogates import (
     family_p_value,
     flipped,
     largest_surprises,
     moved_in_time,
 )
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.scores import Score, inflation_of
 from oed.diagnosis.terms.trials import Trial
 
 MAIN = 0.1  # of the most that a candidate explains of a joint, at one that counts

@@ -21,8 +21,8 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.model_columns import filtered_columns
 from oed.diagnosis.fit.motion_noise import calmed
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.search.predict import prediction_errors
-from oed.diagnosis.search.workbench import Augmented, lags_of, mean_rows
+from oed.diagnosis.tables.predict import prediction_errors
+from oed.diagnosis.tables.workbench import Augmented, lags_of, mean_rows
 
 LEAST_SHARE = 0.1  # of the squares that is left of them without noise
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.candidates.accepted import Accepted, at_home
 from oed.diagnosis.fit.linear_fit import LinearFit, span_of_model
-from oed.diagnosis.search.accepted import Accepted, at_home
-from oed.diagnosis.search.workshop import Workshop
+from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.effects.catalogue import CATALOGUE

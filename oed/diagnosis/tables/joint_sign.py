@@ -24,8 +24,8 @@ from oed.diagnosis.baseline.sign_width import (
     usual_speed,
 )
 from oed.diagnosis.fit.linear_fit import whitened_regressor
-from oed.diagnosis.search.scan import climb, score
-from oed.diagnosis.search.workbench import Layout, fit_with
+from oed.diagnosis.tables.workbench import Layout, fit_with
+from oed.diagnosis.terms.scores import climb, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects import Coulomb, Effect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context

@@ -1,0 +1,1 @@
+"""How one candidate is refined, ranked among others, and judged."""

@@ -1,0 +1,1 @@
+"""The recordings laid out as white rows, and fits to them with any additions."""
