@@ -124,7 +124,7 @@ def run(config: Config) -> Outcome:
             np.random.default_rng(config.seed),
             candidates=SMOKE_MOTIONS if config.smoke else MOTIONS,
         )
-    return Outcome(dataset, notes, found, following)
+    return Outcome(dataset, (*notes, *found.notes), found, following)
 
 
 def base_model(dataset: DataSet) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -43,7 +44,7 @@ from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import Drives
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.dissipation import check_dissipation
+from oed.estimation.dissipation import check_dissipation, driven_joints
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import ROLES
 
@@ -74,6 +75,7 @@ class Diagnosis:
         cutoff: Of the analysis band [Hz].
         sign_width: (n,) velocity below which the direction is uncertain [rad/s].
         shop: The laid-out data, for whoever designs the next experiment.
+        notes: What the base model says of the data that cannot be right.
     """
 
     verdict: Outcome
@@ -96,6 +98,7 @@ class Diagnosis:
     cutoff: float
     sign_width: Float[ndarray, " joints"]
     shop: Workshop = field(repr=False, compare=False)
+    notes: tuple[str, ...] = ()
 
     def rival_pairs(self) -> list[tuple[Trial, Float[ndarray, " columns"], Trial]]:
         """Found effects, their coefficients, and the rivals that the data cannot exclude."""
@@ -147,13 +150,15 @@ def diagnose(
     held = by_role["validation"]
     later = held or by_role["test"]
     shop = Workshop(baseline, estimation, held, settings, drives=drives, later=later)
-    _check_signs(shop, dataset.name)
+    notes = _sign_notes(shop, dataset.name)
+    for note in notes:
+        say(f"note: {note}")
     # The mean over repetitions, which a search looks at, shows a sign's turn better than they do.
     shop = shop.sharpened(()) or shop
     result = uncontradicted(find(shop, held), held, by_role["test"])
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")
-    return _conclude(result, by_role, settings)
+    return dataclasses.replace(_conclude(result, by_role, settings), notes=notes)
 
 
 def _drives(dataset: DataSet) -> Drives:
@@ -162,12 +167,21 @@ def _drives(dataset: DataSet) -> Drives:
     return Drives(gears, of_motors=dataset.torque != "measured")
 
 
-def _check_signs(shop: Workshop, name: str) -> None:
+def _sign_notes(shop: Workshop, name: str) -> tuple[str, ...]:
+    """What friction says of the torques' signs, joint by joint; refused where all are wrong."""
     fit, prepared = shop.before.fit, shop.estimation
     names = (p.name for p in fit.model.parameters)
     friction = dict(zip(names, fit.full_parameters().tolist(), strict=True))
     dq = np.concatenate([p.band.apply(p.motion.dq) for p in prepared])
-    check_dissipation(friction, dq, np.concatenate([p.torque for p in prepared]), name)
+    torque = np.concatenate([p.torque for p in prepared])
+    check_dissipation(friction, dq, torque, name)
+    joints = fit.model.robot.joint_names
+    return tuple(
+        f"{joints[j]}: in the base model friction drives it instead of braking it "
+        f"(Fc_{j + 1} = {friction.get(f'Fc_{j + 1}', 0.0):.3g}): is the sign of tau_{j + 1} opposite to that of "
+        f"q_{j + 1}, or the order of the columns another?"
+        for j in driven_joints(friction, dq, torque)
+    )
 
 
 def _conclude(

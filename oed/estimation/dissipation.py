@@ -15,6 +15,10 @@ from oed.errors import OedError
 LEAST_SHARE = 0.01
 
 
+# The same of a single joint of which it is worth a word: what the model lacks may bend its friction.
+CLEAR_SHARE = 0.05
+
+
 def check_dissipation(
     friction: Mapping[str, float],
     dq: Float[ndarray, "samples joints"],
@@ -32,13 +36,32 @@ def check_dissipation(
     Raises:
         OedError: If the friction of every joint is clearly negative.
     """
+    if np.all(_share_taken(friction, dq, torque) < -LEAST_SHARE):
+        raise OedError(
+            f"{name}: with these torques friction drives every joint instead of braking it: the "
+            "signs of the tau columns are opposite to those of q; reverse one or the other"
+        )
+
+
+def driven_joints(
+    friction: Mapping[str, float],
+    dq: Float[ndarray, "samples joints"],
+    torque: Float[ndarray, "samples joints"],
+) -> list[int]:
+    """Joints that friction clearly drives instead of braking them; arguments as above."""
+    return np.flatnonzero(_share_taken(friction, dq, torque) < -CLEAR_SHARE).tolist()
+
+
+def _share_taken(
+    friction: Mapping[str, float],
+    dq: Float[ndarray, "samples joints"],
+    torque: Float[ndarray, "samples joints"],
+) -> Float[ndarray, " joints"]:
+    """Mean power that friction takes from each joint, as a share of the mean of |tau dq|."""
     joints = range(1, dq.shape[1] + 1)
     coulomb, viscous = (
         np.array([friction.get(f"{kind}_{j}", 0.0) for j in joints]) for kind in ("Fc", "Fv")
     )
     taken = coulomb * np.mean(np.abs(dq), axis=0) + viscous * np.mean(dq**2, axis=0)
-    if np.all(taken < -LEAST_SHARE * np.mean(np.abs(torque * dq), axis=0)):
-        raise OedError(
-            f"{name}: with these torques friction drives every joint instead of braking it: the "
-            "signs of the tau columns are opposite to those of q; reverse one or the other"
-        )
+    power = np.mean(np.abs(torque * dq), axis=0)
+    return taken / np.where(power > 0, power, np.inf)
