@@ -6,7 +6,9 @@ from pathlib import Path
 # Read once, when a numerical library loads: so before any import that may load one.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+import jaxtyping
 import matplotlib as mpl
+import pytest
 from hypothesis import settings
 from jaxtyping import install_import_hook
 
@@ -22,6 +24,18 @@ modules = {
     if path.stem != "__init__"
 }
 install_import_hook(sorted(modules - {UNCHECKED}), "beartype.beartype")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Shapes are checked but in whole searches, which would spend most of their time on that.
+
+    They call the same functions a hundred thousand times: the tests of these, and one whole search
+    in `studies/test_close_loop.py`, check all that there is to check.
+    """
+    unchecked = item.get_closest_marker("whole_search") is not None
+    jaxtyping.config.update("jaxtyping_disable", unchecked)
+
 
 # The same examples in every run: a failure seen once can be seen again. No deadline: the
 # machine's load is not the code's fault.

@@ -14,6 +14,8 @@ from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, score
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of
 
+pytestmark = pytest.mark.whole_search
+
 
 def test_all_trials_at_once_are_each_by_itself():
     shop = shop_of(data_set(5))

@@ -1,6 +1,7 @@
 """Two effects of one joint, tried together against what free-form terms make of both."""
 
 import numpy as np
+import pytest
 
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.judgement import judge
@@ -8,6 +9,8 @@ from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.terms.scores import refine, score
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
+
+pytestmark = pytest.mark.whole_search
 
 
 def on_second_joint(torque):

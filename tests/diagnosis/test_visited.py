@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+import pytest
 
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.final_model import errors_of
@@ -14,6 +15,8 @@ from oed.diagnosis.terms.visited import CELL, Visited
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from tests.diagnosis.arm import data_set
+
+pytestmark = pytest.mark.whole_search
 
 FADING = 0.2
 
