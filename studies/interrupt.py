@@ -2,11 +2,12 @@
 
 Its matrices are small: threads of one wait for one another, and take two to eight times as long as
 one where the machine has other work. Exit status 130 after an interrupt is what a shell expects of
-Ctrl-C.
+Ctrl-C; a request to terminate, as of `timeout` or a batch system, is met in the same way.
 """
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable
 from typing import Never
@@ -26,6 +27,7 @@ def leave(main: Callable[[], int | None], name: str, told: str = NOTHING) -> Nev
         name: Of the study, for the message.
         told: What an interrupt leaves, in words.
     """
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         with threadpool_limits(limits=1):
             code = main()
@@ -34,6 +36,8 @@ def leave(main: Callable[[], int | None], name: str, told: str = NOTHING) -> Nev
             raise
         sys.stderr.write(f"\n{name}: interrupted: {told}\n")
         code = INTERRUPTED
+    finally:
+        signal.signal(signal.SIGTERM, before)
     sys.exit(code)
 
 

@@ -1,5 +1,8 @@
 """Ctrl-C ends a study in one line."""
 
+import os
+import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +17,12 @@ def interrupted() -> int:
     raise KeyboardInterrupt
 
 
+def terminated() -> int:
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(60)  # until the signal is seen
+    return 0
+
+
 def interrupted_in_compiled_code() -> int:
     try:
         interrupted()
@@ -22,7 +31,7 @@ def interrupted_in_compiled_code() -> int:
     return 0
 
 
-@pytest.mark.parametrize("main", [interrupted, interrupted_in_compiled_code])
+@pytest.mark.parametrize("main", [interrupted, terminated, interrupted_in_compiled_code])
 def test_an_interrupt_is_one_line_and_status_130(main, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         leave(main, "studies.test")
