@@ -92,7 +92,7 @@ def test_a_decisive_lead_is_foreseen_as_often_as_it_comes(shop: Workshop, wanted
     rng = np.random.default_rng(5)
     # Both cost one parameter, and what they cancel against the model is the same in every draw.
     own, other = (outside(shop, t)[:, 0] for t in pair[::2])
-    whole = [dense(t, 2, shop.mean.rows.count).ravel() for t in pair[::2]]
+    whole = [dense(t, 2, shop.mean.rows.count).ravel() for t in (pair[0], pair[2])]
     cancelled = [(b @ b) / (c @ c) for b, c in zip(whole, (own, other), strict=True)]
     x, y = rng.normal(size=(2, 200_000))
     along = (length + x, (length + x) * np.cos(angle) + y * np.sin(angle))

@@ -89,6 +89,8 @@ def test_an_addition_is_judged_beside_shapes_that_have_settled():
     offset = trial_of(shop, "torque_offset", 1)
     (moved,) = shapes_beside(shop, [wrong], offset)
     before, after = shop.foretold([wrong, offset], [moved, offset])
+    assert before is not None
+    assert after is not None
     assert after[0] < 0.7 * before[0]
     assert after == pytest.approx(shop.baseline.floor.deviation, rel=0.25)
     assert shapes_beside(shop, [offset], wrong) == []

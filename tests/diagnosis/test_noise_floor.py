@@ -169,7 +169,7 @@ def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
         return np.repeat(rows[:, None], 2, axis=1)
 
     monkeypatch.setattr(baseline, "_trusted_rows", few)
-    found = []
+    found, taps = [], np.zeros(0)
     for seed in range(12):
         dataset = data_set(seed, roles=("estimation",), repetitions=2)
         (whole,) = dataset.recordings
@@ -177,7 +177,7 @@ def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
             (dataclasses.replace(whole, repetition=None, period=None),), DiagnosisSettings()
         )
         found.append(find_baseline(TorqueModel.standard(dataset.robot), prepared).floor.deviation)
-    taps = prepared[0].band.taps
+        taps = prepared[0].band.taps
     true = NOISE * np.sqrt(taps @ taps)
     # 12 times some 45 degrees of freedom: the deviation is known within 3 %.
     assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx(true, rel=0.09)

@@ -41,7 +41,7 @@ def test_what_the_other_motion_alone_shows_is_found_in_it(fast):
 
 
 def test_no_name_that_may_not_come(fast):
-    barred = {("nonlinear_viscous", 1)}
+    barred: set[tuple[str, object]] = {("nonlinear_viscous", 1)}
     found = shown_by_other_motion(fast, [], barred, [])
     assert all(a.trial.key not in barred for a in found)
 

@@ -259,6 +259,8 @@ def test_what_repetitions_differ_by_foretells_from_all_of_them():
     spring = next(t for t in shop.physical if t.key == ("joint_spring", 0))
     of_mean = shop.validation_rms(shop.fit([known], shop.mean, bend=False), as_it_is=True)
     without, beside = shop.foretold([known], [known, spring], as_it_is=True)
+    assert without is not None
+    assert of_mean is not None
     assert without[0] < 0.7 * of_mean[0]
     # A spring that is not there changes nothing.
     assert beside == pytest.approx(without, rel=0.02)

@@ -15,6 +15,7 @@ def test_both_motions_are_left_what_a_fit_of_the_base_model_to_both_leaves(names
     """What was added stays as the first motion has it."""
     shop = shop_of(data_set(2, extra=stribeck(1.0), repetitions=1))
     joints, seen, unseen = shop.context.n, shop.mean, shop.unseen
+    assert unseen.rows is not None
     trials = [trial_of(shop, name, joint) for joint, name in enumerate(names)]
     found = shop.fit(trials, seen, bend=False)
     torque = [seen.torque.copy(), unseen.rows.torque()]

@@ -48,7 +48,8 @@ def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
     effect = FoundEffect("joint_spring", 1, (), 1e-6, gain, (), item.trial)
     curve = Unexplained(curve_on, ("q_1", "dq_2"), 0.5, "f(q_1, dq_2)", stands_in=True)
     own = np.arange(2) == 1
-    found = Errors(*(np.where(own, x, 1.0) for x in errors), np.ones(2))
+    seen, unseen, before, after = (np.where(own, x, 1.0) for x in errors)
+    found = Errors(seen, unseen, before, after, np.ones(2))
     effects, unexplained = withheld(shop, selection, [effect], (curve,), found)
     assert [e.name for e in effects] == ["joint_spring"] * claimed
     assert unexplained[0] is curve

@@ -46,7 +46,8 @@ def test_error_is_that_of_the_best_filter_there_is(highest: float, size: float) 
     """Against the filter of the true spectra (Wiener 1949)."""
     noise = _twice_differentiated(_white(1, DENSITY, SAMPLES, RATE), RATE)
     shape = firwin(401, highest, fs=RATE)
-    signal = size * lfilter(shape, 1.0, np.random.default_rng(2).normal(size=SAMPLES))
+    filtered = lfilter(shape, 1.0, np.random.default_rng(2).normal(size=SAMPLES))
+    signal = size * np.asarray(filtered)
     (kept,) = expected([signal + noise], RATE, DENSITY)
     frequency = np.fft.rfftfreq(8 * SAMPLES, 1 / RATE)
     power = size**2 * np.abs(np.fft.rfft(shape, 8 * SAMPLES)) ** 2 * 2 / RATE
