@@ -5,13 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates import paying
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.judgement import PRICE, WORSE, costs
 from oed.diagnosis.candidates.leftovers import too_little
 from oed.diagnosis.candidates.open_shapes import shapes_beside
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
-from oed.diagnosis.search import paying, selection
+from oed.diagnosis.search import selection
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.scores import at_rest, score
 from oed.dynamics.torque_model import TorqueModel

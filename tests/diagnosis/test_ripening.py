@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.candidates import ranking
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.ripening import ripened
 from oed.diagnosis.candidates.telling import most_telling_first
 from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.search import ranking
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import at_rest, refine, scan, score

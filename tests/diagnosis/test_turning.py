@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from oed.diagnosis import finding
+from oed.diagnosis.candidates import turning
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.telling import foretells_most
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
 from oed.diagnosis.evidence.estimates import estimates, from_declared
-from oed.diagnosis.search import turning
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.tilt_review import tilt_fault
 from oed.diagnosis.settings import DiagnosisSettings
