@@ -100,9 +100,10 @@ class _Together:
     def best_model(self) -> TorqueModel:
         """The base model with the sign at its best width: the sharpest, if no wider is clearly better."""
         usual = usual_speed(self.layout.rows, self.sign.joint)
-        sharpest, widest = max(SMALLEST_WIDTH * usual, self._least_width()), LARGEST_WIDTH * usual
+        sharpest = max(SMALLEST_WIDTH * usual, self._least_width())
+        widest = max(LARGEST_WIDTH * usual, sharpest)
         # Below what the encoder tells apart all widths are alike: a better one may be far.
-        grid = np.geomspace(sharpest, max(widest, sharpest), POINTS)
+        grid = np.geomspace(sharpest, widest, POINTS)
         nearby = self.sign.width * np.array([1.0, 1 / NEARBY, NEARBY])
         tried = [*grid, *nearby[(nearby >= sharpest) & (nearby <= widest)]]
         left = [self._left(float(width)) for width in tried]
@@ -110,7 +111,7 @@ class _Together:
         step = max(float(grid[1] / grid[0]), NEARBY)
         found = minimize_scalar(
             lambda x: self._left(float(np.exp(x))),
-            bounds=(np.log(max(tried[best] / step, sharpest)), np.log(tried[best] * step)),
+            bounds=np.log(np.clip([tried[best] / step, tried[best] * step], sharpest, widest)),
             method="bounded",
             options={"xatol": SETTLED},
         )
