@@ -6,6 +6,7 @@ from scipy.stats import ncx2, norm
 
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import (
+    _in_words,
     as_prepared,
     design_discriminating,
     error_rate,
@@ -158,3 +159,9 @@ def test_refuses_to_choose_among_no_motions(shop: Workshop) -> None:
     pair, _ = scaled_pair(shop, 4.0)
     with pytest.raises(ValueError, match="candidates=0"):
         design_discriminating(shop, [pair], np.random.default_rng(0), candidates=0)
+
+
+def test_rivals_of_one_name_are_told_by_their_joints(shop: Workshop) -> None:
+    first, second = (trial_of(shop, "torque_offset", joint) for joint in (0, 1))
+    assert _in_words(first, second) == "torque_offset on joint 1 or on joint 2"
+    assert _in_words(first, trial_of(shop, "joint_spring", 0)) == "torque_offset or joint_spring"

@@ -115,7 +115,7 @@ def design_discriminating(
         error_rate=max(f.by_name for f in foreseen),
         error_rate_now=max(confusion(shop, p, rng).by_name for p in pairs),
         resolved=min(f.resolved for f in foreseen),
-        pairs=tuple(f"{a.name} or {b.name}" for a, _, b in pairs),
+        pairs=tuple(_in_words(favourite, rival) for favourite, _, rival in pairs),
         tried=candidates,
         notes=notes,
     )
@@ -124,6 +124,13 @@ def design_discriminating(
 def error_rate(separation: float) -> float:
     """Chance that noise makes the wrong one of two models without free shapes fit better."""
     return float(norm.cdf(-np.sqrt(max(separation, 0.0)) / 2))
+
+
+def _in_words(one: Trial, other: Trial) -> str:
+    """Two rivals by name, with their joints where the name is the same."""
+    if one.name != other.name or one.joint is None or other.joint is None:
+        return f"{one.name} or {other.name}"
+    return f"{one.name} on joint {one.joint + 1} or on joint {other.joint + 1}"
 
 
 def separation(
