@@ -57,9 +57,10 @@ def test_an_acceleration_keeps_the_motion_and_little_of_the_noise():
 @pytest.mark.parametrize(
     ("band", "fastest", "rate"),
     [
-        (Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0), 60.0, 200.0),
-        (Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0), 300.0, 500.0),
-        (Band(rate=1000.0, factor=39, cutoff=10.0, smoothing=30.0), 60.0, 1000 / 3),
+        (Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0), 60.0, 1000 / 6),
+        (Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0), 300.0, 1000 / 3),
+        (Band(rate=1000.0, factor=39, cutoff=10.0, smoothing=30.0), 60.0, 200.0),
+        (Band(rate=500.0, factor=25, cutoff=8.0, smoothing=24.0), 170.0, 250.0),
         (Band(rate=1000.0, factor=13, cutoff=30.0, smoothing=90.0), 60.0, 1000.0),
         (Band(rate=100.0, factor=5, cutoff=8.0, smoothing=24.0), 60.0, 100.0),
     ],
@@ -68,7 +69,8 @@ def test_the_fine_grid_is_no_finer_than_the_band_and_its_waves_ask_for(band, fas
     thinned = band.thinned(fastest)
     assert thinned.rate == pytest.approx(rate)
     assert (thinned.cutoff, thinned.smoothing) == (band.cutoff, band.smoothing)
-    assert thinned.analysis_rate == pytest.approx(band.analysis_rate)
+    # A row lies a whole number of fine samples after another: a little nearer than before at most.
+    assert band.analysis_rate <= thinned.analysis_rate < 1.15 * band.analysis_rate
 
 
 def test_what_is_seen_in_the_band_does_not_hang_on_the_fine_grid():
@@ -76,12 +78,10 @@ def test_what_is_seen_in_the_band_does_not_hang_on_the_fine_grid():
     band = Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0)
     thinned = band.thinned(130 * 2.0 / (2 * np.pi))
     assert thinned.rate < band.rate / 2
-    seen = [_effects_seen_in(b) for b in (band, thinned)]
+    seen = [_effects_seen_in(dataclasses.replace(b, factor=1)) for b in (band, thinned)]
     for name, dense, coarse in zip(("friction", "wave", "spring"), *seen, strict=True):
-        places = np.arange(len(coarse)) * thinned.factor / thinned.rate
-        other = np.interp(places, np.arange(len(dense)) * band.factor / band.rate, dense)
-        # Rows of both grids lie at other instants unless their steps are alike; here they are.
-        assert np.std(coarse - other) < 0.01 * np.std(other), name
+        other = dense[:: thinned.logged][: len(coarse)]
+        assert np.std(coarse[: len(other)] - other) < 0.01 * np.std(other), name
 
 
 def _effects_seen_in(band):
@@ -96,14 +96,14 @@ def _effects_seen_in(band):
     wave = np.cos(130 * q)
     brake = (dq, 0.0, 1.0, 0.0)
     spring = deflect(t, 5.0 * ddq + friction, 1.0 + 0 * t, (400.0, 4.0, 0.0), brake)[0]
-    start = round((1.0 - band.reach / band.rate) * band.rate)
+    start = round(1.2 * band.rate) - band.reach  # an instant of every grid that is tried
     return [band.apply(x[start:, None])[:, 0] for x in (friction, wave, spring)]
 
 
 def test_a_coarser_grid_keeps_repetitions_in_phase():
     band = Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0)
     assert band.thinned(60.0, [10.0, 7.0]).rate == 200.0
-    assert band.thinned(60.0, [10.002]).rate == 500.0
+    assert band.thinned(60.0, [10.004]).rate == 250.0
     assert band.thinned(60.0, [10.0005]) == band
 
 
@@ -128,7 +128,8 @@ def test_a_torque_is_the_same_in_the_band_on_a_coarser_grid():
     tau = rng.normal(size=(40001, 2))
     every = dataclasses.replace(band, factor=1)
     dense, coarse = every.apply(tau), thinned.apply(thinned.thin(tau))
-    at = [b.instants(np.arange(n) / b.rate) for b, n in ((every, 40001), (thinned, 8001))]
+    samples = (40001, 40000 // thinned.logged + 1)
+    at = [b.instants(np.arange(n) / b.rate) for b, n in zip((every, thinned), samples, strict=True)]
     same = np.searchsorted(at[0], at[1] - 1e-6)
     inner = (at[1] > 1) & (at[1] < 39)
     assert np.std((coarse - dense[same])[inner]) < 0.01 * np.std(coarse)
