@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
-from oed.diagnosis.candidates.surrogates import flipped, largest_surprises, moved_in_time
+from oed.diagnosis.candidates.surrogates import NullSearch, flipped, moved_in_time, undiminished
 from oed.diagnosis.fit.addition import NormalEquations
 from oed.diagnosis.tables.workbench import fit_layout
 from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, score
@@ -29,7 +29,8 @@ def test_all_trials_at_once_are_each_by_itself():
     for k in range(3):
         left = dataclasses.replace(fit, residual=fit.projection.residual(drawn[:, :, k]))
         expected.append(max(score(t, left).surprise(inflation) for t in trials))
-    assert largest_surprises(trials, fit, drawn) == pytest.approx(np.array(expected))
+    found = NullSearch.beside(fit, trials).largest_surprises(drawn)
+    assert found == pytest.approx(np.array(expected))
 
 
 def white(rng, size):
@@ -68,7 +69,8 @@ def test_a_search_finds_as_much_in_what_a_model_left_of_noise_as_in_other_noise(
         fit = fit_layout(shop.baseline, layout, [model], noise(rng, size))
         inflation = inflation_of(fit)
         expected += [max(score(t, fit).surprise(inflation) for t in trials)]
-        found.append(largest_surprises(trials, fit, moved(fit, 40, rng)).mean())
+        drawn = moved(undiminished(fit), fit.rows, 40, rng)
+        found.append(NullSearch.beside(fit, trials).largest_surprises(drawn).mean())
     spread = np.std(expected) / np.sqrt(len(expected))
     assert np.mean(found) == pytest.approx(np.mean(expected), abs=3 * spread)
 

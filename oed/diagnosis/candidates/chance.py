@@ -10,12 +10,14 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.surrogates import (
+    NullSearch,
     family_p_value,
     flipped,
-    largest_surprises,
     moved_in_time,
+    undiminished,
 )
 from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score, inflation_of
 from oed.diagnosis.terms.trials import Trial
@@ -24,8 +26,11 @@ MAIN = 0.1  # of the most that a candidate explains of a joint, at one that coun
 ROUNDS = 10  # of residuals at most, while a chance is within
 DOUBTFUL = 5.0  # times the level, or of it
 
-# Residuals that chance might have left, of a fit and so many.
-Draw = Callable[[LinearFit, int, np.random.Generator], Float[ndarray, "joints rows count"]]
+# What chance might have left instead of some noise on rows, so many times.
+Draw = Callable[
+    [Float[ndarray, "joints rows"], Rows, int, np.random.Generator],
+    Float[ndarray, "joints rows count"],
+]
 
 
 def p_value_of(
@@ -81,8 +86,9 @@ def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
         return True
     fit = shop.fit(others, shop.mean).fit
     own = [t for t in (*shop.smooth, *shop.smooth_pairs) if t.joint == joint]
-    left = float(largest_surprises(own, fit, fit.residual[:, :, None])[0])
-    level, null = shop.settings.level, _null(shop, own, fit, moved_in_time)
+    search = NullSearch.beside(fit, own)
+    left = float(search.largest_surprises(fit.residual[:, :, None])[0])
+    level, null = shop.settings.level, _null(shop, search, moved_in_time)
     return chance_of(left, null, level, float(shop.context.n)) <= level
 
 
@@ -119,14 +125,14 @@ def _family_wise(
     ]
     surprise = candidate.surprise(inflation_of(fit))
     places = shop.context.n / len(own.group)
-    return chance_of(surprise, _null(shop, kin, fit, draw), shop.settings.level, places)
+    null = _null(shop, NullSearch.beside(fit, kin), draw)
+    return chance_of(surprise, null, shop.settings.level, places)
 
 
-def _null(
-    shop: Workshop, kin: Sequence[Trial], fit: LinearFit, draw: Draw
-) -> Callable[[], Float[ndarray, " count"]]:
-    """Surprises of a search through some trials, in as many residuals as are drawn at once."""
-    return lambda: largest_surprises(kin, fit, draw(fit, shop.settings.surrogates, shop.rng))
+def _null(shop: Workshop, search: NullSearch, draw: Draw) -> Callable[[], Float[ndarray, " count"]]:
+    """Surprises of a search, in as many residuals as are drawn at once."""
+    noise, rows, count = undiminished(search.fit), search.fit.rows, shop.settings.surrogates
+    return lambda: search.largest_surprises(draw(noise, rows, count, shop.rng))
 
 
 def chance_of(

@@ -6,8 +6,9 @@ group beside the model.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -18,6 +19,10 @@ from oed.diagnosis.fit.linear_fit import Projection
 # Share of a candidate's length outside the model below which it is absorbed: what is left is
 # smoothing error, and a coefficient that stands on it means nothing.
 ABSORBED = 1e-4
+AT_ONCE = 64  # groups whose products are one
+
+# White columns for each joint that they act on.
+Group = Mapping[int, Float[ndarray, "rows columns"]]
 
 
 @dataclass(frozen=True)
@@ -87,6 +92,7 @@ class NormalEquations:
     moment: Float[ndarray, " columns"]
     inside: Float[ndarray, "rank columns"]
 
+    @cached_property
     def directions(self) -> Directions:
         """What is left of the group beside the model."""
         scale = np.sqrt(np.where(self.lengths > 0, self.lengths, 1.0))
@@ -103,7 +109,7 @@ class NormalEquations:
         Args:
             ridge: Added to the Gram matrix of unit columns.
         """
-        found = self.directions()
+        found = self.directions
         along = found.along(self.moment)
         inverse = 1 / (found.squares + ridge)
         coefficients = found.mixing @ (inverse * along) / found.lengths
@@ -111,9 +117,7 @@ class NormalEquations:
 
 
 def normal_equations(
-    projection: Projection,
-    residual: Float[ndarray, "joints rows"],
-    group: Mapping[int, Float[ndarray, "rows columns"]],
+    projection: Projection, residual: Float[ndarray, "joints rows"], group: Group
 ) -> NormalEquations:
     """The normal equations of a group of white columns beside a model.
 
@@ -122,13 +126,48 @@ def normal_equations(
         residual: White residual of the model.
         group: White columns for each joint that they act on.
     """
-    columns = next(iter(group.values())).shape[1]
-    gram = np.zeros((columns, columns))
-    moment = np.zeros(columns)
-    inside = np.zeros((projection.rank, columns))
+    inside = sum(projection.basis[joint].T @ block for joint, block in group.items())
+    return _equations(residual, group, np.asarray(inside))
+
+
+def normal_equations_of_all(
+    projection: Projection, residual: Float[ndarray, "joints rows"], groups: Sequence[Group]
+) -> list[NormalEquations]:
+    """The same of many groups, at a fraction of the time: thin products wait for memory."""
+    inside = moments_of_all(groups, projection.basis)
+    return [_equations(residual, g, own.T) for g, own in zip(groups, inside, strict=True)]
+
+
+def moments_of_all(
+    groups: Sequence[Group], vectors: Float[ndarray, "joints rows count"]
+) -> list[Float[ndarray, "_ count"]]:
+    """Moments of each group's columns with many vectors: one product for all of a joint."""
+    result = [np.zeros((_width(group), vectors.shape[2])) for group in groups]
+    for start in range(0, len(groups), AT_ONCE):
+        some = range(start, min(start + AT_ONCE, len(groups)))
+        for joint, own_vectors in enumerate(vectors):
+            own = [k for k in some if joint in groups[k]]
+            if not own:
+                continue
+            blocks = [groups[k][joint] for k in own]
+            ends = np.cumsum([block.shape[1] for block in blocks])
+            products = np.split(np.concatenate(blocks, axis=1).T @ own_vectors, ends[:-1])
+            for k, product in zip(own, products, strict=True):
+                result[k] += product
+    return result
+
+
+def _width(group: Group) -> int:
+    return next(iter(group.values())).shape[1]
+
+
+def _equations(
+    residual: Float[ndarray, "joints rows"], group: Group, inside: Float[ndarray, "rank columns"]
+) -> NormalEquations:
+    columns = _width(group)
+    gram, moment = np.zeros((columns, columns)), np.zeros(columns)
     for joint, block in group.items():
         gram += block.T @ block
         moment += block.T @ residual[joint]
-        inside += projection.basis[joint].T @ block
     lengths = np.diag(gram).copy()
     return NormalEquations(gram - inside.T @ inside, lengths, moment, inside)

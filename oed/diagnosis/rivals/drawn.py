@@ -94,7 +94,7 @@ def _judged(
     if trial.fixed:
         gains = 2 * moments.sum(axis=0) - normal.gram.sum()
         return np.stack([gains, gains - trial.shapes * np.log(count), trial.shapes * ones, ones])
-    directions = normal.directions()
+    directions = normal.directions
     gains, coefficients = directions.gains(moments), directions.coefficients(moments)
     own = sum(np.sum((b @ coefficients) ** 2, axis=0) for b in trial.group.values())
     cancelled = np.maximum(own / np.maximum(gains, 1e-300), 1.0)
