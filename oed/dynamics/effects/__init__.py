@@ -3,7 +3,13 @@
 An effect is a few columns of the torque regressor, given its nonlinear parameters.
 """
 
-from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
+from oed.dynamics.effects.effect import (
+    Effect,
+    MeasurementEffect,
+    Parameter,
+    State,
+    with_columns,
+)
 from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.motor import MotorCoupling, RotorInertia
 from oed.dynamics.effects.offset import TorqueOffset
@@ -20,4 +26,5 @@ __all__ = [
     "State",
     "TorqueOffset",
     "Viscous",
+    "with_columns",
 ]

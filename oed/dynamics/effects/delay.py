@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
+from scipy.interpolate import make_interp_spline
 
 from oed.dynamics.effects.effect import MeasurementEffect
 from oed.dynamics.effects.linear_filter import respond
@@ -30,8 +31,9 @@ class Late(MeasurementEffect):
 class TimeDelay(Late):
     """Recorded torque at t is the model's torque at t - delay.
 
-    The motion is moved, not the torque, so that a change of sign stays sharp. Before the first
-    sample the arm is taken to stand in the first sample's state.
+    Where samples are means over a step the torque is moved, for in them a change of sign lies where
+    it was. Samples of an instant put it at one of them: there the motion is moved, so that it stays
+    sharp. Before the first sample the arm is taken to stand in the first sample's state.
 
     Attributes:
         delay: [s]; negative if the position is the late one.
@@ -45,8 +47,21 @@ class TimeDelay(Late):
         columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
         motion: Motion,
     ) -> Float[ndarray, "samples joints columns"]:
-        """The columns along the moved motion."""
+        """The columns as they were earlier."""
+        if motion.averaged:
+            return self.moved(make_interp_spline(motion.t, columns(motion), k=3), motion)
         return columns(delayed(motion, self.delay))
+
+    def moved(
+        self, torque: Callable[[Float[ndarray, " samples"]], ndarray], motion: Motion
+    ) -> ndarray:
+        """A torque along a motion, known between its samples too, as it is recorded at these.
+
+        Args:
+            torque: Of means over a step, by time [N m].
+            motion: Gives the instants.
+        """
+        return torque(earlier(motion, self.delay))
 
     def response(
         self, frequency: Float[ndarray, " frequencies"]
@@ -102,6 +117,11 @@ def delayed(motion: Motion, delay: float) -> Motion:
         motion: Smooth between samples: cubic in position and velocity.
         delay: [s].
     """
-    earlier = np.clip(motion.t - delay, motion.t[0], motion.t[-1])
-    q, dq, ddq = (curve(earlier) for curve in motion.curves)
+    instants = earlier(motion, delay)
+    q, dq, ddq = (curve(instants) for curve in motion.curves)
     return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
+
+
+def earlier(motion: Motion, delay: float) -> Float[ndarray, " samples"]:
+    """Instants of a motion some seconds before each of its samples, none outside of it [s]."""
+    return np.clip(motion.t - delay, motion.t[0], motion.t[-1])

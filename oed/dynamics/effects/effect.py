@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -134,6 +134,15 @@ class Effect(ABC):
     @abstractmethod
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Torque per unit of each parameter: for each column, joint -> entry."""
+
+
+def with_columns(effects: Iterable[Effect]) -> Iterator[tuple[Effect, slice]]:
+    """Effects, each with where its columns stand among those of all."""
+    start = 0
+    for effect in effects:
+        stop = start + len(effect.parameters)
+        yield effect, slice(start, stop)
+        start = stop
 
 
 class MeasurementEffect(ABC):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.delay import TimeDelay
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
@@ -51,11 +52,19 @@ class TorqueChange(Effect):
         """
         motion = state.motion(self.measurement.name)
         modelled = self.reference.parts(motion)
+        change = self._measured(modelled, motion) - modelled.sum(axis=2)
+        return [{j: change[:, j] for j in range(self.reference.robot.n)}]
+
+    def _measured(
+        self, modelled: Float[ndarray, "samples joints 2"], motion: Motion
+    ) -> Float[ndarray, "samples joints"]:
+        """The torque as measured, of the rigid body and of the rest as modelled."""
+        if isinstance(self.measurement, TimeDelay) and motion.averaged:
+            # What `through` does, with a curve that serves every delay.
+            return self.measurement.moved(self.reference.curve(motion), motion)
         forgetful = dataclasses.replace(self.reference)  # a moved motion is not seen again
 
         def parts(seen: Motion) -> Float[ndarray, "samples joints 2"]:
             return modelled if seen is motion else forgetful.parts(seen)
 
-        measured = self.measurement.through(parts, motion)
-        change = (measured - modelled).sum(axis=2)
-        return [{j: change[:, j] for j in range(self.reference.robot.n)}]
+        return self.measurement.through(parts, motion).sum(axis=2)

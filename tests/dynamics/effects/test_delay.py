@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.diagnosis.data.band import Band
 from oed.dynamics.effects.delay import FilterLag, TimeDelay, delayed
 from oed.dynamics.effects.friction import Coulomb
 from oed.dynamics.effects.linear_filter import respond
@@ -112,6 +113,40 @@ def test_the_change_with_coefficient_one_is_the_exact_effect(measurement) -> Non
     exact = context.model.with_measurement(measurement).torque(context.parameters, motion)
     linear = model.torque(np.append(context.parameters, 1.0), motion)
     assert linear == pytest.approx(exact, abs=1e-9)
+
+
+@pytest.mark.parametrize("rate", [100.0, 200.0, 500.0])
+@pytest.mark.parametrize("delay", [3e-4, 1.7e-3, -9.3e-3])
+def test_means_over_a_step_are_moved_by_less_than_it(rate, delay) -> None:
+    """Friction's reversals as they lie on a grid of 20 kHz, in the band of a diagnosis."""
+    arm, dense = vertical_arm(), round(20e3 / rate)
+
+    def seen(every: int) -> np.ndarray:
+        band = Band(rate=rate * every, factor=every, cutoff=8.0, smoothing=24.0)
+        motion = dataclasses.replace(smooth_motion(arm, step=1 / band.rate), averaged=True)
+        model, parameters = context.model, context.parameters
+        late = model.with_measurement(TimeDelay(delay)).torque(parameters, motion)
+        change = late - model.torque(parameters, motion)
+        start = round(0.6 * band.rate) - band.reach  # the first row lies at this instant
+        return band.apply(change[start:])
+
+    context = context_of(arm)
+    true, found = seen(dense), seen(1)
+    rows = min(len(true), len(found))
+    error = np.std(found[:rows] - true[:rows], axis=0)
+    # The cubic between samples misses what is nearest to their Nyquist frequency: most at 100 Hz.
+    assert np.all(error < 0.01 * np.std(true, axis=0))
+
+
+@pytest.mark.parametrize("averaged", [False, True])
+def test_a_delay_among_candidates_is_the_delay_of_a_model(averaged) -> None:
+    arm = vertical_arm()
+    motion = dataclasses.replace(smooth_motion(arm), averaged=averaged)
+    context = context_of(arm, motion)
+    late = context.model.with_measurement(TimeDelay(3.3e-3))
+    change = context.model.with_effects(TorqueChange(TimeDelay(3.3e-3), context.reference))
+    one = change.torque(np.append(context.parameters, 1.0), motion)
+    assert one == pytest.approx(late.torque(context.parameters, motion), abs=1e-9)
 
 
 def test_a_small_delay_is_minus_the_derivative() -> None:
