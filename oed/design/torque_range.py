@@ -16,7 +16,7 @@ from numpy import ndarray
 from oed.design.extrema import split_intervals
 from oed.design.interval import Interval
 from oed.design.trajectories import TrajectoryClass
-from oed.dynamics.effects import Effect, State
+from oed.dynamics.effects import Effect, State, with_columns
 from oed.dynamics.scalars import Scalar
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError
@@ -95,10 +95,8 @@ def check_torque_bounded(model: TorqueModel, parameters: Float[ndarray, " parame
 def _torque_on(model: TorqueModel, parameters: ndarray, state: State) -> tuple[ndarray, ndarray]:
     """Lower and upper torque (N, n) of intervals of motion."""
     lower, upper = (np.zeros((len(state.t.lower), model.robot.n)) for _ in range(2))
-    first = 0
-    for effect in model.effects:
-        sizes = parameters[first : first + len(effect.parameters)]
-        first += len(effect.parameters)
+    for effect, place in with_columns(model.effects):
+        sizes = parameters[place]
         if not np.any(sizes):
             continue
         for parameter, by_joint in zip(sizes, _entries(effect, state), strict=True):

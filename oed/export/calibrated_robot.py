@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects import Coulomb, RigidBody, RotorInertia, Viscous
+from oed.dynamics.effects import Coulomb, RigidBody, RotorInertia, Viscous, with_columns
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
@@ -50,14 +50,11 @@ class CalibratedRobot:
             kind: np.zeros(n) for kind in (Coulomb, Viscous, RotorInertia)
         }
         left_out: list[str] = []
-        column = 10 * n
-        for effect in model.effects[1:]:
-            width = len(effect.parameters)
+        for effect, place in list(with_columns(model.effects))[1:]:
             if isinstance(effect, Coulomb | Viscous | RotorInertia):
-                held[type(effect)][effect.joint] += parameters[column]
+                held[type(effect)][effect.joint] += parameters[place.start]
             else:
                 left_out += [parameter.name for parameter in effect.parameters]
-            column += width
         robot = model.robot.with_parameters(parameters[: 10 * n])
         return cls(robot, held[Coulomb], held[Viscous], held[RotorInertia], tuple(left_out))
 

@@ -28,7 +28,7 @@ from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
 from oed.diagnosis.fit.model_columns import with_uncertain_sign
 from oed.diagnosis.fit.rows import Rows, weigh
 from oed.diagnosis.fit.whitening import Autoregression
-from oed.dynamics.effects import Coulomb
+from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 
@@ -117,11 +117,9 @@ def _coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
     """Height of each joint's friction step as the fit has it [N m]."""
     heights = np.zeros(fit.model.robot.n)
     full = fit.full_parameters()
-    column = 0
-    for effect in fit.model.effects:
+    for effect, place in with_columns(fit.model.effects):
         if isinstance(effect, Coulomb):
-            heights[effect.joint] = abs(full[column])
-        column += len(effect.parameters)
+            heights[effect.joint] = abs(full[place.start])
     return heights
 
 

@@ -24,7 +24,7 @@ from oed.diagnosis.fit.linear_fit import (
     whitened_regressor,
 )
 from oed.diagnosis.fit.rows import Rows
-from oed.dynamics.effects import Coulomb
+from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.torque_model import TorqueModel
 
 LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
@@ -58,10 +58,8 @@ def with_fitted_sign(
     regressor = np.concatenate([*fixed, *([] if beside is None else [beside])], axis=2)
     torque = rows.torque()
     effects = list(model.effects)
-    column = 0
-    for place, effect in enumerate(model.effects):
-        own = np.flatnonzero(columns == column)
-        column += len(effect.parameters)
+    for place, (effect, at) in enumerate(with_columns(model.effects)):
+        own = np.flatnonzero(columns == at.start)
         if not isinstance(effect, Coulomb) or not own.size:
             continue
         projection = project(np.delete(regressor, own[0], axis=2))

@@ -20,7 +20,7 @@ from numpy import ndarray
 from oed.diagnosis.data.encoder_steps import Torque, encoder_torque, rounding_deviation
 from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.effects.delay import Late
-from oed.dynamics.effects.effect import Effect
+from oed.dynamics.effects.effect import Effect, with_columns
 from oed.dynamics.effects.friction import Viscous
 from oed.dynamics.effects.motor import RotorInertia
 from oed.dynamics.effects.reference import ReferenceTorque
@@ -73,13 +73,11 @@ def motion_noise(rows: Rows, reference: ReferenceTorque) -> tuple[MotionNoise, .
 
 def _smooth(reference: ReferenceTorque) -> ReferenceTorque:
     """The part that grows with acceleration and speed."""
-    kept, values, start = [], [], 0
-    for effect in reference.others:
-        stop = start + len(effect.parameters)
+    kept, values = [], []
+    for effect, place in with_columns(reference.others):
         if isinstance(effect, SMOOTH):
             kept.append(effect)
-            values += reference.coefficients[start:stop]
-        start = stop
+            values += reference.coefficients[place]
     return ReferenceTorque(reference.robot, tuple(kept), tuple(values))
 
 

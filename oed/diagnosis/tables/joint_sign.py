@@ -27,7 +27,7 @@ from oed.diagnosis.fit.linear_fit import whitened_regressor
 from oed.diagnosis.tables.workbench import Layout, fit_with
 from oed.diagnosis.terms.scores import climb, score
 from oed.diagnosis.terms.trials import Trial, moved
-from oed.dynamics.effects import Coulomb, Effect
+from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.torque_model import TorqueModel
 
@@ -154,16 +154,11 @@ class _Together:
         alone = dataclasses.replace(model, effects=(sign,))
         column = whitened_regressor(alone, np.zeros(1, dtype=int), self.layout.rows)
         regressor = self.layout.regressor.copy()
-        regressor[:, :, columns == _first_column(model, self.sign)] = column
+        place = next(p for effect, p in with_columns(model.effects) if effect is self.sign)
+        regressor[:, :, columns == place.start] = column
         return dataclasses.replace(self.layout, regressor=regressor)
 
     def _least_width(self) -> float:
         signs = [e for e in self.baseline.model.effects if isinstance(e, Coulomb)]
         place = next(k for k, effect in enumerate(signs) if effect is self.sign)
         return self.baseline.least_widths[place]
-
-
-def _first_column(model: TorqueModel, effect: Effect) -> int:
-    """Of an effect among the columns of its model."""
-    place = next(k for k, other in enumerate(model.effects) if other is effect)
-    return sum(len(other.parameters) for other in model.effects[:place])

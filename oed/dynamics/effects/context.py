@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects.effect import Effect
+from oed.dynamics.effects.effect import Effect, with_columns
 from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.offset import TorqueOffset
 from oed.dynamics.effects.payload import PickUp
@@ -195,13 +195,11 @@ class Context:
     def _friction(self) -> dict[type[Coulomb] | type[Viscous], dict[int, float]]:
         """Current estimates by kind and joint; several terms of one kind add up."""
         found: dict[type[Coulomb] | type[Viscous], dict[int, float]] = {Coulomb: {}, Viscous: {}}
-        start = 0
-        for effect in self.model.effects:
+        for effect, place in with_columns(self.model.effects):
             for kind, by_joint in found.items():
                 if isinstance(effect, kind):
                     before = by_joint.get(effect.joint, 0.0)
-                    by_joint[effect.joint] = before + float(self.parameters[start])
-            start += len(effect.parameters)
+                    by_joint[effect.joint] = before + float(self.parameters[place.start])
         return found
 
 
