@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
+from oed.diagnosis.data.band import Band
 from oed.diagnosis.data.direction import uncertain_direction
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit import hidden as hidden_module
@@ -23,9 +24,11 @@ DRAWS = 400
 
 @pytest.fixture(scope="module")
 def single():
-    """A motion that is run once."""
+    """A motion that is run once, on the log's own grid, where a turn takes several samples."""
     dataset = data_set(3, repetitions=1, roles=("estimation",))
-    (prepared,) = prepare(dataset.recordings, DiagnosisSettings())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Band, "thinned", lambda band, *_: band)
+        (prepared,) = prepare(dataset.recordings, DiagnosisSettings())
     return prepared
 
 

@@ -34,7 +34,8 @@ EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing ha
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
 # Of the fine grid, over the cut-off: friction's steps lie within half a sample, and gears, whose
 # resonance may lie beyond the band, are followed from sample to sample.
-FINE_PER_CUTOFF = 20.0
+FINE_PER_CUTOFF = 25.0
+NEARLY = 0.02  # of that, by which a fine grid may be coarser
 PHASE = 0.02  # of a fine sample, by which a repetition may begin beside one
 ALIASING = 0.4  # of a coarser grid's rate, to which a torque is low-passed before it is thinned
 BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
@@ -105,7 +106,7 @@ class Band:
         """
         needed = max(FINE_PER_CUTOFF * self.cutoff, fastest + self.cutoff * (1 + TRANSITION))
         turns = np.array(periods) * self.rate
-        for step in range(int(self.rate / needed), 1, -1):
+        for step in range(int((1 + NEARLY) * self.rate / needed), 1, -1):
             in_phase = np.abs(turns / step - np.round(turns / step)) < PHASE
             if in_phase.all():  # rows lie no further apart than before
                 return dataclasses.replace(

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
 
 from oed.diagnosis.candidates.judgement import EARLY_AND_LATE, WORSE, costs
 from oed.diagnosis.candidates.paying import validation_gain
@@ -153,23 +156,50 @@ def _never_worse(
 
     The search judges columns of first order where an effect acts on the whole model. Only the
     exact form, all parameters refitted together, can prove that nothing got worse. A late torque
-    stays where it is less late and foretells more.
+    stays where it is less late and foretells more; else that addition goes without which the others
+    foretell most.
     """
+    if not validation:
+        return selection, final_with(shop, selection.found) if selection.trials else before
     weights = shop.baseline.noise_share(validation)
-    old = rms(errors_of(before, validation), weights) if validation else None
+    old = rms(errors_of(before, validation), weights)
     floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
-    kept, late = selection, [t for t in selection.trials if is_late(t)]
-    while kept.trials:
-        final = final_with(shop, kept.found)
-        if old is None:
-            return kept, final
+
+    def tried(kept: Selection) -> _Tried:
+        final = final_with(shop, kept.found) if kept.trials else before
         new = rms(errors_of(final, validation), weights)
-        if not costs(old, new, floor, counted):
-            return kept, final
+        is_worse = bool(kept.trials) and costs(old, new, floor, counted)
+        return _Tried(is_worse, float(np.mean((new / old) ** 2)), kept, final)
+
+    reason = "in its exact form it raises the validation error"
+    late = [t for t in selection.trials if is_late(t)]
+    found = tried(selection)
+    while found.is_worse:
+        kept = found.kept
         if late:
             moved = foretelling(shop, kept.trials, late[0])
             kept, late = kept.exchanged(shop, late[0], moved), late[1:]
-            continue
-        reason = "in its exact form it raises the validation error"
-        kept = kept.without(shop, kept.trials[-1], reason)
-    return kept, before
+            found = tried(kept)
+        else:
+            found = min(
+                (tried(kept.without(shop, trial, reason)) for trial in reversed(kept.trials)),
+                key=lambda t: (t.is_worse, t.error),
+            )
+    return found.kept, found.final
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """Some additions in their exact form.
+
+    Attributes:
+        is_worse: Whether they cost more on the validation recordings than they win.
+        error: Mean squared validation error, in squares of the base model's.
+        kept: The additions.
+        final: The model with them.
+    """
+
+    is_worse: bool
+    error: float
+    kept: Selection
+    final: FinalModel

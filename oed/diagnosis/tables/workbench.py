@@ -21,6 +21,7 @@ from oed.diagnosis.fit.linear_fit import (
     reversal_nuisances,
     whitened_regressor,
 )
+from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.secants import shape_derivatives
@@ -33,6 +34,8 @@ from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.effects.transmission import TransmissionChange
 from oed.dynamics.torque_model import TorqueModel
+
+RECENT_SPANS = 16  # kept of a layout
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,25 @@ class Layout:
     def span(self) -> Projection:
         """Of base columns and nuisances."""
         return project(np.concatenate([self.regressor, self.nuisances], axis=2))
+
+    def span_with(self, chosen: Sequence[Trial]) -> Projection:
+        """The span with additions on these rows one after another, those of fixed size left out.
+
+        Made from that of all but the last, beside which much is asked.
+        """
+        if not chosen:
+            return self.span
+        *others, last = chosen
+        if last.fixed:
+            return self.span_with(others)
+        return self._spans.get(
+            tuple(chosen),
+            lambda: self.span_with(others).extended(dense(last, *self.torque.shape)),
+        )
+
+    @cached_property
+    def _spans(self) -> Recent[Projection]:
+        return Recent(RECENT_SPANS)
 
 
 @dataclass(frozen=True)
@@ -136,7 +158,10 @@ def _forgetful(effect: Effect) -> Effect:
 
 
 def fit_with(
-    baseline: Baseline, layout: Layout, chosen: Sequence[Trial], context: Context | None
+    baseline: Baseline,
+    layout: Layout,
+    chosen: Sequence[Trial],
+    context: Context | None,
 ) -> Augmented:
     """Fit base model and additions together.
 
@@ -148,31 +173,30 @@ def fit_with(
     """
     joints, count, base = layout.regressor.shape
     target = layout.torque.copy()
-    blocks, places = [], []
+    places = []
     start = base
     for trial in chosen:
-        columns = dense(trial, joints, count)
         if trial.fixed:
-            target -= columns.sum(axis=2)
-            places.append(slice(start, start))
-            continue
-        blocks.append(columns)
-        places.append(slice(start, start + columns.shape[2]))
-        start += columns.shape[2]
-    linear = fit_layout(baseline, layout, blocks, target)
+            target -= dense(trial, joints, count).sum(axis=2)
+        columns = 0 if trial.fixed else len(trial.effect.parameters)
+        places.append(slice(start, start + columns))
+        start += columns
+    span = layout.span_with(chosen)
+    linear = fit_span(baseline.model, baseline.columns, layout.rows, span, target)
     coefficients = tuple(
         np.ones(len(t.effect.parameters)) if t.fixed else linear.parameters[p]
         for t, p in zip(chosen, places, strict=True)
     )
     if context is None or not any(t.shapes for t in chosen):
         return _augmented(tuple(chosen), coefficients, linear, places, [slice(0, 0)] * len(chosen))
-    bends = []
+    bends, blocks = [], []
     for trial, found in zip(chosen, coefficients, strict=True):
         derivatives = shape_derivatives(trial, found, layout.rows, context)
         bends.append(slice(start, start + derivatives.shape[2]))
         blocks.append(derivatives)
         start += derivatives.shape[2]
-    bent = fit_layout(baseline, layout, blocks, target)
+    span = span.extended(np.concatenate(blocks, axis=2))
+    bent = fit_span(baseline.model, baseline.columns, layout.rows, span, target)
     return _augmented(tuple(chosen), coefficients, bent, places, bends)
 
 
