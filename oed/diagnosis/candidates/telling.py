@@ -19,6 +19,7 @@ from oed.diagnosis.candidates.calming import calmed_beside, worth_beside
 from oed.diagnosis.candidates.margin import decisive_between, is_first_order
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.turning import GRAVITY
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score, inflation_of
 from oed.diagnosis.terms.trials import Trial
@@ -87,7 +88,7 @@ def most_telling_first(
         if c.gain > RIVAL_SHARE * best.gain and not set(c.trial.group).isdisjoint(best.trial.group)
     ]
     rest = [c for c in candidates if all(c is not r for r in level)]
-    level = [decided(shop, others, c) for c in level]
+    level = side_by_side(lambda c: decided(shop, others, c), level)
     values, unit = telling(shop, others, level)
     first = level[int(np.argmax(values))]
     tied = [

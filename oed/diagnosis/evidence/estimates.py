@@ -9,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.turning import GRAVITY, total_tilt
+from oed.diagnosis.evidence.profile import UNIFORM
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
@@ -93,9 +94,12 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
             ].band.edge  # since the log's first sample, not since the first that is used
         if isinstance(trial.effect, CrossCoupling) and shape.name == "ratio":
             std = max(std, ONE_WAY / np.sqrt(3))  # all that are so small are one
-        # A shape can be no less certain than anywhere in its range.
-        spread = (shape.upper - shape.lower) / np.sqrt(12)
-        found.append(Estimated(shape.name, value + lead, min(std, float(spread)), shape.unit))
+        # A shape can be no less certain than anywhere in its range: from its end, that is further off.
+        width, middle = shape.upper - shape.lower, (shape.upper + shape.lower) / 2
+        anywhere = np.hypot(width / np.sqrt(12), value - middle)
+        if shape.is_estimated and on_axis >= UNIFORM:
+            std = anywhere
+        found.append(Estimated(shape.name, value + lead, float(min(std, anywhere)), shape.unit))
     return found
 
 

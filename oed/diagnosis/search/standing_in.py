@@ -13,6 +13,7 @@ from oed.diagnosis.candidates.chance import chance_of_slow_noise
 from oed.diagnosis.candidates.judgement import held_out_fault, judge
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import RIVAL_SHARE
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.coordinates import Coordinate, Factor
@@ -97,7 +98,8 @@ def _least_left_first(
         tried = bench.tried(_with_fine_pieces(shop, [candidate.trial], crowded=False))
         return min((choice.left for choice in tried), default=np.inf)
 
-    order = sorted(rivals, key=left)
+    lefts = side_by_side(left, rivals)
+    order = [rivals[k] for k in np.argsort(lefts, kind="stable")]
     tried = {r.trial.key for r in rivals}
     return [*order, *(c for c in candidates if c.trial.key not in tried)]
 

@@ -47,6 +47,9 @@ FINER = 2  # parts of a step of the scan, to which a second wave is looked for
 # teeth and poles make no pure sines; with half of it, since an error of a current sensor's gain
 # comes twice an electrical turn, and that of its zero once.
 MULTIPLES = {1: (1.0,), 2: (1.0, 2.0), 3: (1.0, 2.0, 3.0), 4: (1.0, 2.0, 0.5)}
+# Waves a turn of what turns with a joint out of true: a shaft or a seal once, a bent one twice, a
+# bearing pressed in at three places.
+WHOLE_TURNS = (1.0, 2.0, 3.0)
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
 RIPPLE_WAVES = dataclasses.replace(WAVES, upper=float(max(MULTIPLES)))
 ORDERS = {1.0: LINEAR, 2.0: PROGRESSIVE}  # of a spring, by its formula
@@ -157,7 +160,9 @@ def _friction_harmonics(
     joint, shape = joint_of(target), shapes[0]
     radius = context.model.robot.joints[joint].speed(1.0)  # of a slide's pinion, or a screw's lead
     bounds = {x: getattr(shape, x) / radius for x in ("lower", "upper", "default")}
-    return (_spaced_by_range(context, joint, dataclasses.replace(shape, **bounds)), *shapes[1:])
+    usual = tuple(k / radius for k in shape.usual)
+    shape = dataclasses.replace(shape, **bounds, usual=usual)
+    return (_spaced_by_range(context, joint, shape), *shapes[1:])
 
 
 def _position_friction(
@@ -171,7 +176,10 @@ POSITION_DEPENDENT_FRICTION = CatalogueEntry(
     name="position_dependent_friction",
     families=("friction over position",),
     scope="joint",
-    shapes=(Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0), WAVES),
+    shapes=(
+        Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0, usual=WHOLE_TURNS),
+        WAVES,
+    ),
     build=_position_friction,
     plausible=partial(_wave_plausible, most=MOST_UNEVEN),
     narrow=_friction_harmonics,

@@ -1,0 +1,58 @@
+"""What is told of shapes that the data leave open, or that lie near what machines are built with."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.candidates.usual import as_usual
+from oed.diagnosis.evidence.estimates import estimates
+from oed.diagnosis.evidence.profile import UNIFORM
+from oed.diagnosis.terms.scores import at_rest, score
+from oed.dynamics.effects.catalogue import CATALOGUE
+from tests.diagnosis.arm import COULOMB, data_set
+from tests.diagnosis.shop import shop_of, trial_of
+
+pytestmark = pytest.mark.whole_search
+
+WAVE = "position_dependent_friction"
+
+
+def uneven(harmonic, share):
+    """Friction of the first joint that varies with its position."""
+
+    def torque(q, dq, ddq):
+        return share * COULOMB * np.cos(harmonic * q) * np.sign(dq) * [1.0, 0.0]
+
+    return torque
+
+
+@pytest.mark.parametrize("place", [0.0, 0.3, 1.0])
+def test_the_interval_of_an_unknown_shape_holds_its_range(place):
+    """Wherever in the range the best value lies: the truth may lie anywhere in it."""
+    shop = shop_of(data_set(7))
+    trial = trial_of(shop, WAVE, 0)
+    shape = CATALOGUE[WAVE].shapes_for(shop.context, 0)[0]
+    value = shape.lower + place * (shape.upper - shape.lower)
+    trial = dataclasses.replace(trial, values=(value, *trial.values[1:]))
+    unknown = np.diag([0.01, 0.01, UNIFORM**2, 0.0])
+    told = estimates(shop, trial, np.ones(2), unknown)
+    (std,) = (p.std for p in told if p.name == shape.name)
+    true = np.random.default_rng(0).uniform(shape.lower, shape.upper, 100_000)
+    assert std**2 == pytest.approx(np.mean((true - value) ** 2), rel=0.02)
+    assert np.mean(np.abs(true - value) < 1.96 * std) > 0.95
+
+
+@pytest.mark.parametrize(("harmonic", "share", "is_whole"), [(2.0, 0.2, True), (2.5, 0.6, False)])
+def test_friction_comes_a_whole_number_of_times_a_turn_unless_the_data_ask_for_another(
+    harmonic, share, is_whole
+):
+    shop = shop_of(data_set(3, extra=uneven(harmonic, share)))
+    trial = trial_of(shop, WAVE, 0, (harmonic,))
+    fit = shop.fit((), shop.layout(trial)).fit
+    best = at_rest(score(trial, fit), fit, shop.context)
+    told = as_usual(shop, [], best, fit).trial.values[0]
+    if is_whole:
+        assert best.trial.values[0] != told == harmonic
+    else:
+        assert told == best.trial.values[0] == pytest.approx(harmonic, rel=0.03)
