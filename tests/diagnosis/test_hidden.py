@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.band import Band
 from oed.diagnosis.data.direction import uncertain_direction
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit import hidden as hidden_module
@@ -24,11 +23,9 @@ DRAWS = 400
 
 @pytest.fixture(scope="module")
 def single():
-    """A motion that is run once, on the log's own grid, where a turn takes several samples."""
+    """A motion that is run once."""
     dataset = data_set(3, repetitions=1, roles=("estimation",))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Band, "thinned", lambda band, *_: band)
-        (prepared,) = prepare(dataset.recordings, DiagnosisSettings())
+    (prepared,) = prepare(dataset.recordings, DiagnosisSettings())
     return prepared
 
 

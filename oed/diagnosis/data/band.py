@@ -35,6 +35,7 @@ TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition widt
 # Of the fine grid, over the cut-off: friction's steps lie within half a sample, and gears, whose
 # resonance may lie beyond the band, are followed from sample to sample.
 FINE_PER_CUTOFF = 25.0
+DENSE = 500.0  # [Hz] of a fine grid that shows any moment well
 NEARLY = 0.02  # of that, by which a fine grid may be coarser
 PHASE = 0.02  # of a fine sample, by which a repetition may begin beside one
 ALIASING = 0.4  # of a coarser grid's rate, to which a torque is low-passed before it is thinned
@@ -108,7 +109,8 @@ class Band:
         turns = np.array(periods) * self.rate
         for step in range(int((1 + NEARLY) * self.rate / needed), 1, -1):
             in_phase = np.abs(turns / step - np.round(turns / step)) < PHASE
-            if in_phase.all():  # rows lie no further apart than before
+            # The rows stay where they are, or lie a little nearer on a grid that is dense in any case.
+            if in_phase.all() and (self.factor % step == 0 or self.rate / step >= DENSE):
                 return dataclasses.replace(
                     self, rate=self.rate / step, factor=self.factor // step, logged=step
                 )

@@ -21,8 +21,9 @@ from oed.diagnosis.fit.linear_fit import Projection
 ABSORBED = 1e-4
 AT_ONCE = 64  # groups whose products are one
 
-# White columns for each joint that they act on.
+# White columns for each joint that they act on; of several groups each has its own number of them.
 Group = Mapping[int, Float[ndarray, "rows columns"]]
+Groups = Sequence[Mapping[int, Float[ndarray, "rows _"]]]
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ def normal_equations(
 
 
 def normal_equations_of_all(
-    projection: Projection, residual: Float[ndarray, "joints rows"], groups: Sequence[Group]
+    projection: Projection, residual: Float[ndarray, "joints rows"], groups: Groups
 ) -> list[NormalEquations]:
     """The same of many groups, at a fraction of the time: thin products wait for memory."""
     inside = moments_of_all(groups, projection.basis)
@@ -139,7 +140,7 @@ def normal_equations_of_all(
 
 
 def moments_of_all(
-    groups: Sequence[Group], vectors: Float[ndarray, "joints rows count"]
+    groups: Groups, vectors: Float[ndarray, "joints rows count"]
 ) -> list[Float[ndarray, "_ count"]]:
     """Moments of each group's columns with many vectors: one product for all of a joint."""
     result = [np.zeros((_width(group), vectors.shape[2])) for group in groups]

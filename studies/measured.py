@@ -1,0 +1,213 @@
+"""What do measured arms lack, and what does adding it gain on recordings that chose nothing?
+
+    python -m studies.measured [--data DIR] [--out results/measured] [--reports DIR] [--seed N]
+                               [--smoke]
+
+Runs `studies.close_loop` on every data set in a folder, `../shared/data` by default, and sets what
+it says of each side by side: verdict, names, errors before and after. The whole diagnosis of each
+goes to `out/measured` or the folder given by `--reports`. A run that was interrupted goes on where
+it stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from oed.diagnosis.diagnosis import Diagnosis
+from oed.diagnosis.evidence.proof import RoleProof
+from oed.errors import OedError
+from oed.report.joint_words import over_floor
+from oed.report.json_file import write_atomically
+from oed.report.output_folder import output_folder, results_folder
+from oed.report.provenance import Provenance
+from oed.report.table import Row, markdown_table
+from studies import close_loop
+from studies.case_runner import CaseRunner, RowFile
+from studies.data_folders import SHARED, data_sets
+from studies.interrupt import RESUMES, leave
+
+RUNS = "runs.csv"
+KEY = ("data", "seed", "smoke")
+UNSEEN = ("validation", "test")
+EXPLAINED = (
+    "Errors before and after, root mean square over the joints in noise floors: the base model "
+    "(rigid body, Coulomb and viscous friction; rotor inertias where the data set declares them) "
+    "and the same with what was found. The test recordings chose nothing; at most they took "
+    "something back. “Worst joint” is the largest ratio of after to before."
+)
+VALUES = (
+    "status",
+    "samples",
+    "joints",
+    "verdict",
+    "named",
+    "unnamed",
+    *(f"{role}_{when}" for role in UNSEEN for when in ("before", "after", "worst_joint")),
+    "relative_test",
+    "seconds",
+)
+
+
+@dataclass(frozen=True)
+class Config:
+    """What is diagnosed.
+
+    Attributes:
+        data: Folder of the data sets; the shared ones if None.
+        seed: Of every diagnosis.
+        smoke: Whether each is a small one.
+    """
+
+    data: Path | None = None
+    seed: int = 0
+    smoke: bool = False
+
+
+@dataclass(frozen=True)
+class Case:
+    """One data set.
+
+    Attributes:
+        folder: Of the data set.
+        seed: Of the diagnosis.
+        smoke: Whether it is a small one.
+        reports: Folder for the diagnoses.
+    """
+
+    folder: Path
+    seed: int
+    smoke: bool
+    reports: Path
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """As text, in the order of `KEY`."""
+        return (self.folder.name, str(self.seed), "yes" if self.smoke else "no")
+
+
+def work(case: Case) -> dict[str, str | int | float]:
+    """A line of the table: what a diagnosis says of a data set."""
+    start = time.perf_counter()
+    kept = case.reports / case.folder.name
+    config = close_loop.Config(case.folder, kept, smoke=case.smoke, seed=case.seed)
+    outcome = close_loop.run(config)
+    close_loop.write(outcome, config)
+    found, dataset = outcome.found, outcome.dataset
+    return {
+        "status": "done",
+        "samples": sum(len(r.t) for r in dataset.recordings),
+        "joints": dataset.robot.n,
+        "verdict": found.verdict,
+        "named": "; ".join(f"{e.name} ({_place(e.joint)})" for e in found.effects),
+        "unnamed": "; ".join(f"{u.label} ({_place(u.joint)})" for u in found.unexplained),
+        **{k: v for proof in found.proof for k, v in _errors(proof, found).items()},
+        "seconds": round(time.perf_counter() - start),
+    }
+
+
+def _place(joint: int | None) -> str:
+    return "arm" if joint is None else f"joint {joint + 1}"
+
+
+def _errors(proof: RoleProof, found: Diagnosis) -> dict[str, str | float]:
+    if proof.role not in UNSEEN:
+        return {}
+    before, after = (over_floor(x, found.noise_floor) for x in (proof.before, proof.after))
+    ratios = proof.after / proof.before
+    told: dict[str, str | float] = {
+        f"{proof.role}_before": round(before, 3),
+        f"{proof.role}_after": round(after, 3),
+        f"{proof.role}_worst_joint": round(float(ratios.max()), 3),
+    }
+    if proof.role == "test":
+        pairs = zip(proof.before / proof.torque, proof.after / proof.torque, strict=True)
+        told["relative_test"] = "; ".join(f"{old:.3f} → {new:.3f}" for old, new in pairs)
+    return told
+
+
+def page(rows: Sequence[Mapping[str, str]]) -> str:
+    """The summary of the lines."""
+    done = [row for row in rows if row["status"] == "done"]
+    table: list[Row] = [
+        {
+            "data set": row["data"],
+            "joints": row["joints"],
+            "samples": row["samples"],
+            "validation": f"{row['validation_before']} → {row['validation_after']}",
+            "test": f"{row['test_before']} → {row['test_after']}",
+            "test, worst joint": f"× {row['test_worst_joint']}",
+            "verdict": row["verdict"],
+            "seconds": row["seconds"],
+        }
+        for row in done
+    ]
+    parts = [
+        "# Measured arms",
+        EXPLAINED,
+        markdown_table(table),
+    ]
+    for row in done:
+        parts += [
+            f"## {row['data']}",
+            f"Named: {row['named'] or 'nothing'}.",
+            f"Without a name: {row['unnamed'] or 'nothing'}.",
+            f"Test error over the torque's root mean square, joint by joint: {row['relative_test']}.",
+        ]
+    failed = [f"{row['data']}: {row['status']}" for row in rows if row["status"] != "done"]
+    if failed:
+        parts += ["## Not diagnosed", *failed]
+    return "\n\n".join(parts) + "\n"
+
+
+def run(config: Config, out: Path, reports: Path) -> list[dict[str, str]]:
+    """Do the data sets that have no line yet, and return all lines.
+
+    Raises:
+        OedError: If there is no data set.
+    """
+    folders = data_sets(config.data)
+    if not folders:
+        raise OedError(f"{SHARED}: no data sets there; name a folder with --data")
+    cases = [Case(folder, config.seed, config.smoke, reports) for folder in folders]
+    rows = RowFile(out / RUNS, KEY, VALUES)
+    # One after another: each works on all processors, as its user's would.
+    CaseRunner(work, rows, "measured arms").run(cases)
+    return rows.rows()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument(
+        "--data", type=Path, help="folder of data sets; ../shared/data if not given"
+    )
+    parser.add_argument("--out", type=output_folder, help="results/measured if not given")
+    parser.add_argument(
+        "--reports",
+        type=output_folder,
+        default=Path("out/measured"),
+        help="folder for whole diagnoses",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of every diagnosis")
+    parser.add_argument("--smoke", action="store_true", help="small diagnoses")
+    options = parser.parse_args(arguments)
+    out = options.out or results_folder("measured", smoke=options.smoke)
+    config = Config(options.data, options.seed, options.smoke)
+    try:
+        rows = run(config, out, options.reports)
+    except OedError as error:
+        sys.stderr.write(f"studies.measured: {error}\n")
+        return 2
+    write_atomically(out / "summary.md", page(rows))
+    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
+    print(page(rows))
+    return 0
+
+
+if __name__ == "__main__":
+    leave(main, "studies.measured", RESUMES)
