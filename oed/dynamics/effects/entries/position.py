@@ -187,7 +187,8 @@ POSITION_DEPENDENT_FRICTION = CatalogueEntry(
         equation="(a cos(k q) + b sin(k q)) s, with its overtone at 2 k where the data ask for it",
         source="Armstrong 1988, IEEE Int. Conf. Robotics and Automation, 1440-1447; Popović and "
         "Goldenberg 1998, IEEE Trans. Robotics and Automation 14(1), 114-122",
-        parameters="a, b in N m, amplitude 5 to 40 % of Coulomb friction; k periods a joint turn",
+        parameters="a, b in N m, amplitude 5 to 40 % of Coulomb friction; k periods a joint turn, "
+        "1, 2 or 3 unless the data ask for another number",
         signature="Coulomb friction that varies with position; turns its sign with the velocity",
         confused_with=("load_dependent_friction", "torque_ripple"),
         exposed_by="both directions through every position",
