@@ -25,9 +25,9 @@ from oed.report.joint_words import over_floor
 from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
-from oed.report.table import Row, markdown_table
+from oed.report.table import MISSING, Row, markdown_table
 from studies import close_loop
-from studies.case_runner import CaseRunner, RowFile
+from studies.case_runner import CaseRunner, RowFile, is_finished
 from studies.data_folders import SHARED, data_sets
 from studies.interrupt import RESUMES, leave
 
@@ -85,6 +85,11 @@ class Case:
     reports: Path
 
     @property
+    def kept(self) -> Path:
+        """Where its diagnosis goes."""
+        return self.reports / self.folder.name / f"seed_{self.seed}"
+
+    @property
     def key(self) -> tuple[str, ...]:
         """As text, in the order of `KEY`."""
         return (self.folder.name, str(self.seed), "yes" if self.smoke else "no")
@@ -93,8 +98,7 @@ class Case:
 def work(case: Case) -> dict[str, str | int | float]:
     """A line of the table: what a diagnosis says of a data set."""
     start = time.perf_counter()
-    kept = case.reports / case.folder.name
-    config = close_loop.Config(case.folder, kept, smoke=case.smoke, seed=case.seed)
+    config = close_loop.Config(case.folder, case.kept, smoke=case.smoke, seed=case.seed)
     outcome = close_loop.run(config)
     close_loop.write(outcome, config)
     found, dataset = outcome.found, outcome.dataset
@@ -138,25 +142,21 @@ def page(rows: Sequence[Mapping[str, str]]) -> str:
             "data set": row["data"],
             "joints": row["joints"],
             "samples": row["samples"],
-            "validation": f"{row['validation_before']} → {row['validation_after']}",
-            "test": f"{row['test_before']} → {row['test_after']}",
-            "test, worst joint": f"× {row['test_worst_joint']}",
+            **{role: _change(row[f"{role}_before"], row[f"{role}_after"]) for role in UNSEEN},
+            "test, worst joint": row["test_worst_joint"] or MISSING,
             "verdict": row["verdict"],
             "seconds": row["seconds"],
         }
         for row in done
     ]
-    parts = [
-        "# Measured arms",
-        EXPLAINED,
-        markdown_table(table),
-    ]
+    parts = ["# Measured arms", EXPLAINED, *([markdown_table(table)] if table else [])]
     for row in done:
         parts += [
             f"## {row['data']}",
             f"Named: {row['named'] or 'nothing'}.",
             f"Without a name: {row['unnamed'] or 'nothing'}.",
-            f"Test error over the torque's root mean square, joint by joint: {row['relative_test']}.",
+            "Test error over the torque's root mean square, joint by joint: "
+            + (row["relative_test"] or MISSING),
         ]
     failed = [f"{row['data']}: {row['status']}" for row in rows if row["status"] != "done"]
     if failed:
@@ -164,8 +164,12 @@ def page(rows: Sequence[Mapping[str, str]]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def run(config: Config, out: Path, reports: Path) -> list[dict[str, str]]:
-    """Do the data sets that have no line yet, and return all lines.
+def _change(before: str, after: str) -> str:
+    return f"{before} → {after}" if before else MISSING
+
+
+def run(config: Config, out: Path, reports: Path) -> str:
+    """Do the data sets that have no line yet, and write and return the summary of all.
 
     Raises:
         OedError: If there is no data set.
@@ -174,10 +178,15 @@ def run(config: Config, out: Path, reports: Path) -> list[dict[str, str]]:
     if not folders:
         raise OedError(f"{SHARED}: no data sets there; name a folder with --data")
     cases = [Case(folder, config.seed, config.smoke, reports) for folder in folders]
-    rows = RowFile(out / RUNS, KEY, VALUES)
+    rows, asked = RowFile(out / RUNS, KEY, VALUES), {case.key for case in cases}
+    finished = is_finished(rows, cases, config)
     # One after another: each works on all processors, as its user's would.
     CaseRunner(work, rows, "measured arms").run(cases)
-    return rows.rows()
+    summary = page([row for row in rows.rows() if tuple(row[c] for c in KEY) in asked])
+    if not finished:
+        write_atomically(out / "summary.md", summary)
+        Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
+    return summary
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -199,13 +208,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     out = options.out or results_folder("measured", smoke=options.smoke)
     config = Config(options.data, options.seed, options.smoke)
     try:
-        rows = run(config, out, options.reports)
+        print(run(config, out, options.reports))
     except OedError as error:
         sys.stderr.write(f"studies.measured: {error}\n")
         return 2
-    write_atomically(out / "summary.md", page(rows))
-    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
-    print(page(rows))
     return 0
 
 

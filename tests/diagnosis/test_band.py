@@ -62,6 +62,8 @@ def test_an_acceleration_keeps_the_motion_and_little_of_the_noise():
         (Band(rate=1000.0, factor=39, cutoff=10.0, smoothing=30.0), 60.0, 1000 / 3),
         (Band(rate=500.0, factor=25, cutoff=8.0, smoothing=24.0), 60.0, 500.0),
         (Band(rate=1000.0, factor=19, cutoff=20.1, smoothing=60.0), 60.0, 500.0),
+        (Band(rate=999.0, factor=19, cutoff=20.1, smoothing=60.0), 60.0, 499.5),
+        (Band(rate=1000.0, factor=50, cutoff=8.0, smoothing=24.0), 489.0, 1000.0),
         (Band(rate=1000.0, factor=13, cutoff=30.0, smoothing=90.0), 60.0, 1000.0),
         (Band(rate=100.0, factor=5, cutoff=8.0, smoothing=24.0), 60.0, 100.0),
     ],

@@ -7,7 +7,7 @@ import pytest
 
 from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.evidence.estimates import estimates
-from oed.diagnosis.evidence.profile import UNIFORM
+from oed.diagnosis.evidence.profile import UNIFORM, widened
 from oed.diagnosis.terms.scores import at_rest, score
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import COULOMB, data_set
@@ -35,7 +35,8 @@ def test_the_interval_of_an_unknown_shape_holds_its_range(place):
     shape = CATALOGUE[WAVE].shapes_for(shop.context, 0)[0]
     value = shape.lower + place * (shape.upper - shape.lower)
     trial = dataclasses.replace(trial, values=(value, *trial.values[1:]))
-    unknown = np.diag([0.01, 0.01, UNIFORM**2, 0.0])
+    known = np.diag([0.01, 0.01, 0.03**2, 0.0])
+    unknown = widened(known, 2, UNIFORM / 0.03)  # as a flat profile has it, to a rounding error
     told = estimates(shop, trial, np.ones(2), unknown)
     (std,) = (p.std for p in told if p.name == shape.name)
     true = np.random.default_rng(0).uniform(shape.lower, shape.upper, 100_000)

@@ -21,7 +21,7 @@ def test_what_each_data_set_lacks_stands_side_by_side(tmp_path, capsys):
     rows = {row["data"]: row for row in read_csv(out / "runs.csv")}
     assert rows["broken"]["status"].startswith("failed")
     row = rows["creeping"]
-    record = read_json(reports / "creeping" / "diagnosis.json")
+    record = read_json(reports / "creeping" / "seed_0" / "diagnosis.json")
     assert (row["verdict"], row["joints"]) == (record["verdict"], 2)
     assert "stribeck (joint 1)" in row["named"]
     assert row["test_after"] < row["test_before"]

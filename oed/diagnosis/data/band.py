@@ -36,7 +36,7 @@ TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition widt
 # resonance may lie beyond the band, are followed from sample to sample.
 FINE_PER_CUTOFF = 25.0
 DENSE = 500.0  # [Hz] of a fine grid that shows any moment well
-NEARLY = 0.02  # of that, by which a fine grid may be coarser
+NEARLY = 0.02  # share of either by which a fine grid may fall short of it
 PHASE = 0.02  # of a fine sample, by which a repetition may begin beside one
 ALIASING = 0.4  # of a coarser grid's rate, to which a torque is low-passed before it is thinned
 BLOCK = 0.5  # [s] of a residual that go together: it is correlated over the band's inverse
@@ -105,12 +105,15 @@ class Band:
             fastest: Frequency on the fine grid that must not fold into the band [Hz].
             periods: Of repeated motions [s]: samples of all repetitions must lie at the same phases.
         """
-        needed = max(FINE_PER_CUTOFF * self.cutoff, fastest + self.cutoff * (1 + TRANSITION))
+        # What folds into the band leaves no room to fall short.
+        unfolded = fastest + self.cutoff * (1 + TRANSITION)
+        needed = max((1 - NEARLY) * FINE_PER_CUTOFF * self.cutoff, unfolded)
         turns = np.array(periods) * self.rate
-        for step in range(int((1 + NEARLY) * self.rate / needed), 1, -1):
+        for step in range(int(self.rate / needed), 1, -1):
             in_phase = np.abs(turns / step - np.round(turns / step)) < PHASE
+            is_dense = self.rate / step >= (1 - NEARLY) * DENSE
             # The rows stay where they are, or lie a little nearer on a grid that is dense in any case.
-            if in_phase.all() and (self.factor % step == 0 or self.rate / step >= DENSE):
+            if in_phase.all() and (self.factor % step == 0 or is_dense):
                 return dataclasses.replace(
                     self, rate=self.rate / step, factor=self.factor // step, logged=step
                 )

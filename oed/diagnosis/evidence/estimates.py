@@ -20,6 +20,7 @@ from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import since
 
 STEP = 1e-4  # [rad] of a difference
+ANYWHERE = 0.99  # of the deviation of a shape of which nothing is known, from which on it is that
 RESOLVED = 1e-12  # of the largest variance, below which one is a rounding error
 # [rad], of an angle that may be any: a tilt about an axis along which no joint feels gravity.
 UNSEEN_TILT = np.pi / np.sqrt(3)
@@ -97,7 +98,7 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
         # A shape can be no less certain than anywhere in its range: from its end, that is further off.
         width, middle = shape.upper - shape.lower, (shape.upper + shape.lower) / 2
         anywhere = np.hypot(width / np.sqrt(12), value - middle)
-        if shape.is_estimated and on_axis >= UNIFORM:
+        if shape.is_estimated and on_axis > ANYWHERE * UNIFORM:
             std = anywhere
         found.append(Estimated(shape.name, value + lead, float(min(std, anywhere)), shape.unit))
     return found

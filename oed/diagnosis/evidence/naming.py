@@ -181,8 +181,10 @@ def _never_worse(
             kept, late = kept.exchanged(shop, late[0], moved), late[1:]
             found = tried(kept)
         else:
+            # Without the tilt that the tables are turned by, they stay turned: it goes last.
+            loose = [t for t in kept.trials if not (t.name == GRAVITY and shop.is_turned)]
             found = min(
-                (tried(kept.without(shop, trial, reason)) for trial in reversed(kept.trials)),
+                (tried(kept.without(shop, t, reason)) for t in reversed(loose or kept.trials)),
                 key=lambda t: (t.is_worse, t.error),
             )
     return found.kept, found.final

@@ -29,7 +29,7 @@ from oed.robot import Robot
 
 STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
 SHORTEST = 100  # samples whose spectrum tells anything
-REMEMBERED = 48  # torques of a few recordings: a scan asks for the same ones at each trial value
+REMEMBERED = 96  # torques of a few recordings: a scan asks for the same ones at each trial value
 
 
 @runtime_checkable
