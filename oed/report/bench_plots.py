@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 
 from oed.report.style import BLUE, COLUMN, GREY, PAGE, STYLE, VERMILION, new_figure
 
@@ -94,6 +95,8 @@ def plot_errors(groups: Sequence[str], ratios: Sequence[Sequence[float]]) -> Fig
         axes.plot(np.median(values), row, "D", color=VERMILION, markersize=3.5)
     axes.axvline(1.0, color=GREY, linewidth=0.8)
     axes.set_xscale("log")
+    for show in (axes.xaxis.set_major_formatter, axes.xaxis.set_minor_formatter):
+        show(LogFormatter())  # 2, not 2 × 10⁰
     axes.set_yticks(range(len(groups)), [group.replace("_", " ") for group in groups])
     axes.set(xlabel="test error after / noise floor", ylim=(len(groups) - 0.5, -0.5))
     return figure
