@@ -15,14 +15,15 @@ from oed.diagnosis.candidates.paying import validation_gain
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import foretells_most
 from oed.diagnosis.search.free_form_rivals import FULLER, in_more_terms
+from oed.diagnosis.tables.workbench import is_pure_delay
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.scores import inflation_of, score
 from oed.diagnosis.terms.trials import Trial, free_form_trials
 
-# Share by which what bends the model's own torque lowers a held-out error of noise: a delay, a lag or
-# a soft gear smooths what the model predicts, and with it what encoder noise adds to that.
+# Share by which what bends the model's own torque lowers a held-out error of noise: a lag or a soft
+# gear smooths what the model predicts, and with it what encoder noise adds to that. A delay does not.
 LEAST = 0.005
 # Share of what a name and a free form explain together up to which that name is not missed.
 SUPERFLUOUS = 0.1
@@ -128,7 +129,7 @@ def drop_superfluous(
         # Where the error is far above the noise, as much noise is a smaller share of it.
         joints = list(item.trial.group)
         loud = max(float((left / unseen.counted)[joints].mean()), 1.0)
-        least = LEAST / loud if item.trial.fixed else 0.0
+        least = LEAST / loud if item.trial.fixed and not is_pure_delay(item.trial) else 0.0
         reason = None
         if needed < _price(shop, item.trial):
             reason = f"gains {needed:.3g} beside the other additions"

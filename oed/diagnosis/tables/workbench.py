@@ -238,6 +238,11 @@ def comes_first(trial: Trial) -> bool:
     return isinstance(lag, TimeDelay) and lag.delay < 0
 
 
+def is_pure_delay(trial: Trial) -> bool:
+    """Whether an addition moves the torque of the whole arm in time, and does nothing else to it."""
+    return isinstance(_lag_of(trial), TimeDelay)
+
+
 def _lag_of(trial: Trial) -> MeasurementEffect | None:
     effect = trial.effect
     return effect.measurement if isinstance(effect, TorqueChange) else None
