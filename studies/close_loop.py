@@ -31,7 +31,7 @@ from oed.experiment.stretches import gap_notes, gap_record
 from oed.report.diagnosis_report import write_diagnosis
 from oed.report.effect_section import p_value_text
 from oed.report.effect_words import known_parameters
-from oed.report.joint_words import over_floor
+from oed.report.joint_words import over_floor, place_words
 from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
 from studies.interrupt import leave
@@ -165,13 +165,14 @@ def _summarise(outcome: Outcome, config: Config) -> None:
     found = outcome.found
     _say(f"verdict: {found.verdict}")
     for effect in found.effects:
-        place = "arm" if effect.joint is None else f"joint {effect.joint + 1}"
         known = known_parameters(effect, found.shop.context, outcome.dataset.robot.joints)
         values = ", ".join(
             f"{p.label} = {p.value:.4g} " + (f"± {p.std:.2g}" if p.note is None else f"({p.note})")
             for p in known
         )
-        _say(f"  {effect.name} ({place}): {values}; by accident: {p_value_text(effect.p_value)}")
+        _say(
+            f"  {effect.name} ({place_words(effect.joint)}): {values}; by accident: {p_value_text(effect.p_value)}"
+        )
     for item in found.unexplained:
         _say(f"  unexplained on joint {item.joint + 1}: {item.label}")
     if np.any(found.expected > CLEAR_UNSEEN):

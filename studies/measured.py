@@ -20,8 +20,7 @@ from pathlib import Path
 
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import RoleProof
-from oed.errors import OedError
-from oed.report.joint_words import over_floor
+from oed.report.joint_words import over_floor, place_words
 from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
@@ -58,14 +57,14 @@ class Config:
     """What is diagnosed.
 
     Attributes:
-        data: Folder of the data sets; the shared ones if None.
+        data_sets: Names of their folders.
         seed: Of every diagnosis.
         smoke: Whether each is a small one.
     """
 
-    data: Path | None = None
-    seed: int = 0
-    smoke: bool = False
+    data_sets: tuple[str, ...]
+    seed: int
+    smoke: bool
 
 
 @dataclass(frozen=True)
@@ -107,15 +106,11 @@ def work(case: Case) -> dict[str, str | int | float]:
         "samples": sum(len(r.t) for r in dataset.recordings),
         "joints": dataset.robot.n,
         "verdict": found.verdict,
-        "named": "; ".join(f"{e.name} ({_place(e.joint)})" for e in found.effects),
-        "unnamed": "; ".join(f"{u.label} ({_place(u.joint)})" for u in found.unexplained),
+        "named": "; ".join(f"{e.name} ({place_words(e.joint)})" for e in found.effects),
+        "unnamed": "; ".join(f"{u.label} ({place_words(u.joint)})" for u in found.unexplained),
         **{k: v for proof in found.proof for k, v in _errors(proof, found).items()},
         "seconds": round(time.perf_counter() - start),
     }
-
-
-def _place(joint: int | None) -> str:
-    return "arm" if joint is None else f"joint {joint + 1}"
 
 
 def _errors(proof: RoleProof, found: Diagnosis) -> dict[str, str | float]:
@@ -168,16 +163,8 @@ def _change(before: str, after: str) -> str:
     return f"{before} → {after}" if before else MISSING
 
 
-def run(config: Config, out: Path, reports: Path) -> str:
-    """Do the data sets that have no line yet, and write and return the summary of all.
-
-    Raises:
-        OedError: If there is no data set.
-    """
-    folders = data_sets(config.data)
-    if not folders:
-        raise OedError(f"{SHARED}: no data sets there; name a folder with --data")
-    cases = [Case(folder, config.seed, config.smoke, reports) for folder in folders]
+def run(cases: Sequence[Case], config: Config, out: Path) -> str:
+    """Do the data sets that have no line yet, and write and return the summary of all."""
     rows, asked = RowFile(out / RUNS, KEY, VALUES), {case.key for case in cases}
     finished = is_finished(rows, cases, config)
     # One after another: each works on all processors, as its user's would.
@@ -206,12 +193,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--smoke", action="store_true", help="small diagnoses")
     options = parser.parse_args(arguments)
     out = options.out or results_folder("measured", smoke=options.smoke)
-    config = Config(options.data, options.seed, options.smoke)
-    try:
-        print(run(config, out, options.reports))
-    except OedError as error:
-        sys.stderr.write(f"studies.measured: {error}\n")
+    folders = data_sets(options.data)
+    if not folders:
+        sys.stderr.write(f"studies.measured: {SHARED}: no data sets; name a folder with --data\n")
         return 2
+    config = Config(tuple(f.name for f in folders), options.seed, options.smoke)
+    cases = [Case(folder, options.seed, options.smoke, options.reports) for folder in folders]
+    print(run(cases, config, out))
     return 0
 
 

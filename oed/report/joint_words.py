@@ -27,6 +27,11 @@ def joint_labels(names: Sequence[str]) -> list[str]:
     ]
 
 
+def place_words(joint: int | None) -> str:
+    """Where an effect sits, such as "joint 2"; "arm" for the whole of it."""
+    return "arm" if joint is None else f"joint {joint + 1}"
+
+
 def torque_units(joints: Sequence[Joint]) -> list[str]:
     """Unit of each joint's torque or force."""
     return [joint.unit("N m") for joint in joints]

@@ -66,7 +66,7 @@ def test_a_search_finds_as_much_in_what_a_model_left_of_noise_as_in_other_noise(
     trials = [dataclasses.replace(some, group={0: columns[:, k]}) for k in range(20)]
     expected, found = [], []
     for _ in range(12):
-        fit = fit_layout(shop.baseline, layout, [model], noise(rng, size))
+        fit = fit_layout(shop.baseline, layout, layout.span.extended(model), noise(rng, size))
         inflation = inflation_of(fit)
         expected += [max(score(t, fit).surprise(inflation) for t in trials)]
         drawn = moved(undiminished(fit), fit.rows, 40, rng)

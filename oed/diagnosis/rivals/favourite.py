@@ -35,7 +35,7 @@ def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> Linea
     # The effect as it was fitted: one that acts on the model's torque brings its own.
     mine = dataclasses.replace(favourite, group=white_group(favourite.effect, layout.rows))
     torque = dense(mine, shop.context.n, layout.rows.count) @ coefficients
-    return fit_layout(shop.baseline, layout, [], torque)
+    return fit_layout(shop.baseline, layout, layout.span, torque)
 
 
 def context_beside(shop: Workshop, further: Prepared | None) -> Context:

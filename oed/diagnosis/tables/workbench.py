@@ -158,10 +158,7 @@ def _forgetful(effect: Effect) -> Effect:
 
 
 def fit_with(
-    baseline: Baseline,
-    layout: Layout,
-    chosen: Sequence[Trial],
-    context: Context | None,
+    baseline: Baseline, layout: Layout, chosen: Sequence[Trial], context: Context | None
 ) -> Augmented:
     """Fit base model and additions together.
 
@@ -182,7 +179,7 @@ def fit_with(
         places.append(slice(start, start + columns))
         start += columns
     span = layout.span_with(chosen)
-    linear = fit_span(baseline.model, baseline.columns, layout.rows, span, target)
+    linear = fit_layout(baseline, layout, span, target)
     coefficients = tuple(
         np.ones(len(t.effect.parameters)) if t.fixed else linear.parameters[p]
         for t, p in zip(chosen, places, strict=True)
@@ -195,8 +192,7 @@ def fit_with(
         bends.append(slice(start, start + derivatives.shape[2]))
         blocks.append(derivatives)
         start += derivatives.shape[2]
-    span = span.extended(np.concatenate(blocks, axis=2))
-    bent = fit_span(baseline.model, baseline.columns, layout.rows, span, target)
+    bent = fit_layout(baseline, layout, span.extended(np.concatenate(blocks, axis=2)), target)
     return _augmented(tuple(chosen), coefficients, bent, places, bends)
 
 
@@ -266,11 +262,7 @@ def _augmented(
 
 
 def fit_layout(
-    baseline: Baseline,
-    layout: Layout,
-    added: Sequence[Float[ndarray, "joints rows _"]],
-    torque: Float[ndarray, "joints rows"],
+    baseline: Baseline, layout: Layout, span: Projection, torque: Float[ndarray, "joints rows"]
 ) -> LinearFit:
-    """Fit the base model, and blocks of white columns added to it, to a torque on these rows."""
-    span = layout.span.extended(np.concatenate(added, axis=2)) if added else layout.span
+    """Fit the base model, and what the span has besides, to a torque on these rows."""
     return fit_span(baseline.model, baseline.columns, layout.rows, span, torque)
