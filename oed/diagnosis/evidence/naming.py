@@ -21,7 +21,6 @@ from oed.diagnosis.evidence.final_model import (
     lost_when_repeated,
 )
 from oed.diagnosis.evidence.impossible_load import impossible_load
-from oed.diagnosis.evidence.motorless import motorless
 from oed.diagnosis.evidence.own_parts import with_own_parts
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
@@ -92,8 +91,6 @@ def _sure(
         doubtful, reason = doubtful_name(shop, found), "its own interval holds zero"
         if doubtful is None:
             doubtful, reason = impossible_load(found), "no body has such inertial parameters"
-        if doubtful is None:
-            doubtful, reason = motorless(found), "neither a rotor nor dry friction of it is clear"
         if doubtful is None:
             doubtful, reason = _implausible(shop, selection, found)
         if doubtful is None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
-from oed.dynamics.scalars import Scalar, cos, mul, sin
+from oed.dynamics.scalars import Scalar, add, cos, magnitude, mul, sin
 
 LINEAR, PROGRESSIVE = 1, 3  # orders of a spring
 
@@ -83,36 +83,42 @@ class PositionFriction(Effect):
 
 @dataclass(frozen=True)
 class JointSpring(Effect):
-    """k (q_j - q_0), with higher powers where it tightens: cables, hoses, a balancing spring.
+    """k (q_j - q_0), with more where it tightens: cables, hoses, a balancing spring.
 
     Linear in powers of q_j - centre; the constant is tau_c = k (centre - q_0) of a linear spring.
-    Wang et al. 2019 identify such springs, and polynomials for cables, on the da Vinci arms.
+    Wang et al. 2019 identify such springs, and polynomials for cables, on the da Vinci arms. A cable
+    that goes slack has no polynomial: its stiffness changes at bends.
 
     Attributes:
         joint: Index of the joint.
         centre: Middle of the range moved in, so that the columns differ [rad].
         constant: Whether to have the constant; False beside a `TorqueOffset`.
         order: Highest power, `LINEAR` or `PROGRESSIVE`.
+        bends: Positions at which the stiffness changes, in rising order [rad].
     """
 
     joint: int
     centre: float = 0.0
     constant: bool = True
     order: int = LINEAR
+    bends: tuple[float, ...] = ()
     name = "joint_spring"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """k, the coefficients of higher powers, and the spring's torque at the centre."""
+        """k, the coefficients of higher powers, changes of k at bends, the torque at the centre."""
         tag = self.joint + 1
         powers = [Parameter(f"spring_{tag}", "N m/rad", self.joint)]
         powers += [
             Parameter(f"spring{k}_{tag}", f"N m/rad^{k}", self.joint)
             for k in range(2, self.order + 1)
         ]
-        if not self.constant:
-            return tuple(powers)
-        return (*powers, Parameter(f"spring_torque_{tag}", "N m", self.joint))
+        changes = (
+            Parameter(f"spring_bend{k}_{tag}", "N m/rad", self.joint)
+            for k in range(1, len(self.bends) + 1)
+        )
+        constant = [Parameter(f"spring_torque_{tag}", "N m", self.joint)] * self.constant
+        return (*powers, *changes, *constant)
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -120,13 +126,15 @@ class JointSpring(Effect):
         return (f"q_{self.joint + 1}",)
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """q_j - centre, its powers, 1."""
-        stretch = state.q[self.joint] - self.centre
+        """q_j - centre, its powers, what of q_j lies beyond each bend, 1."""
+        q = state.q[self.joint]
+        stretch = q - self.centre
         powers = [stretch]
         for _ in range(1, self.order):
             powers.append(mul(powers[-1], stretch))
-        columns: list[Mapping[int, Scalar]] = [{self.joint: power} for power in powers]
-        return [*columns, {self.joint: 1.0}] if self.constant else columns
+        beyond = [0.5 * add(q - bend, magnitude(q - bend)) for bend in self.bends]
+        columns = [*powers, *beyond, *([1.0] if self.constant else [])]
+        return [{self.joint: column} for column in columns]
 
 
 def _waves(symbol: str, harmonics: tuple[float, ...], joint: int) -> tuple[Parameter, ...]:

@@ -65,6 +65,28 @@ def test_a_spring_pulls_back_harder_everywhere_it_was_stretched(
     assert (reason is None) == plausible
 
 
+@pytest.mark.parametrize("end", [-0.7, -0.25, 0.0, 0.4])
+def test_a_cable_that_goes_slack_is_a_spring_in_stretches(end: float) -> None:
+    """To a tenth of what a line misses, wherever it goes slack, and none of it has to push."""
+    context = context_of(scara(), MOTION)
+    least, largest = context.position_range[1]
+    slack = (least + largest) / 2 + end * (largest - least) / 2
+    torque = 1.3 * np.maximum(Q - slack, 0.0)
+    left = {}
+    for formula in (1.0, 3.0):
+        columns = evaluate(CATALOGUE["joint_spring"].build(context, 1, (formula,)), MOTION, 2)[:, 1]
+        estimates = np.linalg.lstsq(columns, torque, rcond=None)[0]
+        left[formula] = np.sum((torque - columns @ estimates) ** 2)
+    assert CATALOGUE["joint_spring"].plausible(context, 1, (3.0,), estimates) is None
+    assert left[3.0] < 0.1 * left[1.0]
+
+
+def test_a_spring_in_stretches_does_not_push() -> None:
+    context = context_of(scara(), MOTION)
+    estimates = np.array([2.0, 0.0, -4.0, 4.0, 0.0, 0.1])
+    assert CATALOGUE["joint_spring"].plausible(context, 1, (3.0,), estimates) is not None
+
+
 def test_a_wave_may_have_its_overtone() -> None:
     context = context_of(scara(), MOTION)
     for name in ("torque_ripple", "position_dependent_friction"):

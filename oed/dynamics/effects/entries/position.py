@@ -52,8 +52,12 @@ MULTIPLES = {1: (1.0,), 2: (1.0, 2.0), 3: (1.0, 2.0, 3.0), 4: (1.0, 2.0, 0.5)}
 WHOLE_TURNS = (1.0, 2.0, 3.0)
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
 RIPPLE_WAVES = dataclasses.replace(WAVES, upper=float(max(MULTIPLES)))
-ORDERS = {1.0: LINEAR, 2.0: PROGRESSIVE}  # of a spring, by its formula
-PLACES = 50  # of the range, at which a spring must pull back harder the further it is stretched
+# Orders of a spring, by its formula, and stretches of the range that each have their own stiffness.
+ORDERS = {1.0: (LINEAR, 1), 2.0: (PROGRESSIVE, 1), 3.0: (LINEAR, 5)}
+PLACES = 51  # of the range, at which a spring must pull back harder the further it is stretched
+# Of its largest stiffness, by which a spring in stretches may fall short of that: where a cable goes
+# slack within one of five, the next of the best fit has -0.12 to -0.14 of it.
+SLACK = 0.2
 
 
 def _with_overtones(values: tuple[float, ...]) -> tuple[float, ...]:
@@ -198,9 +202,11 @@ POSITION_DEPENDENT_FRICTION = CatalogueEntry(
 
 def _spring(context: Context, target: Target, values: tuple[float, ...]) -> JointSpring:
     joint = joint_of(target)
-    centre = round(float(context.position_range[joint].mean()), 6)
-    order = ORDERS[values[0]]
-    return JointSpring(joint, centre, constant=not context.has_offset(joint), order=order)
+    least, largest = (float(x) for x in context.position_range[joint])
+    order, stretches = ORDERS[values[0]]
+    bends = np.linspace(least, largest, stretches + 1)[1:-1].round(6).tolist()
+    centre, constant = round((least + largest) / 2, 6), not context.has_offset(joint)
+    return JointSpring(joint, centre, constant=constant, order=order, bends=tuple(bends))
 
 
 def _spring_plausible(
@@ -209,17 +215,26 @@ def _spring_plausible(
     values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    joint, order = joint_of(target), ORDERS[values[0]]
+    joint, (order, stretches) = joint_of(target), ORDERS[values[0]]
     least, largest = (float(x) for x in context.position_range[joint])
-    pulled = np.polynomial.Polynomial([0.0, *estimates[:order]])
     reach = np.linspace(least - largest, largest - least, PLACES) / 2
-    stiffness = float(pulled.deriv()(reach).min())
-    swing = float(np.ptp(pulled(reach))) / 2
+    powers = np.polynomial.Polynomial([0.0, *estimates[:order]])
+    changes = estimates[order : order + stretches - 1]
+    bends = np.linspace(reach[0], reach[-1], stretches + 1)[1:-1]
+    stiffness = powers.deriv()(reach) + (reach[:, None] > bends) @ changes
+    pulled = powers(reach) + np.maximum(reach[:, None] - bends, 0.0) @ changes
+    short = SLACK * float(stiffness.max()) if stretches > 1 else 0.0
     bound = MOST_SPRING * peak_torque(context, joint)
     return first_reason(
         [
-            positive(stiffness, "the least stiffness", "N m/rad"),
-            at_most(swing, bound, "the spring's torque", "N m", "twice the peak torque"),
+            positive(float(stiffness.min()) + short, "the least stiffness", "N m/rad"),
+            at_most(
+                float(np.ptp(pulled)) / 2,
+                bound,
+                "the spring's torque",
+                "N m",
+                "twice the peak torque",
+            ),
         ]
     )
 
@@ -228,18 +243,19 @@ JOINT_SPRING = CatalogueEntry(
     name="joint_spring",
     families=("position", "even in speed"),
     scope="joint",
-    shapes=(Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0),),
+    shapes=(Shape("terms", "1", 1.0, float(max(ORDERS)), "formula", 1, 1.0),),
     holds=("torque_offset",),
     build=_spring,
     plausible=_spring_plausible,
     equivalent=("its constant part: torque_offset",),
     page=EffectPage(
         equation="k (q - q_0) = k (q - q_c) + τ_c, q_c the middle of the range; where it tightens, "
-        "with k_2 (q - q_c)² + k_3 (q - q_c)³",
+        "with k_2 (q - q_c)² + k_3 (q - q_c)³; where it goes slack, with another k in each fifth of the "
+        "range",
         source="Wang, Gondokaryono, Munawar, Fischer 2019, IEEE Robotics and Automation Letters "
         "4(4), 3657-3664",
         parameters="k > 0 in N m/rad, 0.1 to 1.2 of Coulomb friction a rad, the slope positive all "
-        "over the range; τ_c in N m",
+        "over the range, or zero where it is slack; τ_c in N m",
         signature="a torque even in velocity that rises along the range",
         confused_with=("gravity_direction", "torque_offset", "torque_ripple"),
         exposed_by="the whole range of the joint: a line where gravity is a sine",
