@@ -39,6 +39,7 @@ from oed.diagnosis.finding import Finding, find, uncontradicted
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.predict import rms
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import Drives
@@ -154,7 +155,7 @@ def diagnose(
     for note in notes:
         say(f"note: {note}")
     # The mean over repetitions, which a search looks at, shows a sign's turn better than they do.
-    shop = shop.sharpened(()) or shop
+    shop = sharpened(shop, ()) or shop
     result = uncontradicted(find(shop, held), held, by_role["test"])
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")

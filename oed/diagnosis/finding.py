@@ -23,6 +23,7 @@ from oed.diagnosis.search.name_search import FEW
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import search, with_stand_ins
 from oed.diagnosis.tables.predict import rms
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -199,15 +200,26 @@ def _found(
     """One search, without a tilt where that proves to be none; and the keys of names that fell."""
     turned, searched = search(shop, refused, upright=upright, instead_of=instead_of, barred=barred)
     layout = turned.layout_for(searched.trials)
-    before = fit_final(turned.declared, layout, turned.declared.model)
+    # As it is by itself: beside additions its signs turn otherwise.
+    before = fit_final(turned.declared, layout, shop.declared.model)
     kept, after, effects = named(turned, searched, validation, before)
     fallen = frozenset(t.key for t in _names(searched)) - {t.key for t in _names(kept)}
     if len(_names(kept)) < len(_names(searched)):
+        turned, kept = _sharpened(turned, kept)
         kept, after, effects = named(turned, with_stand_ins(turned, kept), validation, before)
     if turned.is_turned and all(t.name != GRAVITY for t in kept.trials):
         # The tables stand as the tilt has turned them, and all that was added stands on them.
         return _found(shop, validation, kept.refused, upright=True)
     return Finding(turned, kept, before, after, effects), fallen
+
+
+def _sharpened(shop: Workshop, kept: Selection) -> tuple[Workshop, Selection]:
+    """Tables with the signs that stand beside what is left, and that on them."""
+    sharper = sharpened(shop, kept.trials)
+    if sharper is None:
+        return shop, kept
+    moved = [dataclasses.replace(a, trial=sharper.renewed(a.trial)) for a in kept.accepted]
+    return sharper, Selection.of(sharper, moved, kept.refused)
 
 
 def _is_worse(one: Finding, other: Finding, validation: tuple[Prepared, ...]) -> bool:

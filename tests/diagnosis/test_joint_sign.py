@@ -5,6 +5,7 @@ import pytest
 
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates.usual import as_usual
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import at_rest, score
 from tests.diagnosis.arm import COULOMB, data_set
@@ -52,7 +53,7 @@ def test_width_and_rise_come_out_together_from_a_wrong_width(shop, wrong):
     trial = trial_of(astray, "stribeck", 0, (0.8, 1.0, 0.0))
     fit = astray.fit((), astray.layout(trial)).fit
     found = at_rest(score(trial, fit), fit, astray.context)
-    right = astray.sharpened([found.trial])
+    right = sharpened(astray, [found.trial])
     assert right is not None
     assert widths_of(right.baseline.model)[0] == pytest.approx(WIDTH, rel=0.15)
     fit = right.fit((), right.layout(trial)).fit

@@ -15,6 +15,7 @@ from oed.diagnosis.baseline.noise_floor import (
 )
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.entries.payload import FOR_GOOD
@@ -193,7 +194,7 @@ def test_a_load_is_known_by_the_repetitions_that_it_makes_differ():
     assert shop.baseline.floor.deviation[0] > 1.15 * expected[0]
     entry = CATALOGUE["payload_change"]
     trial = catalogue_trial(entry, shop.context, None, (TAKEN_UP, 1.0, FOR_GOOD), shop.full.rows)
-    sharper = shop.sharpened([trial])
+    sharper = sharpened(shop, [trial])
     assert sharper is not None
     assert sharper.baseline.floor.deviation == pytest.approx(expected, rel=0.07)
 

@@ -13,6 +13,7 @@ from oed.diagnosis.candidates.ripening import ripened
 from oed.diagnosis.candidates.telling import most_telling_first
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import at_rest, refine, scan, score
 from oed.diagnosis.terms.trials import Trial
@@ -116,7 +117,7 @@ def test_a_gap_is_found_with_all_its_shapes():
     first = _leading_rival(shop)
     assert first.key == ("backlash", 1)
     # Without the gap, blows had passed for a sign of the other joint that turns slowly.
-    sharper = shop.sharpened([first])
+    sharper = sharpened(shop, [first])
     assert sharper is not None
     gap, _, _, rotor_share, bearing = _leading_rival(sharper).values
     assert gap == pytest.approx(PLAY.gap, rel=0.15)

@@ -13,6 +13,7 @@ from oed.diagnosis.evidence.profile import left_by, profiled_deviation, widened
 from oed.diagnosis.evidence.uncertainty import robust_covariance, with_uncertainty
 from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score, at_rest, score
 from oed.diagnosis.terms.secants import secants
@@ -211,7 +212,7 @@ def test_a_sign_that_was_taken_for_slow_becomes_sharp_again():
     model = with_widths(shop.baseline.model, [50 * w for w in least])
     wide = shop.on(shop.baseline.with_model(model, shop.estimation))
     trial = trial_of(wide, "stribeck", 0, (0.1, 2.0, 1.0))
-    again = wide.sharpened([trial])
+    again = sharpened(wide, [trial])
     assert again is not None
     assert max(widths_of(again.baseline.model)) < 5 * max(least)
 

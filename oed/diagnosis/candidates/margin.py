@@ -23,6 +23,8 @@ SYSTEMATIC = 0.01
 SAMPLED = 1 / 2
 # Share of what two late torques make of noise by which it may be wrong: few repetitions show it.
 UNCERTAIN = 1 / 4
+# Of -2 log likelihood: by so little one of two laws may lead by chance.
+CLOSE = 3.0
 # Families in which one effect is another's first order: a delay of a lag, a rotor of a coupling, a
 # spring of a spring with a gap, an offset of a spring in a joint.
 NESTED = frozenset({"lag", "acceleration", "compliance", "even in speed"})
@@ -45,6 +47,23 @@ def decisive_between(shop: Workshop, one: Score, other: Score, unit: float = 1.0
         margin = max(decisive, share * _apart(trials, tables) / unit) if share else decisive
         return margin + of_noise(trials, tables) / unit
     return max(decisive, of_smoothing(*trials) * max(one.gain, other.gain) / unit)
+
+
+def tied_within(shop: Workshop, one: Score, other: Score, unit: float = 1.0) -> float:
+    """How much more one candidate must tell than another to be named before a plainer one.
+
+    An effect stands back behind its first order until it is the one that is meant; of two others
+    the data's own choice is named, unless they are close.
+
+    Args:
+        shop: The laid-out data.
+        one: Candidate.
+        other: Its rival.
+        unit: As in `decisive_between`.
+    """
+    if is_first_order(one.trial, other.trial):
+        return decisive_between(shop, one, other, unit)
+    return CLOSE
 
 
 def of_smoothing(one: Trial, other: Trial) -> float:

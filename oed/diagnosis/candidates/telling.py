@@ -16,7 +16,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.calming import calmed_beside, worth_beside
-from oed.diagnosis.candidates.margin import decisive_between, is_first_order
+from oed.diagnosis.candidates.margin import decisive_between, is_first_order, tied_within
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.side_by_side import side_by_side
@@ -92,7 +92,7 @@ def most_telling_first(
     values, unit = telling(shop, others, level)
     first = level[int(np.argmax(values))]
     tied = [
-        values.max() - value < _margin(shop, first, c, unit)
+        values.max() - value < tied_within(shop, first, c, unit)
         for value, c in zip(values, level, strict=True)
     ]
     order = sorted(

@@ -22,6 +22,7 @@ from oed.diagnosis.evidence.final_model import (
 )
 from oed.diagnosis.evidence.impossible_load import impossible_load
 from oed.diagnosis.evidence.own_parts import with_own_parts
+from oed.diagnosis.evidence.sharper_sign import told_by_a_sign
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
@@ -91,6 +92,8 @@ def _sure(
         doubtful, reason = doubtful_name(shop, found), "its own interval holds zero"
         if doubtful is None:
             doubtful, reason = impossible_load(found), "no body has such inertial parameters"
+        if doubtful is None:
+            doubtful, reason = told_by_a_sign(shop, found), "a sign that turns faster tells as much"
         if doubtful is None:
             doubtful, reason = _implausible(shop, selection, found)
         if doubtful is None:

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from oed.diagnosis.candidates.leftovers import is_own
-from oed.diagnosis.candidates.margin import is_of_kind
+from oed.diagnosis.candidates.margin import CLOSE, is_first_order, is_of_kind
 from oed.diagnosis.candidates.paying import validation_gain
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
@@ -123,9 +123,10 @@ def preferred_rival(
     """A name, and the rival that the data prefer by far beside all others.
 
     The search took the name when the others were not yet there. The rival has fewer parameters, for
-    more would find something else that is missing; but another of its kind finds no other. Of one
-    at the end of what its name says, any rival within the evidence is preferred; of a coupling that
-    is the same from either joint, the one by which it is named.
+    more would find something else that is missing; but another of its kind finds no other, and of
+    two laws of one kind the data's own choice is named. Of one at the end of what its name says, any
+    rival within the evidence is preferred; of a coupling that is the same from either joint, the
+    one by which it is named.
 
     Args:
         effects: With their rivals.
@@ -143,10 +144,12 @@ def preferred_rival(
             if not rival.contender:
                 continue
             plainer = _is_plainer(rival.trial, effect.trial)
+            nested = is_first_order(rival.trial, effect.trial)
+            margin = rival.margin if nested else CLOSE
             if (
                 effect.trial.key in ended
                 or (plainer and rival.evidence < -decisive)
-                or (is_of_kind(rival.trial, effect.trial) and rival.evidence < -rival.margin)
+                or (is_of_kind(rival.trial, effect.trial) and rival.evidence < -margin)
             ):
                 return effect.trial, rival.trial
     return None

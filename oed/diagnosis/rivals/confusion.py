@@ -19,6 +19,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.margin import (
+    CLOSE,
     are_lags,
     is_first_order,
     of_noise,
@@ -102,10 +103,10 @@ def _others_like(shop: Workshop, pair: Pair, rng: np.random.Generator, count: in
 
 def _judged(shop: Workshop, own: Drawn, other: Drawn, fit: LinearFit) -> Confusion:
     """As `oed.diagnosis.candidates.telling.most_telling_first` and its margins have it."""
-    decisive, (one, two) = shop.settings.decisive, (own.trials[0], other.trials[0])
+    one, two = own.trials[0], other.trials[0]
     lead, margin = own.evidence - other.evidence, _margin(shop, own, other, fit)
     nested = is_first_order(one, two)
-    tied = np.abs(lead) < (margin if nested else decisive)
+    tied = np.abs(lead) < (margin if nested else CLOSE)
     plainer = own.cancelled > other.cancelled
     if nested:
         plainer = np.where(own.freedom == other.freedom, plainer, own.freedom > other.freedom)

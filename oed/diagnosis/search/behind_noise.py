@@ -16,6 +16,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.ranking import ranked
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -39,7 +40,7 @@ def quieter_beside(
     repeated = shop.mean is not shop.full
     suspects = _changing(shop, pool, others) if repeated else _slow(shop, pool, others)
     for trial in suspects:
-        beside = shop.sharpened([*others, trial])
+        beside = sharpened(shop, [*others, trial])
         left = LESS if repeated else QUIETER
         if beside is None:
             continue

@@ -15,6 +15,7 @@ from oed.diagnosis.search.next_name import next_names
 from oed.diagnosis.search.other_motion import shown_by_other_motion
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.search.two_at_once import two_at_once
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -143,7 +144,7 @@ class NameSearch:
             self._settle(fresh)
 
     def _sharper(self) -> Workshop | None:
-        return self.shop.sharpened([*(a.trial for a in self.accepted), *self.beside])
+        return sharpened(self.shop, [*(a.trial for a in self.accepted), *self.beside])
 
     def _next_ones(self, room: int) -> list[Accepted]:
         """The next name; of an arm of many joints those of several joints."""

@@ -65,9 +65,14 @@ def with_signs_fitted_together(
     return baseline.model
 
 
+def is_law_of_speed(trial: Trial) -> bool:
+    """Whether an addition trades places with the turn of a sign."""
+    return not trial.is_free_form and LAW_OF_SPEED in CATALOGUE[trial.name].families
+
+
 def _sign_beside(model: TorqueModel, trial: Trial) -> Coulomb | None:
     """The sign that trades places with an addition; None if none does."""
-    if trial.is_free_form or LAW_OF_SPEED not in CATALOGUE[trial.name].families:
+    if not is_law_of_speed(trial):
         return None
     signs = [e for e in model.effects if isinstance(e, Coulomb) and e.joint == trial.joint]
     return signs[0] if signs and trial.shapes else None

@@ -11,21 +11,17 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.baseline.sign_width import turn_alike, with_fitted_sign, with_widths
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.tables.joint_sign import with_signs_fitted_together
-from oed.diagnosis.tables.predict import fine_torque, prediction_errors, rms
+from oed.diagnosis.tables.predict import prediction_errors, rms
 from oed.diagnosis.tables.unseen import Unseen
 from oed.diagnosis.tables.workbench import (
     Augmented,
     Layout,
-    added_columns,
     context_of,
     fit_with,
-    lags_of,
     lay_out,
 )
 from oed.diagnosis.terms.free_form import FreeForm
@@ -72,41 +68,6 @@ class Workshop:
         self.before = self._fitted((), self.mean, bend=False)
         self.context = self.context_with(self.before)
         self._validation_weights = baseline.noise_share(validation)
-
-    def sharpened(self, chosen: Sequence[Trial]) -> Workshop | None:
-        """The tables anew, with signs and a noise floor read off beside these additions.
-
-        None where neither changes enough to matter. What the first fit could not explain may
-        have passed for a sign that turns slowly, and without repetitions for noise.
-        """
-        layout = self.layout_for(chosen)
-        found = self.fit(chosen, layout)
-        # From the sharpest on: a width that stood in for what is now added must come back.
-        sharpest = with_widths(self.baseline.model, self.baseline.least_widths)
-        late = with_fitted_sign(
-            sharpest.with_measurement(*lags_of(found.chosen)),
-            self.baseline.columns,
-            layout.rows,
-            added_columns(found, layout, self.context),
-        )
-        model = dataclasses.replace(late, measurement=sharpest.measurement)
-        model = with_signs_fitted_together(self.baseline, model, layout, found.chosen, self.context)
-        known = [
-            sum(
-                (
-                    fine_torque(t, c, p)
-                    for t, c in zip(found.chosen, found.coefficients, strict=True)
-                ),
-                np.zeros_like(p.fine_torque),
-            )
-            for p in self.estimation
-        ]
-        baseline = self.baseline.with_model(model, self.estimation, known)
-        floor = baseline.floor.quietest(self.baseline.floor)
-        baseline = dataclasses.replace(baseline, floor=floor)
-        if turn_alike(model, self.baseline.model) and not floor.is_below(self.baseline.floor):
-            return None
-        return self.on(baseline)
 
     def on(self, baseline: Baseline) -> Workshop:
         """The tables of the same data on another baseline."""

@@ -1,0 +1,93 @@
+"""The tables anew, with signs and a noise floor read off beside what was added."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline.baseline import Baseline
+from oed.diagnosis.baseline.sign_width import turn_alike, with_fitted_sign, with_widths
+from oed.diagnosis.tables.joint_sign import is_law_of_speed, with_signs_fitted_together
+from oed.diagnosis.tables.predict import fine_torque
+from oed.diagnosis.tables.workbench import Augmented, added_columns, lags_of
+from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects import Coulomb
+from oed.dynamics.torque_model import TorqueModel
+
+
+def sharpened(shop: Workshop, chosen: Sequence[Trial]) -> Workshop | None:
+    """Tables with signs and a noise floor read off beside these additions.
+
+    None where neither changes enough to matter. What the first fit could not explain may
+    have passed for a sign that turns slowly, and without repetitions for noise.
+    """
+    old = shop.baseline
+    found = shop.fit(chosen, shop.layout_for(chosen))
+    model = _foretelling(shop, _signs_beside(shop, found), chosen)
+    baseline = old.with_model(model, shop.estimation, _known(shop, found))
+    floor = baseline.floor.quietest(old.floor)
+    baseline = dataclasses.replace(baseline, floor=floor)
+    if turn_alike(model, old.model) and not floor.is_below(old.floor):
+        return None
+    return shop.on(baseline)
+
+
+def _signs_beside(shop: Workshop, found: Augmented) -> TorqueModel:
+    """The base model with the signs that fit best beside additions."""
+    layout = shop.layout_for(found.chosen)
+    # From the sharpest on: a width that stood in for what is now added must come back.
+    sharpest = _sharpest(shop.baseline, shop.baseline.model)
+    late = with_fitted_sign(
+        sharpest.with_measurement(*lags_of(found.chosen)),
+        shop.baseline.columns,
+        layout.rows,
+        added_columns(found, layout, shop.context),
+    )
+    model = dataclasses.replace(late, measurement=sharpest.measurement)
+    return with_signs_fitted_together(shop.baseline, model, layout, found.chosen, shop.context)
+
+
+def _sharpest(baseline: Baseline, model: TorqueModel) -> TorqueModel:
+    return with_widths(model, baseline.least_widths)
+
+
+def _foretelling(shop: Workshop, model: TorqueModel, chosen: Sequence[Trial]) -> TorqueModel:
+    """A model with those of its slow signs that do not foretell the validation recordings worse.
+
+    A motion that seldom turns slowly does not tell how a sign turns; another may.
+    """
+    sharp = _sharpest(shop.baseline, model)
+    if not shop.validation or turn_alike(sharp, model):
+        return model
+    slow, fast = (_foretold(shop, m, chosen) for m in (model, sharp))
+    laws = {t.joint for t in chosen if is_law_of_speed(t)}  # fitted together with their signs
+    kept = set(np.flatnonzero(slow <= fast).tolist()) | laws
+    pairs = zip(model.effects, sharp.effects, strict=True)
+    effects = (b if isinstance(b, Coulomb) and b.joint not in kept else a for a, b in pairs)
+    return dataclasses.replace(model, effects=tuple(effects))
+
+
+def _foretold(
+    shop: Workshop, model: TorqueModel, chosen: Sequence[Trial]
+) -> Float[ndarray, " joints"]:
+    """(n,) validation errors of another base model with additions [N m]."""
+    tables = shop.on(dataclasses.replace(shop.baseline, model=model))
+    found = tables.fit([tables.renewed(t) for t in chosen], bend=False)
+    errors = tables.validation_rms(found)
+    if errors is None:
+        raise ValueError("no validation recordings")
+    return errors
+
+
+def _known(shop: Workshop, found: Augmented) -> list[Float[ndarray, "_ joints"]]:
+    """Torque of additions on the fine grids [N m]."""
+    pairs = list(zip(found.chosen, found.coefficients, strict=True))
+    return [
+        sum((fine_torque(t, c, p) for t, c in pairs), np.zeros_like(p.fine_torque))
+        for p in shop.estimation
+    ]
