@@ -5,6 +5,8 @@ import pytest
 
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates.usual import as_usual
+from oed.diagnosis.evidence.sharper_sign import told_by_a_sign
+from oed.diagnosis.tables import sharpening
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import at_rest, score
@@ -72,3 +74,36 @@ def test_the_plain_formula_holds_unless_the_data_ask_for_another(decay, is_plain
     best = at_rest(score(trial, fit), fit, shop.context)
     tail = as_usual(shop, [], best, fit).trial.values[2]
     assert (tail == 0.0) is is_plain
+
+
+@pytest.mark.parametrize(("turns", "kept"), [(WIDTH, True), (0.0, False)])
+def test_a_slow_sign_must_foretell_the_validation_recordings(turns, kept, monkeypatch):
+    """Whatever the estimation recordings say: they may seldom turn slowly, and others do."""
+
+    def creeping(q, dq, ddq):
+        turn = np.tanh(dq / turns) if turns else np.sign(dq)
+        return COULOMB * (turn - np.sign(dq)) * [1.0, 0.0]
+
+    shop = shop_of(data_set(6, extra=creeping))
+    slow = with_widths(shop.baseline.model, [WIDTH, *shop.baseline.least_widths[1:]])
+    monkeypatch.setattr(sharpening, "_signs_beside", lambda *_: slow)
+    found = sharpened(standing_on(shop, WIDTH / 2), [])
+    assert found is not None
+    expected = WIDTH if kept else shop.baseline.least_widths[0]
+    assert widths_of(found.baseline.model)[0] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("rise", "is_told"), [(0.0, True), (RISE, False)])
+def test_a_law_that_mends_a_sign_that_it_has_made_too_slow_is_none(rise, is_told):
+    """Friction that rises towards standstill by what a slow sign takes away from it."""
+
+    def rising(q, dq, ddq):
+        return rise * gaussian(np.abs(dq) / SPEED) * np.sign(dq) * [1.0, 0.0]
+
+    shop = standing_on(shop_of(data_set(6, extra=rising)), WIDTH)
+    values = (WIDTH, 1.0, 0.0) if is_told else (SPEED, 2.0, 0.0)
+    trial = trial_of(shop, "stribeck", 0, values)
+    whole = shop.fit([trial], bend=False)
+    gain = shop.fit((), bend=False).fit.squares - whole.fit.squares
+    assert gain > 100.0  # it looks like a find
+    assert (told_by_a_sign(shop, whole) is not None) is is_told

@@ -97,6 +97,18 @@ def test_a_load_explains_more_than_is_left(sprung, name, explained, left, claime
     assert [u.joint for u in without] == ([] if claimed else [1])
 
 
+@pytest.mark.parametrize("name", ["time_delay", "gravity_direction", "payload_change"])
+def test_a_name_of_the_whole_arm_must_foretell_something_as_others_must(sprung, name):
+    shop, _ = sprung
+    arm = next(t for t in shop.physical if t.name == name)
+    selection = Selection.of(shop, [Accepted(arm, 100.0, 1e-6)], [])
+    effect = FoundEffect(name, None, (), 1e-6, -0.01, (), arm)
+    small = Errors(*(np.full(2, 1.0) for _ in range(5)))
+    kept, without = withheld(shop, selection, [effect], (), small)
+    assert kept == ()
+    assert [u.trial for u in without] == [arm]
+
+
 def test_names_fall_only_for_what_foretells_about_as_much(sprung):
     shop, selection = sprung
     named, nothing = list(selection.accepted), []

@@ -84,13 +84,13 @@ def withheld(
     claimed, resembling = [], []
     for effect in effects:
         joint = effect.joint
-        # Beside a curve it may be worth something, but not what its name says.
-        is_claimed = effect.validation_gain is None or effect.validation_gain >= 0
-        if joint is None:
-            is_claimed &= not (effect.trial.between_repetitions and _is_most_left(errors))
+        if effect.validation_gain is not None and effect.validation_gain < 0:
+            is_claimed = False  # beside others it may be worth something, but not what its name says
+        elif joint is None:
+            is_claimed = not (effect.trial.between_repetitions and _is_most_left(errors))
         else:
-            is_claimed &= _is_claimed(effect, joint, errors, beside_curves=joint in curves)
-            is_claimed &= not is_at_its_end(shop, effect)
+            is_claimed = _is_claimed(effect, joint, errors, beside_curves=joint in curves)
+            is_claimed = is_claimed and not is_at_its_end(shop, effect)
         if is_claimed:
             claimed.append(effect)
         else:
