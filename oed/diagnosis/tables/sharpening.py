@@ -57,31 +57,33 @@ def _sharpest(baseline: Baseline, model: TorqueModel) -> TorqueModel:
 
 
 def _foretelling(shop: Workshop, model: TorqueModel, chosen: Sequence[Trial]) -> TorqueModel:
-    """A model with those of its slow signs that do not foretell the validation recordings worse.
+    """A model with those of its slow signs that the validation recordings bear.
 
-    A motion that seldom turns slowly does not tell how a sign turns; another may.
+    A motion that seldom turns slowly hardly tells how a sign turns; another may. Squares of both
+    count in units of what the better sign leaves, for the model may lack other things.
     """
     sharp = _sharpest(shop.baseline, model)
     if not shop.validation or turn_alike(sharp, model):
         return model
-    slow, fast = (_foretold(shop, m, chosen) for m in (model, sharp))
+    slow, fast = (_squares(shop, m, chosen) for m in (model, sharp))
+    counted = np.stack([shop.layout_for(chosen).rows.counted, shop.unseen_by(chosen).counted])
+    unit = np.maximum(np.minimum(slow, fast) / np.maximum(counted, 1.0), 1.0)
+    lead = np.sum((fast - slow) / unit, axis=0)
     laws = {t.joint for t in chosen if is_law_of_speed(t)}  # fitted together with their signs
-    kept = set(np.flatnonzero(slow <= fast).tolist()) | laws
+    kept = set(np.flatnonzero(lead >= 0).tolist()) | laws
     pairs = zip(model.effects, sharp.effects, strict=True)
     effects = (b if isinstance(b, Coulomb) and b.joint not in kept else a for a, b in pairs)
     return dataclasses.replace(model, effects=tuple(effects))
 
 
-def _foretold(
+def _squares(
     shop: Workshop, model: TorqueModel, chosen: Sequence[Trial]
-) -> Float[ndarray, " joints"]:
-    """(n,) validation errors of another base model with additions [N m]."""
+) -> Float[ndarray, "2 joints"]:
+    """White squares that another base model leaves of the recordings, fitted and foretold."""
     tables = shop.on(dataclasses.replace(shop.baseline, model=model))
     found = tables.fit([tables.renewed(t) for t in chosen], bend=False)
-    errors = tables.validation_rms(found)
-    if errors is None:
-        raise ValueError("no validation recordings")
-    return errors
+    fitted = np.sum(found.fit.residual**2, axis=1)
+    return np.stack([fitted, tables.unseen_by(chosen).left(found)])
 
 
 def _known(shop: Workshop, found: Augmented) -> list[Float[ndarray, "_ joints"]]:
