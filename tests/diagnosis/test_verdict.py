@@ -151,10 +151,11 @@ def test_a_name_at_its_end_gives_way_to_any_rival_within_the_evidence(evidence, 
         ((1, 0), 0.0, 1.0, True),
         ((1, 0), 0.0, 20.0, False),  # friction tells which of the two it is
         ((0, 1), 0.0, 1.0, False),
-        # One motor that both turn alike: the outer joint's.
+        # One motor that may be either's: the outer joint's.
         ((1, 0), -1.0, 1.0, False),
         ((0, 1), -0.9, 1.0, True),
-        ((0, 1), -0.5, 1.0, False),
+        ((0, 1), -0.5, 1.0, True),
+        ((0, 1), -0.5, 20.0, False),  # the ratio tells whose it is
     ],
 )
 def test_a_coupling_that_is_the_same_from_either_joint_has_one_name(

@@ -8,13 +8,10 @@ sign that it has without the law.
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
-from oed.diagnosis.candidates.judgement import costs
 from oed.diagnosis.tables.joint_sign import is_law_of_speed
-from oed.diagnosis.tables.sharpening import sharpened
+from oed.diagnosis.tables.sharpening import lead_of, with_own_sign
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -31,21 +28,12 @@ def told_by_a_sign(shop: Workshop, whole: Augmented) -> Trial | None:
         if not is_law_of_speed(trial):
             continue
         others = [t for t in whole.chosen if t is not trial]
-        alone = sharpened(shop, others)
+        alone = with_own_sign(shop, trial.joint, others)
         if alone is None:
             continue
-        # Both in the same noise: what is asked for is the sign.
-        plain = shop.on(dataclasses.replace(shop.baseline, model=alone.baseline.model))
-        rest = plain.fit([plain.renewed(t) for t in others], bend=False)
-        together = shop.fit(whole.chosen, bend=False)
-        layout = shop.layout_for(whole.chosen)
+        lead = lead_of((shop, whole.chosen), (alone, others))
         freedom = len(trial.effect.parameters) + trial.shapes
-        price = shop.settings.decisive + freedom * np.log(layout.rows.count)
-        gain = rest.fit.squares - together.fit.squares
-        if gain < price:
-            return trial
-        old, new = plain.validation_rms(rest), shop.validation_rms(together)
-        floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
-        if old is not None and new is not None and costs(old, new, floor, counted):
+        price = shop.settings.decisive + freedom * np.log(shop.layout_for(whole.chosen).rows.count)
+        if float(np.sum(lead)) < price:
             return trial
     return None

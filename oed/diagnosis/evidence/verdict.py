@@ -22,10 +22,8 @@ from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects.entries.motor import ALIKE
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling
 
-NEARLY = 0.99  # of the largest ratio that a motor is named by from the inner joint
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 
 
@@ -158,8 +156,7 @@ def preferred_rival(
 def _is_meant(mirror: Trial, trial: Trial) -> bool:
     """Whether a coupling is named by the other of its joints.
 
-    An inertia in both rows by the inner one; a motor that both turn alike by the outer one, whose
-    ratio seen from the inner joint ends short of that.
+    An inertia in both rows by the inner one; a motor that may be either's by the outer one.
     """
     own, its = trial.target, mirror.target
     if mirror.name != trial.name or not isinstance(own, tuple) or its != own[::-1]:
@@ -168,7 +165,7 @@ def _is_meant(mirror: Trial, trial: Trial) -> bool:
     if isinstance(trial.effect, CrossCoupling):
         return alike and own[0] > own[1]
     if isinstance(trial.effect, MotorCoupling):
-        return alike and own[0] < own[1] and abs(trial.values[0]) > NEARLY * ALIKE
+        return alike and own[0] < own[1]
     return False
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 import numpy as np
 from jaxtyping import Float
@@ -59,31 +59,62 @@ def _sharpest(baseline: Baseline, model: TorqueModel) -> TorqueModel:
 def _foretelling(shop: Workshop, model: TorqueModel, chosen: Sequence[Trial]) -> TorqueModel:
     """A model with those of its slow signs that the validation recordings bear.
 
-    A motion that seldom turns slowly hardly tells how a sign turns; another may. Squares of both
-    count in units of what the better sign leaves, for the model may lack other things.
+    A motion that seldom turns slowly hardly tells how a sign turns; another may.
     """
     sharp = _sharpest(shop.baseline, model)
     if not shop.validation or turn_alike(sharp, model):
         return model
-    slow, fast = (_squares(shop, m, chosen) for m in (model, sharp))
-    counted = np.stack([shop.layout_for(chosen).rows.counted, shop.unseen_by(chosen).counted])
-    unit = np.maximum(np.minimum(slow, fast) / np.maximum(counted, 1.0), 1.0)
-    lead = np.sum((fast - slow) / unit, axis=0)
+    lead = lead_of(*((_standing_on(shop, m), chosen) for m in (model, sharp)))
     laws = {t.joint for t in chosen if is_law_of_speed(t)}  # fitted together with their signs
     kept = set(np.flatnonzero(lead >= 0).tolist()) | laws
-    pairs = zip(model.effects, sharp.effects, strict=True)
-    effects = (b if isinstance(b, Coulomb) and b.joint not in kept else a for a, b in pairs)
+    return _with_signs_of(model, sharp, set(range(len(lead))) - kept)
+
+
+def lead_of(
+    one: tuple[Workshop, Sequence[Trial]], other: tuple[Workshop, Sequence[Trial]]
+) -> Float[ndarray, " joints"]:
+    """(n,) by how much one model explains and foretells more than another, in -2 log likelihood.
+
+    Squares count in units of what the better one leaves, for both may lack other things.
+
+    Args:
+        one: Tables, and additions to their model.
+        other: The same recordings in the same noise under another model.
+    """
+    squares = [_squares(*each) for each in (one, other)]
+    shop, chosen = max((one, other), key=lambda each: len(each[1]))
+    counted = np.stack([shop.layout_for(chosen).rows.counted, shop.unseen_by(chosen).counted])
+    unit = np.maximum(np.minimum(*squares) / np.maximum(counted, 1.0), 1.0)
+    return np.sum((squares[1] - squares[0]) / unit, axis=0)
+
+
+def with_own_sign(shop: Workshop, joint: int | None, chosen: Sequence[Trial]) -> Workshop | None:
+    """Tables with a joint's sign as it is beside these additions, all else as it stands.
+
+    None where it turns alike.
+    """
+    model = _foretelling(shop, _signs_beside(shop, shop.fit(chosen)), chosen)
+    turned = _with_signs_of(shop.baseline.model, model, {joint})
+    return None if turn_alike(turned, shop.baseline.model) else _standing_on(shop, turned)
+
+
+def _with_signs_of(model: TorqueModel, other: TorqueModel, joints: Set[int | None]) -> TorqueModel:
+    """A model with some joints' signs as another has them."""
+    pairs = zip(model.effects, other.effects, strict=True)
+    effects = (b if isinstance(b, Coulomb) and b.joint in joints else a for a, b in pairs)
     return dataclasses.replace(model, effects=tuple(effects))
 
 
-def _squares(
-    shop: Workshop, model: TorqueModel, chosen: Sequence[Trial]
-) -> Float[ndarray, "2 joints"]:
-    """White squares that another base model leaves of the recordings, fitted and foretold."""
-    tables = shop.on(dataclasses.replace(shop.baseline, model=model))
-    found = tables.fit([tables.renewed(t) for t in chosen], bend=False)
+def _standing_on(shop: Workshop, model: TorqueModel) -> Workshop:
+    """The same tables, in the same noise, with another base model."""
+    return shop.on(dataclasses.replace(shop.baseline, model=model))
+
+
+def _squares(shop: Workshop, chosen: Sequence[Trial]) -> Float[ndarray, "2 joints"]:
+    """White squares that a model leaves of the recordings, fitted and foretold."""
+    found = shop.fit([shop.renewed(t) for t in chosen], bend=False)
     fitted = np.sum(found.fit.residual**2, axis=1)
-    return np.stack([fitted, tables.unseen_by(chosen).left(found)])
+    return np.stack([fitted, shop.unseen_by(chosen).left(found)])
 
 
 def _known(shop: Workshop, found: Augmented) -> list[Float[ndarray, "_ joints"]]:
