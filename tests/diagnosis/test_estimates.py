@@ -57,3 +57,11 @@ def test_friction_comes_a_whole_number_of_times_a_turn_unless_the_data_ask_for_a
         assert best.trial.values[0] != told == harmonic
     else:
         assert told == best.trial.values[0] == pytest.approx(harmonic, rel=0.03)
+
+
+@pytest.mark.parametrize(("share", "is_told"), [(0.0, False), (0.4, True)])
+def test_a_formula_that_holds_by_choice_has_no_deviation(share, is_told):
+    shop = shop_of(data_set(7))
+    trial = trial_of(shop, "load_dependent_friction", 0, (share,))
+    told = estimates(shop, trial, np.ones(1), np.diag([0.01, 0.03**2, 0.0]))
+    assert (next(p.std for p in told if p.name == "share") > 0) is is_told

@@ -87,7 +87,8 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
     found = []
     for shape, value, on_axis in zip(shapes, trial.values, on_axes, strict=False):
         lead = 0.0
-        std = float(on_axis) * shape.slope_at(value) if shape.is_estimated else 0.0
+        is_told = shape.is_estimated and not shape.is_plain(value)
+        std = float(on_axis) * shape.slope_at(value) if is_told else 0.0
         if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
             std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
             lead = shop.full.rows.prepared[
@@ -98,7 +99,7 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
         # A shape can be no less certain than anywhere in its range: from its end, that is further off.
         width, middle = shape.upper - shape.lower, (shape.upper + shape.lower) / 2
         anywhere = np.hypot(width / np.sqrt(12), value - middle)
-        if shape.is_estimated and on_axis > ANYWHERE * UNIFORM:
+        if is_told and on_axis > ANYWHERE * UNIFORM:
             std = anywhere
         found.append(Estimated(shape.name, value + lead, float(min(std, anywhere)), shape.unit))
     return found
