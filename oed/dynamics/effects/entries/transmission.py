@@ -127,10 +127,11 @@ BACKLASH = CatalogueEntry(
     scope="joint",
     shapes=(
         Shape("gap", "rad", 1e-4, 0.02, "log", 7, 1e-3, rugged=True),
-        Shape("frequency", "Hz", 5.0, 80.0, "log", 3, 20.0),
+        Shape("frequency", "Hz", 5.0, 80.0, "log", 1, 20.0, also=(60.0,)),
         Shape("damping", "1", 0.05, 1.0, "log", 1, 0.3),
-        Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4),
-        Shape("bearing", "1", 0.0, 1.0, "linear", 3, 0.5),
+        Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4, also=(0.2,)),
+        # Most friction is the motor's, and where the links stand still in a gap hangs on the rest.
+        Shape("bearing", "1", 0.0, 1.0, "linear", 1, 0.5, also=(0.1, 0.25)),
     ),
     build=_change_by(_play),
     plausible=_has_play,
