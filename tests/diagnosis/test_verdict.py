@@ -173,7 +173,13 @@ def test_a_coupling_that_is_the_same_from_either_joint_has_one_name(
 
 @pytest.mark.parametrize(
     ("distance", "std", "ended"),
-    [(0.08, 1e-3, True), (0.0799, 1e-3, True), (0.02, 1e-3, False), (0.08, 0.3, False)],
+    [
+        (0.08, 1e-3, True),
+        (0.0799, 1e-3, True),
+        (0.02, 1e-3, False),
+        (0.08, 0.3, False),
+        (3e-4, 1e-5, False),  # a narrower loop is one of presliding still
+    ],
 )
 def test_a_loop_as_wide_as_presliding_gets_is_at_its_end(distance, std, ended):
     shop = shop_of(data_set(1, repetitions=1), held=False)

@@ -13,7 +13,7 @@ AT_END, KNOWN = 0.005, 0.1
 def is_at_its_end(shop: Workshop, effect: FoundEffect) -> bool:
     """Whether an effect would be something that its name does not say, if it were let.
 
-    A loop wider than any presliding is none. Of a joint alone, and not where the shape is unknown:
+    A loop wider than any presliding is none; a narrower one is. Of a joint alone, and not where the shape is unknown:
     a change in time may be slower than a recording is long, and a filter slower than any is one.
     """
     trial = effect.trial
@@ -25,4 +25,5 @@ def is_at_its_end(shop: Workshop, effect: FoundEffect) -> bool:
     first, value = shapes[0], trial.values[0]
     std = next(p.std for p in effect.parameters if p.name == first.name) / first.slope_at(value)
     place = first.place_of(value)
-    return min(place, 1 - place) < AT_END and std < KNOWN
+    is_there = place > 1 - AT_END or (place < AT_END and not first.open_below)
+    return is_there and std < KNOWN

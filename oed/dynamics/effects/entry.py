@@ -43,6 +43,7 @@ class Shape:
         never: Whether its default, beyond its range, stands for what never happens, and is no
             parameter then.
         linear_below: Size below which a "signed log" scale is linear.
+        open_below: Whether what is smaller than the least value still goes by the name.
         plain: Whether the default is the plain formula, which holds where the data do not speak
             against it.
     """
@@ -60,6 +61,7 @@ class Shape:
     rugged: bool = False
     never: bool = False
     linear_below: float = 0.0
+    open_below: bool = False
     plain: bool = False
 
     def __post_init__(self) -> None:

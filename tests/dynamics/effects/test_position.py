@@ -65,6 +65,18 @@ def test_a_spring_pulls_back_harder_everywhere_it_was_stretched(
     assert (reason is None) == plausible
 
 
+@pytest.mark.parametrize(("share", "is_ripple"), [(2.1, True), (1.9, False)])
+def test_half_a_ripples_wave_is_no_longer_than_a_ripple_may_be(
+    share: float, *, is_ripple: bool
+) -> None:
+    context, ripple = context_of(scara(), MOTION), CATALOGUE["torque_ripple"]
+    shape, _ = ripple.shapes_for(context, 1)
+    values = (share * shape.lower, 4.0)  # with half its harmonic
+    columns = len(ripple.build(context, 1, values).parameters)
+    reason = ripple.plausible(context, 1, values, np.full(columns, 1e-3))
+    assert (reason is None) is is_ripple
+
+
 @pytest.mark.parametrize("end", [-0.7, -0.25, 0.0, 0.4])
 def test_a_cable_that_goes_slack_is_a_spring_in_stretches(end: float) -> None:
     """To a tenth of what a line misses, wherever it goes slack, and none of it has to push."""

@@ -58,7 +58,7 @@ PRESLIDING_HYSTERESIS = CatalogueEntry(
     families=("odd in speed", "reversal"),
     scope="joint",
     shapes=(
-        Shape("distance", "rad", 3e-4, 0.08, "log", 12, 5e-3),
+        Shape("distance", "rad", 3e-4, 0.08, "log", 12, 5e-3, open_below=True),
         Shape("roundness", "1", 0.0, 1.0, "linear", 3, 0.7),
     ),
     build=_hysteresis,

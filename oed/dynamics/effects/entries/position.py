@@ -35,6 +35,7 @@ MOST_TRIALS = 600
 # Multiples of the gear ratio worth looking at: once, twice and four times a motor turn.
 MOTOR_HARMONICS = 4.2
 LEAST_PERIODS = 2.0
+ROUNDING = 1e-6
 RIPPLE_SHARE = 0.1  # of the peak torque; drives are sold with 1 to 5 %
 LEAST_RANGE = 0.05  # [rad]
 # Of Coulomb friction as it is known without the wave: where the arm sees less than a whole one, its
@@ -110,9 +111,12 @@ def _wave_plausible(
 def _ripple_plausible(
     context: Context,
     target: Target,
-    _values: tuple[float, ...],
+    values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
+    (harmonic, _), longest = TORQUE_RIPPLE.shapes_for(context, target), min(_with_overtones(values))
+    if longest < harmonic.lower * (1 - ROUNDING):
+        return f"{longest:.3g} periods a turn are fewer than {LEAST_PERIODS:g} within the motion"
     joint, amplitude = joint_of(target), float(np.linalg.norm(estimates))
     # No friction: it grows with the drive, whose gears may have little of that.
     most = max(context.coulomb(joint), RIPPLE_SHARE * peak_torque(context, joint))
