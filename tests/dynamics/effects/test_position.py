@@ -65,15 +65,17 @@ def test_a_spring_pulls_back_harder_everywhere_it_was_stretched(
     assert (reason is None) == plausible
 
 
-@pytest.mark.parametrize(("share", "is_ripple"), [(2.1, True), (1.9, False)])
-def test_half_a_ripples_wave_is_no_longer_than_a_ripple_may_be(
-    share: float, *, is_ripple: bool
+@pytest.mark.parametrize(
+    ("share", "half", "is_ripple"), [(2.1, 5.0, True), (1.9, 0.5, True), (1.9, 2.0, False)]
+)
+def test_half_a_ripples_wave_is_no_longer_than_a_ripple_may_be_or_little(
+    share: float, half: float, *, is_ripple: bool
 ) -> None:
     context, ripple = context_of(scara(), MOTION), CATALOGUE["torque_ripple"]
     shape, _ = ripple.shapes_for(context, 1)
     values = (share * shape.lower, 4.0)  # with half its harmonic
-    columns = len(ripple.build(context, 1, values).parameters)
-    reason = ripple.plausible(context, 1, values, np.full(columns, 1e-3))
+    waves = dict(zip(ripple.build(context, 1, values).harmonics, (1.0, 0.3, half), strict=True))
+    reason = ripple.plausible(context, 1, values, 1e-3 * np.repeat(list(waves.values()), 2))
     assert (reason is None) is is_ripple
 
 

@@ -114,10 +114,13 @@ def _ripple_plausible(
     values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    (harmonic, _), longest = TORQUE_RIPPLE.shapes_for(context, target), min(_with_overtones(values))
-    if longest < harmonic.lower * (1 - ROUNDING):
-        return f"{longest:.3g} periods a turn are fewer than {LEAST_PERIODS:g} within the motion"
-    joint, amplitude = joint_of(target), float(np.linalg.norm(estimates))
+    joint, (harmonic, _) = joint_of(target), TORQUE_RIPPLE.shapes_for(context, target)
+    # Half a wave may be longer than a ripple is, but then it is not most of it.
+    waves = np.linalg.norm(estimates.reshape(-1, 2), axis=1)
+    is_long = np.array(_with_overtones(values)) < harmonic.lower * (1 - ROUNDING)
+    amplitude, longer = float(np.linalg.norm(waves)), float(np.linalg.norm(waves[is_long]))
+    if longer > float(np.linalg.norm(waves[~is_long])):
+        return f"most of it has fewer than {LEAST_PERIODS:g} periods within the motion"
     # No friction: it grows with the drive, whose gears may have little of that.
     most = max(context.coulomb(joint), RIPPLE_SHARE * peak_torque(context, joint))
     bound = f"Coulomb friction and {RIPPLE_SHARE:.0%} of the peak torque"
