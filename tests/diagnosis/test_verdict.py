@@ -17,6 +17,7 @@ from oed.diagnosis.evidence.verdict import (
     preferred_rival,
 )
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -185,6 +186,18 @@ def test_a_loop_as_wide_as_presliding_gets_is_at_its_end(distance, std, ended):
     shop = shop_of(data_set(1, repetitions=1), held=False)
     trial = trial_of(shop, "presliding_hysteresis", 0, (distance, 0.7))
     parameters = (Estimated("Fh_1", 1.0, 0.1, "N m"), Estimated("distance", distance, std, "rad"))
+    effect = FoundEffect(trial.name, 0, parameters, 1e-9, 0.2, (), trial)
+    assert is_at_its_end(shop, effect) is ended
+
+
+@pytest.mark.parametrize(("above", "ended"), [(0.0, True), (0.1, True), (0.5, False)])
+def test_a_ripple_of_the_longest_waves_is_at_its_end(above, ended):
+    """To its deviation, 0.2 periods a turn: fewer are any function of position."""
+    shop = shop_of(data_set(1, repetitions=1), held=False)
+    shape, _ = CATALOGUE["torque_ripple"].shapes_for(shop.context, 0)
+    harmonic = shape.lower + above
+    trial = trial_of(shop, "torque_ripple", 0, (harmonic, 1.0))
+    parameters = (Estimated("harmonic", harmonic, 0.2, "1/turn"),)
     effect = FoundEffect(trial.name, 0, parameters, 1e-9, 0.2, (), trial)
     assert is_at_its_end(shop, effect) is ended
 

@@ -13,17 +13,22 @@ AT_END, KNOWN = 0.005, 0.1
 def is_at_its_end(shop: Workshop, effect: FoundEffect) -> bool:
     """Whether an effect would be something that its name does not say, if it were let.
 
-    A loop wider than any presliding is none; a narrower one is. Of a joint alone, and not where the shape is unknown:
-    a change in time may be slower than a recording is long, and a filter slower than any is one.
+    A loop wider than any presliding is none, but a narrower one is; waves as long as a ripple's may
+    be, to a deviation, are any function of position. Of a joint alone, and not where the shape is
+    unknown: a change in time may be slower than a recording is long, and a filter slower than any
+    is one.
     """
     trial = effect.trial
     if trial.joint is None or trial.between_repetitions:
         return False
     shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
-    if not shapes or shapes[0].scale != "log":
+    if not shapes or not (shapes[0].scale == "log" or shapes[0].ends_below):
         return False
     first, value = shapes[0], trial.values[0]
     std = next(p.std for p in effect.parameters if p.name == first.name) / first.slope_at(value)
     place = first.place_of(value)
-    is_there = place > 1 - AT_END or (place < AT_END and not first.open_below)
+    if first.scale == "log":
+        is_there = place > 1 - AT_END or (place < AT_END and not first.open_below)
+    else:
+        is_there = place < std
     return is_there and std < KNOWN

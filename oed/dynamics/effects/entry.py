@@ -44,6 +44,7 @@ class Shape:
             parameter then.
         linear_below: Size below which a "signed log" scale is linear.
         open_below: Whether what is smaller than the least value still goes by the name.
+        ends_below: Whether the name ends at the least value, on a linear scale too.
         plain: Whether the default is the plain formula, which holds where the data do not speak
             against it.
     """
@@ -62,6 +63,7 @@ class Shape:
     never: bool = False
     linear_below: float = 0.0
     open_below: bool = False
+    ends_below: bool = False
     plain: bool = False
 
     def __post_init__(self) -> None:

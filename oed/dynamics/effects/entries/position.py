@@ -145,7 +145,10 @@ TORQUE_RIPPLE = CatalogueEntry(
     name="torque_ripple",
     families=("position",),
     scope="joint",
-    shapes=(Shape("harmonic", "1/turn", 2.0, 330.0, "linear", 500, 6.0), RIPPLE_WAVES),
+    shapes=(
+        Shape("harmonic", "1/turn", 2.0, 330.0, "linear", 500, 6.0, ends_below=True),
+        RIPPLE_WAVES,
+    ),
     build=_ripple,
     plausible=_ripple_plausible,
     fuller=_fuller_ripples,
