@@ -190,14 +190,19 @@ def test_a_loop_as_wide_as_presliding_gets_is_at_its_end(distance, std, ended):
     assert is_at_its_end(shop, effect) is ended
 
 
-@pytest.mark.parametrize(("above", "ended"), [(0.0, True), (0.1, True), (0.5, False)])
-def test_a_ripple_of_the_longest_waves_is_at_its_end(above, ended):
+@pytest.mark.parametrize(
+    ("above", "overtone", "ended"),
+    [(0.0, 0.0, True), (0.1, 0.2, True), (0.1, 0.5, False), (0.5, 0.0, False)],
+)
+def test_a_ripple_of_the_longest_waves_is_at_its_end(above, overtone, ended):
     """To its deviation, 0.2 periods a turn: fewer are any function of position."""
     shop = shop_of(data_set(1, repetitions=1), held=False)
     shape, _ = CATALOGUE["torque_ripple"].shapes_for(shop.context, 0)
     harmonic = shape.lower + above
-    trial = trial_of(shop, "torque_ripple", 0, (harmonic, 1.0))
-    parameters = (Estimated("harmonic", harmonic, 0.2, "1/turn"),)
+    trial = trial_of(shop, "torque_ripple", 0, (harmonic, 2.0))
+    sizes = (1.0, 0.0, 0.0, overtone)
+    waves = (Estimated(f"wave_{k}", size, 0.01, "N m") for k, size in enumerate(sizes))
+    parameters = (*waves, Estimated("harmonic", harmonic, 0.2, "1/turn"))
     effect = FoundEffect(trial.name, 0, parameters, 1e-9, 0.2, (), trial)
     assert is_at_its_end(shop, effect) is ended
 
