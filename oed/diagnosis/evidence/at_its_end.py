@@ -18,9 +18,9 @@ def is_at_its_end(shop: Workshop, effect: FoundEffect) -> bool:
     """Whether an effect would be something that its name does not say, if it were let.
 
     A loop wider than any presliding is none, but a narrower one is; waves as long as a ripple's may
-    be, to a deviation and without overtones, are any function of position. Of a joint alone, and not where the shape is
-    unknown: a change in time may be slower than a recording is long, and a filter slower than any
-    is one.
+    be, to a deviation and without overtones, are any function of position. Of a joint alone, and
+    not where the shape is unknown: a change in time may be slower than a recording is long, and a
+    filter slower than any is one.
     """
     trial = effect.trial
     if trial.joint is None or trial.between_repetitions:

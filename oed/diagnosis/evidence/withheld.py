@@ -84,10 +84,9 @@ def withheld(
     claimed, resembling = [], []
     for effect in effects:
         joint = effect.joint
+        # Beside others it may be worth something, but not what its name says.
         if effect.validation_gain is not None and effect.validation_gain < 0:
-            is_claimed = (
-                False  # beside others it may be worth something, but not what its name says
-            )
+            is_claimed = False
         elif joint is None:
             is_claimed = not (effect.trial.between_repetitions and _is_most_left(errors))
         else:
