@@ -29,6 +29,7 @@ from oed.experiment.recording_checks import (
     repetition_index,
 )
 from oed.experiment.recording_file import read_columns
+from oed.experiment.state_clock import in_state_time
 from oed.experiment.toml_table import nearest
 from oed.robot import Robot, load_robot
 
@@ -155,7 +156,7 @@ def _read_recording(
     tau = fields.stacked("tau") * (1.0 if factor is None else factor)
     is_bare_current = manifest.torque == "current" and factor is None
     notes = torque_notes(tau, robot, file, read.first_row, is_bare_current=is_bare_current)
-    return Recording(
+    recording = Recording(
         name=entry.name,
         role=entry.role,
         t=t,
@@ -170,6 +171,7 @@ def _read_recording(
         unused_columns=read.others,
         notes=notes,
     )
+    return in_state_time(recording)
 
 
 @dataclass(frozen=True)

@@ -50,3 +50,12 @@ def test_noise_alone_seldom_looks_like_a_body():
     rng = np.random.default_rng(6)
     lost = [lost_by_bodies(ALL, rng.normal(size=10), np.eye(10)) for _ in range(40)]
     assert np.mean(np.array(lost) > LOST) > 0.9
+
+
+def test_what_the_data_do_not_see_of_a_load_speaks_for_no_other_body():
+    rng = np.random.default_rng(7)
+    for seen in (4, 7, 9):
+        columns = rng.normal(size=(seen, 10))
+        covariance = np.linalg.pinv(columns.T @ columns, hermitian=True)
+        values = np.linalg.pinv(columns) @ columns @ body(rng)
+        assert lost_by_bodies(ALL, values, covariance) < 1e-6

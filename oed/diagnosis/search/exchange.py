@@ -19,7 +19,7 @@ from oed.diagnosis.candidates.ripening import is_unripe
 from oed.diagnosis.candidates.telling import may_replace, replaces
 from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.tables.workbench import Layout
+from oed.diagnosis.tables.workbench import Layout, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
 from oed.diagnosis.terms.trials import Trial
@@ -159,6 +159,8 @@ def _best_in_place(
         *ranked(shop, pool, others, 2),
     ]:
         if rival.trial.key == here.trial.key or not may_replace(shop, here, rival):
+            continue
+        if early_and_late([*others, rival.trial]) and not early_and_late(others):
             continue
         if (
             replaces(shop, others, here, rival)

@@ -56,7 +56,10 @@ def lost_by_bodies(
         From 0, where a body has these parameters, to 1, where the best is no body at all.
     """
     scale = np.sqrt(np.diag(covariance))
-    root = np.linalg.cholesky(np.linalg.pinv(covariance / np.outer(scale, scale), hermitian=True))
+    # Where columns say nearly the same the covariance is singular but for rounding.
+    information = np.linalg.pinv(covariance / np.outer(scale, scale), hermitian=True)
+    squares, axes = np.linalg.eigh(information)
+    root = axes * np.sqrt(np.maximum(squares, 0.0))
     units = np.eye(16).reshape(16, 4, 4)
     rows = np.array([parameters_from_pseudo_inertia(unit) for unit in units]).T
     white = root.T @ (regrouping @ rows / scale[:, None])
