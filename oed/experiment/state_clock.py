@@ -1,6 +1,6 @@
 """Time as the controller's own ticks tell it, where the log's stamps do not.
 
-A computer that reads a controller stamps each row when it gets to it; position and velocity are of
+A computer that reads a controller stamps each row when it gets to it, while the positions are of
 one tick of the controller's clock. From row to row each joint moves by its velocity times what has
 passed, so that several joints tell together how many ticks that were. A stamp that is a
 millisecond late makes accelerations that no arm had, for which the torque seems to lag.
@@ -17,40 +17,45 @@ from scipy.ndimage import uniform_filter1d
 
 from oed.experiment.recording import Recording
 from oed.experiment.signals.gaps import find_gaps
+from oed.experiment.signals.resampling import fresh_rows
 
 CLEAR = 1 / 6  # of a tick, to which a step must be known to be counted
 MOST = 0.5  # share of the steps that must be clear
 WHOLE = 0.1  # of a tick, rms, by which they may miss whole ticks; any steps miss by 0.29
-# Ratio of the errors of q with ticks and with stamps: stamps that are right leave 0.95 and more of
-# what encoders and velocities err by (0.95 to 1.01 in a log of 200 Hz), late ones 0.04 to 0.08.
+# Ratio of the errors of q with ticks and with stamps. Where stamps are right, both are what encoders
+# err by (0.95 to 1.2 in two measured logs); where they were late, ticks left 0.03.
 FAR_BETTER = 0.5
+SMOOTH = 0.05  # [s] over which velocity is the slope of q: no arm's changes much
 AGREE = 3.0  # [s] over which the mean of both clocks is the same
 
 
 def in_state_time(recording: Recording) -> Recording:
-    """A recording in its controller's time, if positions and velocities show that stamps err.
+    """A recording in its controller's time, if its positions show that the stamps err.
 
-    Rows of a tick that was read before are left out, and a note says so. Where nothing shows, or
-    no velocity was logged, the recording is returned as it is.
+    Rows that read a tick again are left out, and a note says so. Where nothing shows, or there is
+    one joint alone, the recording is returned as it is.
 
     Args:
         recording: As it was logged.
     """
-    steps = _steps(recording)
+    signals = (recording.q, recording.dq, recording.tau)
+    fresh = fresh_rows(*(x for x in signals if x is not None))
+    stamps = recording.t[fresh]
+    steps = _steps(stamps, recording.q[fresh])
     if steps is None:
         return recording
     own = np.append(0.0, np.cumsum(steps))
-    late = recording.t - own
-    window = min(len(late), round(AGREE / float(np.median(steps))))
+    tick = float(np.median(steps))
     # Both clocks go at one rate, whatever an oscillator drifts by.
-    t = own + uniform_filter1d(late, window, mode="nearest")
-    fresh = np.append(True, steps > 0)
-    error = (recording.t - t)[fresh]
+    window = min(len(own), round(AGREE / tick))
+    t = own + uniform_filter1d(stamps - own, window, mode="nearest")
+    fresh[fresh] = new = np.append(True, steps > 0)
+    error = (stamps - t)[new]
     note = (
         f"{recording.name}: time stamps err by {1e3 * error.std():.2g} ms rms, "
-        f"{1e3 * np.abs(error).max():.2g} ms at most, against whole ticks of "
-        f"{1e3 * float(np.median(steps)):.4g} ms that q and dq tell; time is taken from these, and "
-        f"{int((~fresh).sum())} rows that read a tick again are left out"
+        f"{1e3 * np.abs(error).max():.2g} ms at most, against whole ticks of {1e3 * tick:.4g} ms "
+        f"that the positions tell; time is taken from these, and {int((~fresh).sum())} rows that "
+        "read a tick again are left out"
     )
     # Whatever has a row for each sample.
     rows = {
@@ -58,32 +63,38 @@ def in_state_time(recording: Recording) -> Recording:
         for field in dataclasses.fields(recording)
         if isinstance(value := getattr(recording, field.name), ndarray)
     }
-    return dataclasses.replace(recording, **rows | {"t": t[fresh]}, notes=(*recording.notes, note))
+    return dataclasses.replace(recording, **rows | {"t": t[new]}, notes=(*recording.notes, note))
 
 
-def _steps(recording: Recording) -> Float[ndarray, " steps"] | None:
+def _steps(
+    stamps: Float[ndarray, " samples"], q: Float[ndarray, "samples joints"]
+) -> Float[ndarray, " steps"] | None:
     """Time from each row to the next as ticks tell it [s]; None where stamps are no worse.
 
     Least squares over the joints gives what has passed, and what they leave its error. Where the
     arm is too slow to tell, stamps are kept.
     """
-    if recording.dq is None or recording.n < 2 or len(recording) < 3:
+    joints = q.shape[1]
+    if joints < 2 or len(stamps) < 3:
         return None
-    logged, moved = np.diff(recording.t), np.diff(recording.q, axis=0)
-    speed = (recording.dq[1:] + recording.dq[:-1]) / 2
+    logged, moved = np.diff(stamps), np.diff(q, axis=0)
+    tick = float(np.median(logged))
+    span = 2 * round(SMOOTH / tick / 2) + 1
+    # Over so many rows late stamps hardly matter, which over one are most of the error.
+    speed = uniform_filter1d(moved, span, axis=0) / uniform_filter1d(logged, span)[:, None]
     squares = np.maximum(np.sum(speed**2, axis=1), np.finfo(float).tiny)
     passed = np.sum(moved * speed, axis=1) / squares
     missed = moved - speed * passed[:, None]
-    deviation = np.sqrt(np.sum(missed**2) / (len(missed) * (recording.n - 1)))
-    tick = float(np.median(logged))
+    deviation = np.sqrt(np.sum(missed**2) / (len(missed) * (joints - 1)))
     count = np.round(passed / tick)
     clear = (deviation < CLEAR * tick * np.sqrt(squares)) & (count >= 0)
-    clear[find_gaps(recording.t, np.inf)] = False
+    gaps = np.zeros(len(logged))
+    gaps[find_gaps(stamps, np.inf)] = 1.0
+    clear &= uniform_filter1d(gaps, span) == 0.0
     if clear.mean() < MOST or np.std((passed / tick - count)[clear]) > WHOLE:
         return None
     # Of stamps that are rounded or late, the median is a tick but for some per cent.
-    whole = float(logged[clear].sum())
-    tick = whole / float(count[clear].sum())
+    tick = float(logged[clear].sum() / count[clear].sum())
     by_ticks, by_stamps = (
         np.sum((moved - speed * steps[:, None])[clear] ** 2) for steps in (tick * count, logged)
     )
