@@ -15,7 +15,7 @@ from oed.diagnosis.candidates.clocks import by_other_clock
 from oed.diagnosis.candidates.judgement import WORSE
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.evidence.contradiction import test_ratios
+from oed.diagnosis.evidence.contradiction import test_errors
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
@@ -139,17 +139,29 @@ def _without_what_raises(
     """The same without additions that clearly raise the test error of a joint, theirs or another.
 
     To add to one joint moves the parameters of all. So whatever lowers all errors together most by
-    going goes, as long as it does.
+    going goes, as long as it does: each joint's against what it was, and in noise floors.
     """
-    shop, selection, ratios = found.shop, found.selection, _test_ratios(found, test)
-    while selection.trials and ratios.max() > RAISED:
+    shop, selection = found.shop, found.selection
+    old, new = _test_errors(found, test)
+    while selection.trials and (new / old).max() > RAISED:
         fewer = [_less(shop, selection, trial) for trial in selection.trials]
-        tried = [test_ratios(shop, s, found.before, final_with(shop, s.found), test) for s in fewer]
-        best = int(np.argmin([np.sum(r**2) for r in tried]))
-        if np.sum(tried[best] ** 2) >= np.sum(ratios**2):
+        tried = [
+            (test_errors(shop, s, found.before, final_with(shop, s.found), test)[1], s)
+            for s in fewer
+        ]
+        lower = [
+            (errors, s)
+            for errors, s in tried
+            if _squares(errors / old) < _squares(new / old) and _squares(errors) < _squares(new)
+        ]
+        if not lower:
             break
-        selection, ratios = fewer[best], tried[best]
+        new, selection = min(lower, key=lambda t: _squares(t[0] / old))
     return found if selection is found.selection else _renamed(found, selection, validation)
+
+
+def _squares(errors: Float[ndarray, " joints"]) -> float:
+    return float(np.sum(errors**2))
 
 
 def _less(shop: Workshop, selection: Selection, trial: Trial) -> Selection:
@@ -185,7 +197,14 @@ def _is_contradicted(found: Finding, test: tuple[Prepared, ...]) -> bool:
 
 
 def _test_ratios(found: Finding, test: tuple[Prepared, ...]) -> Float[ndarray, " joints"]:
-    return test_ratios(found.shop, found.selection, found.before, found.after, test)
+    old, new = _test_errors(found, test)
+    return new / old
+
+
+def _test_errors(
+    found: Finding, test: tuple[Prepared, ...]
+) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
+    return test_errors(found.shop, found.selection, found.before, found.after, test)
 
 
 def _found(

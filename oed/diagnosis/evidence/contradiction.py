@@ -15,14 +15,14 @@ from oed.diagnosis.tables.predict import rms
 from oed.diagnosis.tables.workshop import Workshop
 
 
-def test_ratios(
+def test_errors(
     shop: Workshop,
     selection: Selection,
     before: FinalModel,
     after: FinalModel,
     test: Sequence[Prepared],
-) -> Float[ndarray, " joints"]:
-    """Each joint's test error with all that was added, over that without.
+) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
+    """Each joint's test error without what was added, and with all of it [noise floors].
 
     Args:
         shop: The laid-out data.
@@ -32,6 +32,6 @@ def test_ratios(
         test: Recordings that nothing was chosen by, at least one.
     """
     known, _ = with_moments_of(shop, selection.found, after, test)
-    weights = shop.baseline.noise_share(test)
-    old, new = (rms(errors_of(model, test), weights) for model in (before, known))
-    return new / old
+    weights, floor = shop.baseline.noise_share(test), shop.baseline.floor.deviation
+    old, new = (rms(errors_of(model, test), weights) / floor for model in (before, known))
+    return old, new

@@ -19,6 +19,7 @@ from oed.diagnosis.candidates.ripening import is_unripe
 from oed.diagnosis.candidates.telling import may_replace, replaces
 from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.search.free_form_rivals import curves_explain_more
 from oed.diagnosis.tables.workbench import Layout, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
@@ -167,6 +168,7 @@ def _best_in_place(
             and too_little(shop, rival, rest) is None
             and implausible(rival, shop.context) is None
             and held_out_fault(shop, others, rival.trial) is None
+            and curves_explain_more(shop, rival, others) is None
         ):
             return Accepted(rival.trial, rival.gain, current.p_value)
     return Accepted(here.trial, here.gain, current.p_value)

@@ -14,7 +14,7 @@ from oed.diagnosis.candidates.telling import foretells_most
 from oed.diagnosis.tables.workbench import Layout
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.restraint import restrained
-from oed.diagnosis.terms.scores import Score, score
+from oed.diagnosis.terms.scores import Score, inflation_of, score
 from oed.diagnosis.terms.trials import Trial, white_group
 from oed.dynamics.effects.catalogue import CATALOGUE
 
@@ -47,6 +47,32 @@ def better_free_form(
         if not foretells_most(shop, others, candidate.trial, restrained(rival.trial, fit)):
             return rival
     return None
+
+
+def curves_explain_more(shop: Workshop, candidate: Score, others: Sequence[Trial]) -> str | None:
+    """Why a change of the whole arm is none: a curve for each joint explains more; None if not.
+
+    Ten parameters from a moment on explain something of whatever joints lack on one motion. Of
+    what differs between repetitions no curve explains anything, so that these need not be asked.
+
+    Args:
+        shop: The laid-out data.
+        candidate: Refined beside all others.
+        others: Additions that it stands beside.
+    """
+    trial = candidate.trial
+    if trial.joint is not None or trial.contrast or not trial.between_repetitions:
+        return None
+    fit = shop.fit(others, shop.mean).fit
+    noise = inflation_of(fit)
+    most = np.zeros(len(noise))
+    for term in shop.smooth:
+        if term.joint is not None and not term.between_repetitions:
+            found = score(term, fit)
+            net = found.gain - found.freedom * noise[term.joint]
+            most[term.joint] = max(most[term.joint], net)
+    ratio = float(most.sum()) / candidate.gain
+    return f"curves of the joints explain {ratio:.2g} times as much" if ratio > 1 else None
 
 
 def in_more_terms(

@@ -9,7 +9,7 @@ from oed.diagnosis.candidates.judgement import judge
 from oed.diagnosis.candidates.pickups import with_own_moments
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import most_telling_first
-from oed.diagnosis.search.free_form_rivals import better_free_form
+from oed.diagnosis.search.free_form_rivals import better_free_form, curves_explain_more
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -45,9 +45,11 @@ def next_names(
             continue
         better = better_free_form(shop, candidate, rivals, others)
         if better is not None:
-            reason = (
-                f"{better.trial.key[0]} explains {better.gain / candidate.gain:.2g} times as much"
-            )
+            times = better.gain / candidate.gain
+            reason = f"{better.trial.key[0]} explains {times:.2g} times as much"
+        else:
+            reason = curves_explain_more(shop, candidate, others)
+        if reason is not None:
             refused.append(refusal(candidate, reason))
             continue
         own = with_own_moments(shop, others, candidate)
