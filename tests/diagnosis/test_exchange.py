@@ -1,11 +1,15 @@
 """Additions looked at again beside one another."""
 
+import dataclasses
+
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.search.exchange import settled
-from tests.diagnosis.arm import VISCOUS, data_set
+from oed.diagnosis.tables.workbench import comes_first, early_and_late
+from tests.diagnosis.arm import RATE, VISCOUS, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
 
@@ -20,3 +24,19 @@ def test_what_is_known_of_friction_is_that_beside_the_shapes_as_they_are():
     bend = Accepted(trial_of(shop, "nonlinear_viscous", 0, (1.9, 0.0)), 600.0, 1e-6)
     settled(shop, [bend], [])
     assert shop.context.viscous(0) == pytest.approx(VISCOUS[0], rel=0.1)
+
+
+def test_no_torque_that_comes_first_takes_a_place_beside_one_that_is_late():
+    """A torque that is smoothed forward and backward is both at once, which no log is."""
+    logged = data_set(3, roles=("estimation", "validation"))
+    smooth = tuple(
+        dataclasses.replace(r, tau=gaussian_filter1d(r.tau, 0.02 * RATE, axis=0))
+        for r in logged.recordings
+    )
+    shop = shop_of(dataclasses.replace(logged, recordings=smooth))
+    idle = Accepted(trial_of(shop, "torque_offset", 0), 600.0, 1e-6)
+    lag = Accepted(trial_of(shop, "filter_lag", None, (0.02,)), 600.0, 1e-6)
+    pool = [t for t in shop.physical if t.name == "time_delay"]
+    assert any(map(comes_first, pool))
+    kept = settled(shop, [idle, lag], pool)
+    assert not early_and_late([a.trial for a in kept])

@@ -74,6 +74,14 @@ def test_no_more_is_lost_than_won_in_squares_of_the_floor():
     assert costs(old, new, FLOOR, ROWS)
 
 
+def test_an_error_that_falls_to_nothing_outweighs_one_that_rises_by_a_half():
+    old, floor = np.array([7.0, 4.0]) * FLOOR, FLOOR
+    new = old * [0.2, 1.6]
+    assert np.mean((new / old) ** 2) > 1
+    assert not costs(old, new, floor, ROWS)
+    assert costs(old, old * [0.7, 1.6], floor, ROWS)
+
+
 def test_a_rise_within_the_margin_is_chance():
     new = np.array([0.6, (WORSE - 0.001) * OLD[1]])
     assert not costs(OLD, new, FLOOR, ROWS, price=0.0)

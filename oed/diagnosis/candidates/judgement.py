@@ -135,14 +135,17 @@ def costs(
         price: Share of what joints win that others may lose.
     """
     ratio = new / old
+    # What a joint's error falls or rises by counts as its likelihood does: in squares, one that
+    # rises by a half would outweigh one that falls to nothing.
+    shares = -counted * np.log(ratio)
     if price > 0:
-        # Where a joint lacks most of what it does, all that is added moves its error: what others
-        # win counts as the joint's likelihood does, and in squares of the floor no less is won.
-        shares, squares = -counted * np.log(ratio), counted * (old**2 - new**2) / floor**2
+        # Where a joint lacks most of what it does, all that is added moves its error; and in
+        # squares of the floor no less is won.
+        squares = counted * (old**2 - new**2) / floor**2
         dear = _won(-shares) > price * _won(shares) or _won(-squares) > _won(squares)
     else:
         dear = True
-    return bool(np.mean(ratio**2) >= 1 or (ratio.max() > WORSE and dear))
+    return bool(np.sum(shares) <= 0 or (ratio.max() > WORSE and dear))
 
 
 def _won(falls: Float[ndarray, " joints"]) -> float:

@@ -49,7 +49,9 @@ def decisive_between(shop: Workshop, one: Score, other: Score, unit: float = 1.0
     return max(decisive, of_smoothing(*trials) * max(one.gain, other.gain) / unit)
 
 
-def tied_within(shop: Workshop, one: Score, other: Score, unit: float = 1.0) -> float:
+def tied_within(
+    shop: Workshop, one: Score, other: Score, unit: float = 1.0, close: float = CLOSE
+) -> float:
     """How much more one candidate must tell than another to be named before a plainer one.
 
     An effect stands back behind its first order until it is the one that is meant; of two others
@@ -60,10 +62,11 @@ def tied_within(shop: Workshop, one: Score, other: Score, unit: float = 1.0) -> 
         one: Candidate.
         other: Its rival.
         unit: As in `decisive_between`.
+        close: By how much of two others one may lead by chance.
     """
     if is_first_order(one.trial, other.trial):
         return decisive_between(shop, one, other, unit)
-    return CLOSE
+    return close
 
 
 def of_smoothing(one: Trial, other: Trial) -> float:

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.calming import calmed_beside, worth_beside
-from oed.diagnosis.candidates.margin import decisive_between, is_first_order, tied_within
+from oed.diagnosis.candidates.margin import is_first_order, tied_within
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.side_by_side import side_by_side
@@ -119,20 +119,13 @@ def replaces(shop: Workshop, others: Sequence[Trial], here: Score, rival: Score)
     """Whether a rival tells more by far than an addition, or as much and is plainer."""
     both = [decided(shop, others, s) for s in (here, rival)]
     (said, better), unit = telling(shop, others, both)
-    margin = _margin(shop, here, rival, unit)
+    margin = tied_within(shop, here, rival, unit, close=shop.settings.decisive)
     return bool(better > said + (-margin if _is_plainer(rival, here) else margin))
 
 
 def _is_plainer(one: Score, other: Score) -> bool:
     """Whether one is the other's first order."""
     return is_first_order(one.trial, other.trial) and one.freedom < other.freedom
-
-
-def _margin(shop: Workshop, one: Score, other: Score, unit: float) -> float:
-    """How much more one must tell where the plainer of two may be all that is there."""
-    if is_first_order(one.trial, other.trial):
-        return decisive_between(shop, one, other, unit)
-    return shop.settings.decisive
 
 
 def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
