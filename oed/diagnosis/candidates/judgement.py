@@ -134,10 +134,7 @@ def costs(
         counted: (n,) rows that count; of slow noise many are one, and its joint is foretold as it may.
         price: Share of what joints win that others may lose.
     """
-    ratio = new / old
-    # What a joint's error falls or rises by counts as its likelihood does: in squares, one that
-    # rises by a half would outweigh one that falls to nothing.
-    shares = -counted * np.log(ratio)
+    ratio, shares = new / old, -counted * np.log(new / old)
     if price > 0:
         # Where a joint lacks most of what it does, all that is added moves its error; and in
         # squares of the floor no less is won.
@@ -145,7 +142,25 @@ def costs(
         dear = _won(-shares) > price * _won(shares) or _won(-squares) > _won(squares)
     else:
         dear = True
-    return bool(np.sum(shares) <= 0 or (ratio.max() > WORSE and dear))
+    return bool(rise(old, new, counted) >= 0 or (ratio.max() > WORSE and dear))
+
+
+def rise(
+    old: Float[ndarray, " joints"],
+    new: Float[ndarray, " joints"],
+    counted: Float[ndarray, " joints"],
+) -> float:
+    """By how much held-out errors rise, each as its likelihood counts it.
+
+    Squared ratios would not do: one error that rises by a half would outweigh one that falls to
+    nothing.
+
+    Args:
+        old: (n,) root mean squares before [N m].
+        new: After.
+        counted: (n,) rows that count.
+    """
+    return float(np.sum(counted * np.log(new / old)))
 
 
 def _won(falls: Float[ndarray, " joints"]) -> float:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from oed.diagnosis.candidates.judgement import EARLY_AND_LATE, WORSE, costs
+from oed.diagnosis.candidates.judgement import EARLY_AND_LATE, WORSE, costs, rise
 from oed.diagnosis.candidates.paying import validation_gain
 from oed.diagnosis.candidates.ripening import is_late
 from oed.diagnosis.candidates.turning import GRAVITY
@@ -169,7 +167,7 @@ def _never_worse(
         final = final_with(shop, kept.found) if kept.trials else before
         new = rms(errors_of(final, validation), weights)
         is_worse = bool(kept.trials) and costs(old, new, floor, counted)
-        return _Tried(is_worse, float(np.mean((new / old) ** 2)), kept, final)
+        return _Tried(is_worse, rise(old, new, counted), kept, final)
 
     reason = "in its exact form it raises the validation error"
     late = [t for t in selection.trials if is_late(t)]
@@ -185,7 +183,7 @@ def _never_worse(
             loose = [t for t in kept.trials if not (t.name == GRAVITY and shop.is_turned)]
             found = min(
                 (tried(kept.without(shop, t, reason)) for t in reversed(loose or kept.trials)),
-                key=lambda t: (t.is_worse, t.error),
+                key=lambda t: (t.is_worse, t.rise),
             )
     return found.kept, found.final
 
@@ -196,12 +194,12 @@ class _Tried:
 
     Attributes:
         is_worse: Whether they cost more on the validation recordings than they win.
-        error: Mean squared validation error, in squares of the base model's.
+        rise: Of the validation errors above those of the base model.
         kept: The additions.
         final: The model with them.
     """
 
     is_worse: bool
-    error: float
+    rise: float
     kept: Selection
     final: FinalModel

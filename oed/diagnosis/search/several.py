@@ -14,7 +14,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.accepted import Accepted, Refused
-from oed.diagnosis.candidates.judgement import costs, judge
+from oed.diagnosis.candidates.judgement import costs, judge, rise
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score, implausible, inflation_of, score
 from oed.diagnosis.terms.trials import Trial
@@ -92,14 +92,20 @@ def _worth(shop: Workshop, member: Score, chance: Float[ndarray, " joints"]) -> 
 def _foretelling(shop: Workshop, others: Sequence[Trial], members: Sequence[Trial]) -> list[Trial]:
     """Members that together lower the held-out error; those that raise it most fall away."""
     floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
-    kept = list(members)
-    old = _held_out(shop, others)
-    while old is not None and kept:
+    kept, old = list(members), _held_out(shop, others)
+    if old is None:
+        return kept
+
+    def risen(rest: Sequence[Trial]) -> float:
+        new = _held_out(shop, [*others, *rest])
+        return 0.0 if new is None else rise(old, new, counted)
+
+    while kept:
         new = _held_out(shop, [*others, *kept])
         if new is None or not costs(old, new, floor, counted):
             break
         without = [[m for m in kept if m is not left_out] for left_out in kept]
-        kept = min(without, key=lambda rest: np.sum((_held_out(shop, [*others, *rest]) / old) ** 2))
+        kept = min(without, key=risen)
     return kept
 
 
