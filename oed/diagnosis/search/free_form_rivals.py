@@ -52,8 +52,8 @@ def better_free_form(
 def curves_explain_more(shop: Workshop, candidate: Score, others: Sequence[Trial]) -> str | None:
     """Why a change of the whole arm is none: a curve for each joint explains more; None if not.
 
-    Ten parameters from a moment on explain something of whatever joints lack on one motion. Of
-    what differs between repetitions no curve explains anything, so that these need not be asked.
+    Ten parameters from a moment on explain something of whatever joints lack on one motion. Where
+    motions repeat, what differs between them is known, and no curve explains that.
 
     Args:
         shop: The laid-out data.
@@ -61,7 +61,8 @@ def curves_explain_more(shop: Workshop, candidate: Score, others: Sequence[Trial
         others: Additions that it stands beside.
     """
     trial = candidate.trial
-    if trial.joint is not None or trial.contrast or not trial.between_repetitions:
+    repeats = shop.full is not shop.mean
+    if trial.joint is not None or repeats or not trial.between_repetitions:
         return None
     fit = shop.fit(others, shop.mean).fit
     noise = inflation_of(fit)
