@@ -11,6 +11,7 @@ from tests.diagnosis.shop import shop_of
 pytestmark = pytest.mark.whole_search
 
 REPEATED, SINGLE = 3, 1
+ROLES = (*4 * ("estimation",), "validation")
 
 
 def pulls(q, dq, ddq):
@@ -33,7 +34,7 @@ def picks_up(q, dq, ddq):
 
 def best_load(extra, repetitions):
     shop = shop_of(
-        data_set(5, extra=extra, repetitions=repetitions, roles=("estimation", "validation")),
+        data_set(5, extra=extra, repetitions=repetitions, roles=ROLES),
         candidates=("payload_change",),
     )
     return shop, ranked(shop, shop.physical, (), 2, thorough=True)[0]
