@@ -155,7 +155,7 @@ def _never_worse(
     The search judges columns of first order where an effect acts on the whole model. Only the
     exact form, all parameters refitted together, can prove that nothing got worse. A late torque
     stays where it is less late and foretells more; else that addition goes without which the others
-    foretell most.
+    foretell most, or all that claims no physics.
     """
     if not validation:
         return selection, final_with(shop, selection.found) if selection.trials else before
@@ -181,11 +181,19 @@ def _never_worse(
         else:
             # Without the tilt that the tables are turned by, they stay turned: it goes last.
             loose = [t for t in kept.trials if not (t.name == GRAVITY and shop.is_turned)]
-            found = min(
-                (tried(kept.without(shop, t, reason)) for t in reversed(loose or kept.trials)),
-                key=lambda t: (t.is_worse, t.rise),
-            )
+            fewer = [kept.without(shop, t, reason) for t in reversed(loose or kept.trials)]
+            # Curves that do each other's part, or a name's, are no loss one by one.
+            if sum(t.is_free_form for t in loose) > 1:
+                fewer.append(_without_curves(shop, kept, reason))
+            found = min(map(tried, fewer), key=lambda t: (t.is_worse, t.rise))
     return found.kept, found.final
+
+
+def _without_curves(shop: Workshop, selection: Selection, reason: str) -> Selection:
+    for trial in selection.trials:
+        if trial.is_free_form:
+            selection = selection.without(shop, trial, reason)
+    return selection
 
 
 @dataclass(frozen=True)
