@@ -15,13 +15,15 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.ndimage import uniform_filter1d
 
+from oed.experiment.processing import fresh_samples
 from oed.experiment.recording import Recording
 from oed.experiment.signals.gaps import find_gaps
-from oed.experiment.signals.resampling import fresh_rows
 
 CLEAR = 1 / 6  # of a tick, to which a step must be known to be counted
 MOST = 0.5  # share of the steps that must be clear
 WHOLE = 0.1  # of a tick, rms, by which they may miss whole ticks; any steps miss by 0.29
+# Share of the steps without a tick: more is a position that is held while torque goes on.
+AGAIN = 0.1
 # Ratio of the errors of q with ticks and with stamps. Where stamps are right, both are what encoders
 # err by (0.95 to 1.2 in two measured logs); where they were late, ticks left 0.03.
 FAR_BETTER = 0.5
@@ -38,13 +40,12 @@ def in_state_time(recording: Recording) -> Recording:
     Args:
         recording: As it was logged.
     """
-    signals = (recording.q, recording.dq, recording.tau)
-    fresh = fresh_rows(*(x for x in signals if x is not None))
+    fresh = fresh_samples(recording)
     stamps = recording.t[fresh]
     steps = _steps(stamps, recording.q[fresh])
     if steps is None:
         return recording
-    own = np.append(0.0, np.cumsum(steps))
+    own = stamps[0] + np.append(0.0, np.cumsum(steps))
     tick = float(np.median(steps))
     # Both clocks go at one rate, whatever an oscillator drifts by.
     window = min(len(own), round(AGREE / tick))
@@ -92,6 +93,8 @@ def _steps(
     gaps[find_gaps(stamps, np.inf)] = 1.0
     clear &= uniform_filter1d(gaps, span) == 0.0
     if clear.mean() < MOST or np.std((passed / tick - count)[clear]) > WHOLE:
+        return None
+    if np.mean(count[clear] == 0) > AGAIN:
         return None
     # Of stamps that are rounded or late, the median is a tick but for some per cent.
     tick = float(logged[clear].sum() / count[clear].sum())

@@ -124,6 +124,24 @@ def test_rows_that_repeat_under_right_stamps_are_no_late_ones():
     assert in_state_time(log) is log
 
 
+@pytest.mark.parametrize("rows", [2, 10])
+def test_a_position_that_is_held_while_torque_goes_on_is_no_late_stamp(rows: int):
+    t = np.arange(10_000) * TICK
+    log = recorded(np.repeat(t[::rows], rows), t)
+    noisy = log.tau + np.random.default_rng(9).standard_normal(log.tau.shape)
+    held = Recording("log", "estimation", t=t, q=log.q, tau=noisy)
+    assert in_state_time(held) is held
+
+
+def test_seconds_since_1970_are_told_as_well():
+    state, stamp = stamped_late(10)
+    stamp += 1e-6 * np.arange(len(stamp))  # no two are the same to the last bit
+    found, early = (in_state_time(recorded(state, stamp + start)) for start in (1.7e9, 0.0))
+    assert len(found.notes) == 1
+    # Such a number of seconds has 0.24 microseconds to its last bit.
+    assert found.t - 1.7e9 == pytest.approx(early.t, abs=2e-6)
+
+
 @needs_shared_data
 def test_of_the_measured_arms_only_the_one_with_late_stamps_is_moved():
     """Its source's own quirks: steps of 0.7 to 8.8 ms around 1 ms, one row in 20 repeats."""
