@@ -134,15 +134,15 @@ def costs(
         counted: (n,) rows that count; of slow noise many are one, and its joint is foretold as it may.
         price: Share of what joints win that others may lose.
     """
-    ratio, shares = new / old, -counted * np.log(new / old)
+    rises = _rises(old, new, counted)
     if price > 0:
         # Where a joint lacks most of what it does, all that is added moves its error; and in
         # squares of the floor no less is won.
         squares = counted * (old**2 - new**2) / floor**2
-        dear = _won(-shares) > price * _won(shares) or _won(-squares) > _won(squares)
+        dear = _won(rises) > price * _won(-rises) or _won(-squares) > _won(squares)
     else:
         dear = True
-    return bool(rise(old, new, counted) >= 0 or (ratio.max() > WORSE and dear))
+    return bool(np.sum(rises) >= 0 or ((new / old).max() > WORSE and dear))
 
 
 def rise(
@@ -160,7 +160,15 @@ def rise(
         new: After.
         counted: (n,) rows that count.
     """
-    return float(np.sum(counted * np.log(new / old)))
+    return float(np.sum(_rises(old, new, counted)))
+
+
+def _rises(
+    old: Float[ndarray, " joints"],
+    new: Float[ndarray, " joints"],
+    counted: Float[ndarray, " joints"],
+) -> Float[ndarray, " joints"]:
+    return counted * np.log(new / old)
 
 
 def _won(falls: Float[ndarray, " joints"]) -> float:
