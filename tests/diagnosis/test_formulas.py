@@ -5,6 +5,7 @@ import pytest
 
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.judgement import share_needed
+from oed.diagnosis.candidates.usual import plainer
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search.review import drop_needless, review_names
 from oed.diagnosis.search.selection import search
@@ -66,6 +67,22 @@ def test_a_ripple_of_three_waves_has_all_of_them(formula, multiples):
     amplitudes = np.linalg.norm(found.coefficients.reshape(3, 2), axis=1)
     # The band takes some of what is fast; a wave's noise is a few hundredths.
     assert amplitudes == pytest.approx(sizes, abs=0.06)
+
+
+def test_a_spring_in_pieces_has_plainer_formulas_and_a_plain_one_none():
+    shop = shop_of(data_set(5, extra=on_first(lambda q: 2.0 * q)), held=False)
+    plain = plainer(shop, (), trial_of(shop, "joint_spring", 0, (3.0,)))
+    assert plain is not None
+    assert plain.values in {(1.0,), (2.0,)}
+    found = score(plain, shop.before.fit)
+    assert found.coefficients[0] == pytest.approx(2.0, abs=0.1)
+    assert plainer(shop, (), trial_of(shop, "joint_spring", 0, (1.0,))) is None
+    assert plainer(shop, (), trial_of(shop, "torque_offset", 0)) is None
+
+
+def test_a_spring_that_pushes_is_none_by_any_formula():
+    shop = shop_of(data_set(5, extra=on_first(lambda q: -2.0 * q)), held=False)
+    assert plainer(shop, (), trial_of(shop, "joint_spring", 0, (3.0,))) is None
 
 
 @pytest.mark.parametrize(

@@ -96,13 +96,23 @@ def test_an_addition_is_judged_beside_shapes_that_have_settled():
     shop = shop_of(data_set(10, extra=extra))
     wrong = trial_of(shop, "stribeck", 0, (0.5, 4.0, 0.0))
     offset = trial_of(shop, "torque_offset", 1)
-    (moved,) = shapes_beside(shop, [wrong], offset)
+    (moved,) = shapes_beside(shop, [wrong], offset, [0])
     before, after = shop.foretold([wrong, offset], [moved, offset])
     assert before is not None
     assert after is not None
     assert after[0] < 0.7 * before[0]
     assert after == pytest.approx(shop.baseline.floor.deviation, rel=0.25)
-    assert shapes_beside(shop, [offset], wrong) == []
+    assert shapes_beside(shop, [offset], wrong, [0, 1]) == []
+    assert shapes_beside(shop, [wrong], offset, [1]) == []
+
+
+def test_an_error_below_the_noise_loses_no_more_than_the_noise():
+    """The first joint wins a third; the second had luck."""
+    old = np.array([1.5, 0.6]) * FLOOR
+    assert not costs(old, np.array([1.0, 1.1]) * FLOOR, FLOOR, ROWS * [1.0, 0.5])
+    assert costs(old, np.array([1.0, 1.32]) * FLOOR, FLOOR, ROWS * [1.0, 0.5])
+    # Of its full rise the sum must fall all the same.
+    assert costs(old, np.array([1.0, 1.1]) * FLOOR, FLOOR, ROWS)
 
 
 def saturating(limit, gain):

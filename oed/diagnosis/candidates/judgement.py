@@ -100,7 +100,8 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
     if not costs(old, new, floor, counted, price):
         return None
-    if np.min(new / old) < 1 and (moved := shapes_beside(shop, others, trial)):
+    risen = np.flatnonzero(new > old).tolist()
+    if len(risen) < len(old) and (moved := shapes_beside(shop, others, trial, risen)):
         _, best = shop.foretold(others, [*moved, trial], as_it_is=trial.is_free_form)
         if best is not None and not costs(old, best, floor, counted, price):
             return None
@@ -136,10 +137,12 @@ def costs(
     """
     rises = _rises(old, new, counted)
     if price > 0:
-        # Where a joint lacks most of what it does, all that is added moves its error; and in
-        # squares of the floor no less is won.
+        # An error below the noise is luck, of which no more than the noise is lost. Where a joint
+        # lacks most of what it does, all that is added moves its error; and in squares of the
+        # floor no less is won.
+        beyond = _rises(np.maximum(old, np.minimum(new, floor)), new, counted)
         squares = counted * (old**2 - new**2) / floor**2
-        dear = _won(rises) > price * _won(-rises) or _won(-squares) > _won(squares)
+        dear = _won(beyond) > price * _won(-rises) or _won(-squares) > _won(squares)
     else:
         dear = True
     return bool(np.sum(rises) >= 0 or ((new / old).max() > WORSE and dear))

@@ -9,7 +9,7 @@ are taken where it is largest. The parameters that come linearly are those of th
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -60,8 +60,10 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     return dataclasses.replace(best, trial=dataclasses.replace(best.trial, decided=True))
 
 
-def shapes_beside(shop: Workshop, others: Sequence[Trial], trial: Trial) -> list[Trial]:
-    """Other additions at the shapes that they take beside a further one; none if none has any.
+def shapes_beside(
+    shop: Workshop, others: Sequence[Trial], trial: Trial, joints: Collection[int]
+) -> list[Trial]:
+    """Other additions of some joints at the shapes that they take beside a further one; none if none has any.
 
     What was found before had to do some of its work, and foretells another motion by that.
 
@@ -69,9 +71,14 @@ def shapes_beside(shop: Workshop, others: Sequence[Trial], trial: Trial) -> list
         shop: The laid-out data.
         others: Additions at the shapes that they have without it.
         trial: The further one.
+        joints: Where shapes may move; what sits in none, such as a delay, may always.
     """
     beside = list(others)
-    shaped = [k for k, t in enumerate(beside) if t.shapes and not t.is_free_form]
+    shaped = [
+        k
+        for k, t in enumerate(beside)
+        if t.shapes and not t.is_free_form and not {None, *joints}.isdisjoint(t.places)
+    ]
     # A delay acts on what a gear does, too.
     context = shop.context_with(shop.fit([*others, trial], bend=False)) if shaped else shop.context
     for k in shaped:

@@ -15,7 +15,7 @@ from oed.diagnosis.candidates.margin import decisive_between
 from oed.diagnosis.candidates.telling import telling
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, climb, implausible, score
+from oed.diagnosis.terms.scores import Score, climb, implausible, other_formulas, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Shape
 
@@ -30,6 +30,25 @@ def as_usual(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearF
         fit: With those additions.
     """
     return _by_plain_formula(shop, others, _as_built(shop, others, found, fit), fit)
+
+
+def plainer(shop: Workshop, others: Sequence[Trial], trial: Trial) -> Trial | None:
+    """An addition by the best plausible one of its formulas that have fewer terms; None if none is.
+
+    Args:
+        shop: The laid-out data.
+        others: Additions that it stands beside.
+        trial: The addition.
+    """
+    fit = shop.fit(others, shop.layout(trial)).fit
+    here = score(shop.renewed(trial), fit)
+    fewer = [
+        climb(there, fit, shop.context)
+        for there in other_formulas(here, fit, shop.context)
+        if len(there.coefficients) < len(here.coefficients)
+    ]
+    plausible = [s for s in fewer if implausible(s, shop.context) is None]
+    return max(plausible, key=lambda s: s.gain).trial if plausible else None
 
 
 def _as_built(shop: Workshop, others: Sequence[Trial], found: Score, fit: LinearFit) -> Score:

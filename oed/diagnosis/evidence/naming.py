@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from oed.diagnosis.candidates.judgement import EARLY_AND_LATE, WORSE, costs, rise
+from oed.diagnosis.candidates.judgement import EARLY_AND_LATE, WORSE
 from oed.diagnosis.candidates.paying import validation_gain
-from oed.diagnosis.candidates.ripening import is_late
 from oed.diagnosis.candidates.turning import GRAVITY
+from oed.diagnosis.candidates.usual import plainer
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.doubt import doubtful_name
-from oed.diagnosis.evidence.final_model import (
-    FinalModel,
-    errors_of,
-    final_with,
-    lost_when_repeated,
-)
+from oed.diagnosis.evidence.final_model import FinalModel, lost_when_repeated
 from oed.diagnosis.evidence.impossible_load import impossible_load
+from oed.diagnosis.evidence.never_worse import never_worse
 from oed.diagnosis.evidence.own_parts import with_own_parts
 from oed.diagnosis.evidence.sharper_sign import told_by_a_sign
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
@@ -30,9 +27,7 @@ from oed.diagnosis.evidence.verdict import (
     preferred_rival,
     riddles,
 )
-from oed.diagnosis.search.exchange import foretelling
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.tables.predict import rms
 from oed.diagnosis.tables.workbench import Augmented, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -80,47 +75,70 @@ def _sure(
 ) -> tuple[Selection, FinalModel, Augmented]:
     """What holds in its exact form and beyond its own uncertainty, installed and as it was fitted."""
     while True:
-        selection, after = _never_worse(shop, selection, validation, before)
+        selection, after = never_worse(shop, selection, validation, before)
         lost = lost_when_repeated(shop, selection.found, after)
         if lost is not None:
             reason = "in its exact form it raises the error of the single repetitions"
             selection = selection.without(shop, lost, reason)
             continue
         found = with_uncertainty(shop, selection.found)
-        doubtful, reason = doubtful_name(shop, found), "its own interval holds zero"
-        if doubtful is None:
-            doubtful, reason = impossible_load(found), "no body has such inertial parameters"
-        if doubtful is None:
-            doubtful, reason = told_by_a_sign(shop, found), "a sign that turns faster tells as much"
-        if doubtful is None:
-            doubtful, reason = _implausible(shop, selection, found)
-        if doubtful is None:
-            doubtful, reason = _weakest(selection, early_and_late(found.chosen)), EARLY_AND_LATE
-        if doubtful is None:
-            doubtful = _harmful(shop, selection.trials)
-            reason = "beside all other additions it raises the validation error"
-        if doubtful is None:
+        doubt = _doubt(shop, selection, found)
+        if doubt is None:
             return selection, after, found
-        selection = selection.without(shop, doubtful, reason)
+        if doubt.instead is None:
+            selection = selection.without(shop, doubt.trial, doubt.reason)
+        else:
+            selection = selection.exchanged(shop, doubt.trial, doubt.instead)
 
 
-def _implausible(
-    shop: Workshop, selection: Selection, found: Augmented
-) -> tuple[Trial | None, str]:
-    """A name whose parameters cannot be what it says, as they are after all; with the reason.
+@dataclass(frozen=True)
+class _Doubt:
+    """A name that something speaks against.
+
+    Attributes:
+        trial: The name.
+        reason: What does.
+        instead: The same effect by a formula that nothing is known against; None if it has none.
+    """
+
+    trial: Trial
+    reason: str
+    instead: Trial | None = None
+
+
+def _doubt(shop: Workshop, selection: Selection, found: Augmented) -> _Doubt | None:
+    """The first doubt of a name, in the order of what it costs to ask; None if there is none."""
+    if (trial := doubtful_name(shop, found)) is not None:
+        return _Doubt(trial, "its own interval holds zero")
+    if (trial := impossible_load(found)) is not None:
+        return _Doubt(trial, "no body has such inertial parameters")
+    if (trial := told_by_a_sign(shop, found)) is not None:
+        return _Doubt(trial, "a sign that turns faster tells as much")
+    if (doubt := _implausible(shop, selection, found)) is not None:
+        others = [t for t in selection.trials if t.key != doubt.trial.key]
+        return dataclasses.replace(doubt, instead=plainer(shop, others, doubt.trial))
+    if (trial := _weakest(selection, early_and_late(found.chosen))) is not None:
+        return _Doubt(trial, EARLY_AND_LATE)
+    if (trial := _harmful(shop, selection.trials)) is not None:
+        return _Doubt(trial, "beside all other additions it raises the validation error")
+    return None
+
+
+def _implausible(shop: Workshop, selection: Selection, found: Augmented) -> _Doubt | None:
+    """A name whose parameters cannot be what it says, as they are after all.
 
     They were plausible when it was added; beside others, and refined, they may have run away. Of
     several, such as a coupling and its mirror image, the one that explained least goes first.
     """
     gains = {item.trial.key: item.gain for item in selection.accepted}
-    worst: tuple[Trial | None, str] = (None, "")
+    worst = None
     for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
         if trial.is_free_form or trial.name == GRAVITY:
             continue
         check = CATALOGUE[trial.name].plausible
         reason = check(shop.context, trial.target, trial.values, coefficients)
-        if reason is not None and (worst[0] is None or gains[trial.key] < gains[worst[0].key]):
-            worst = (trial, reason)
+        if reason is not None and (worst is None or gains[trial.key] < gains[worst.trial.key]):
+            worst = _Doubt(trial, reason)
     return worst
 
 
@@ -142,72 +160,3 @@ def _harmful(shop: Workshop, chosen: tuple[Trial, ...]) -> Trial | None:
         if gain is not None and gain < 1 - WORSE:
             return trial
     return None
-
-
-def _never_worse(
-    shop: Workshop,
-    selection: Selection,
-    validation: tuple[Prepared, ...],
-    before: FinalModel,
-) -> tuple[Selection, FinalModel]:
-    """The augmented model in its exact form; additions that then raise the held-out error go.
-
-    The search judges columns of first order where an effect acts on the whole model. Only the
-    exact form, all parameters refitted together, can prove that nothing got worse. A late torque
-    stays where it is less late and foretells more; else that addition goes without which the others
-    foretell most, or all that claims no physics.
-    """
-    if not validation:
-        return selection, final_with(shop, selection.found) if selection.trials else before
-    weights = shop.baseline.noise_share(validation)
-    old = rms(errors_of(before, validation), weights)
-    floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
-
-    def tried(kept: Selection) -> _Tried:
-        final = final_with(shop, kept.found) if kept.trials else before
-        new = rms(errors_of(final, validation), weights)
-        is_worse = bool(kept.trials) and costs(old, new, floor, counted)
-        return _Tried(is_worse, rise(old, new, counted), kept, final)
-
-    reason = "in its exact form it raises the validation error"
-    late = [t for t in selection.trials if is_late(t)]
-    found = tried(selection)
-    while found.is_worse:
-        kept = found.kept
-        if late:
-            moved = foretelling(shop, kept.trials, late[0])
-            kept, late = kept.exchanged(shop, late[0], moved), late[1:]
-            found = tried(kept)
-        else:
-            # Without the tilt that the tables are turned by, they stay turned: it goes last.
-            loose = [t for t in kept.trials if not (t.name == GRAVITY and shop.is_turned)]
-            fewer = [kept.without(shop, t, reason) for t in reversed(loose or kept.trials)]
-            # Curves that do each other's part, or a name's, are no loss one by one.
-            if sum(t.is_free_form for t in loose) > 1:
-                fewer.append(_without_curves(shop, kept, reason))
-            found = min(map(tried, fewer), key=lambda t: (t.is_worse, t.rise))
-    return found.kept, found.final
-
-
-def _without_curves(shop: Workshop, selection: Selection, reason: str) -> Selection:
-    for trial in selection.trials:
-        if trial.is_free_form:
-            selection = selection.without(shop, trial, reason)
-    return selection
-
-
-@dataclass(frozen=True)
-class _Tried:
-    """Some additions in their exact form.
-
-    Attributes:
-        is_worse: Whether they cost more on the validation recordings than they win.
-        rise: Of the validation errors above those of the base model.
-        kept: The additions.
-        final: The model with them.
-    """
-
-    is_worse: bool
-    rise: float
-    kept: Selection
-    final: FinalModel

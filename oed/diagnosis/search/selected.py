@@ -45,6 +45,15 @@ class Selection:
         rest = [a for a in self.accepted if a is not item]
         return Selection.of(shop, rest, [*self.refused, refusal(item, reason)])
 
+    def with_only(
+        self, shop: Workshop, keys: Collection[tuple[str, object]], reason: str
+    ) -> Selection:
+        """The same with no addition that is part of the model but these."""
+        gone = {t.key for t in self.trials} - set(keys)
+        kept = [a for a in self.accepted if a.trial.key not in gone]
+        turned_down = [refusal(a, reason) for a in self.accepted if a.trial.key in gone]
+        return Selection.of(shop, kept, [*self.refused, *turned_down])
+
     def with_aside(self, shop: Workshop, terms: Collection[Trial]) -> Selection:
         """The same with some free-form terms only to say where something is missing."""
         aside = {t.key for t in terms}

@@ -167,7 +167,7 @@ def refine(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_o
         return tried.evidence(fit.rows.count) - tried.gain + worth(tried)
 
     best = climb(found, fit, context, worth)
-    for start in _other_formulas(best, fit, context):
+    for start in other_formulas(best, fit, context):
         tried = climb(start, fit, context, worth)
         more = evidence(tried) - evidence(best)
         margin = -FORMULA if tried.freedom < best.freedom else FORMULA
@@ -176,7 +176,7 @@ def refine(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_o
     return best
 
 
-def _other_formulas(found: Score, fit: LinearFit, context: Context) -> Iterator[Score]:
+def other_formulas(found: Score, fit: LinearFit, context: Context) -> Iterator[Score]:
     """A candidate with all other terms that its equation may have."""
     if found.trial.is_free_form:
         return
