@@ -101,7 +101,7 @@ def held_out_fault(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str
     if not costs(old, new, floor, counted, price):
         return None
     risen = np.flatnonzero(new > old).tolist()
-    if len(risen) < len(old) and (moved := shapes_beside(shop, others, trial, risen)):
+    if np.min(new / old) < 1 and (moved := shapes_beside(shop, others, trial, risen)):
         _, best = shop.foretold(others, [*moved, trial], as_it_is=trial.is_free_form)
         if best is not None and not costs(old, best, floor, counted, price):
             return None
