@@ -196,14 +196,8 @@ def _by_key(scores: Sequence[Score]) -> dict[tuple[str, object], Score]:
 
 
 def _best_of_each_joint(scores: Sequence[Score]) -> list[Score]:
-    """The first few of every joint, in the order in which they come.
-
-    So are those that act on it alone: what acts on others, too, may explain more of these, and
-    crowd out what only this joint lacks.
-    """
-    found: dict[tuple[int | None, bool], list[Score]] = {}
+    """The first few of every joint, in the order in which they come."""
+    found: dict[int | None, list[Score]] = {}
     for s in scores:
-        found.setdefault((s.trial.joint, False), []).append(s)
-        if len(s.trial.group) == 1:
-            found.setdefault((s.trial.joint, True), []).append(s)
+        found.setdefault(s.trial.joint, []).append(s)
     return [s for own in found.values() for s in own[:OF_EACH]]
