@@ -41,18 +41,20 @@ class Selection:
 
     def without(self, shop: Workshop, trial: Trial, reason: str) -> Selection:
         """The same with one addition turned down after all."""
-        item = next(a for a in self.accepted if a.trial.key == trial.key)
-        rest = [a for a in self.accepted if a is not item]
-        return Selection.of(shop, rest, [*self.refused, refusal(item, reason)])
+        return self._without(shop, {trial.key}, reason)
 
     def with_only(
         self, shop: Workshop, keys: Collection[tuple[str, object]], reason: str
     ) -> Selection:
         """The same with no addition that is part of the model but these."""
-        gone = {t.key for t in self.trials} - set(keys)
-        kept = [a for a in self.accepted if a.trial.key not in gone]
-        turned_down = [refusal(a, reason) for a in self.accepted if a.trial.key in gone]
-        return Selection.of(shop, kept, [*self.refused, *turned_down])
+        return self._without(shop, {t.key for t in self.trials} - set(keys), reason)
+
+    def _without(
+        self, shop: Workshop, keys: Collection[tuple[str, object]], reason: str
+    ) -> Selection:
+        kept = [a for a in self.accepted if a.trial.key not in keys]
+        gone = [refusal(a, reason) for a in self.accepted if a.trial.key in keys]
+        return Selection.of(shop, kept, [*self.refused, *gone])
 
     def with_aside(self, shop: Workshop, terms: Collection[Trial]) -> Selection:
         """The same with some free-form terms only to say where something is missing."""
