@@ -4,11 +4,28 @@
 outcome that a program may want to catch, inspect and report.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
+
 from numpy import ndarray
 
 
 class OedError(Exception):
     """Base class of all outcomes that this package reports as errors."""
+
+    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
+        """As it is, evidence and all, whatever its making asks for: a process may pass it on."""
+        return _remade, (type(self), self.args, self.__dict__)
+
+
+def _remade(
+    kind: type[OedError], args: tuple[object, ...], evidence: dict[str, object]
+) -> OedError:
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(evidence)
+    return error
 
 
 class RobotError(OedError):

@@ -170,10 +170,11 @@ def _whole_period(motion: Motion) -> Motion:
     """Brought to the control period, as a period that closes."""
     samples = round(PERIOD / STEP)
     t = np.arange(samples) * STEP
-    share = t / PERIOD * (motion.t[-1] - motion.t[0] + (motion.t[1] - motion.t[0])) + motion.t[0]
-    pace = share[1] / STEP if share[0] == 0 else (share[1] - share[0]) / STEP
+    period = motion.t[-1] - motion.t[0] + (motion.t[1] - motion.t[0])
+    pace = period / PERIOD
+    share = t * pace + motion.t[0]
     q, dq, ddq = (
-        np.stack([np.interp(share, motion.t, column) for column in x.T], axis=1)
+        np.stack([np.interp(share, motion.t, column, period=period) for column in x.T], axis=1)
         for x in (motion.q, motion.dq, motion.ddq)
     )
     return Motion(t, q, dq * pace, ddq * pace**2)

@@ -1,4 +1,4 @@
-"""What do measured arms lack, and what does adding it gain on recordings that chose nothing?
+"""What do measured arms lack, and what does adding it gain on recordings that were not fitted?
 
     python -m studies.measured [--data DIR] [--out results/measured] [--reports DIR] [--seed N]
                                [--smoke]
@@ -36,8 +36,9 @@ UNSEEN = ("validation", "test")
 EXPLAINED = (
     "Errors before and after, root mean square over the joints in noise floors: the base model "
     "(rigid body, Coulomb and viscous friction; rotor inertias where the data set declares them) "
-    "and the same with what was found. The test recordings chose nothing; at most they took "
-    "something back. “Worst joint” is the largest ratio of after to before."
+    "and the same with what was found. The test recordings added nothing; where they took "
+    "something back, “unchecked” is their error with it. “Worst joint” is the largest ratio of after to "
+    "before."
 )
 VALUES = (
     "status",
@@ -47,6 +48,7 @@ VALUES = (
     "named",
     "unnamed",
     *(f"{role}_{when}" for role in UNSEEN for when in ("before", "after", "worst_joint")),
+    "test_unchecked",
     "relative_test",
     "seconds",
 )
@@ -125,6 +127,8 @@ def _errors(proof: RoleProof, found: Diagnosis) -> dict[str, str | float]:
     }
     if proof.role == "test":
         pairs = zip(proof.before / proof.torque, proof.after / proof.torque, strict=True)
+        kept = proof.after if found.unchecked is None else found.unchecked
+        told["test_unchecked"] = round(over_floor(kept, found.noise_floor), 3)
         told["relative_test"] = "; ".join(f"{old:.3f} → {new:.3f}" for old, new in pairs)
     return told
 
@@ -138,6 +142,7 @@ def page(rows: Sequence[Mapping[str, str]]) -> str:
             "joints": row["joints"],
             "samples": row["samples"],
             **{role: _change(row[f"{role}_before"], row[f"{role}_after"]) for role in UNSEEN},
+            "unchecked": row["test_unchecked"] or MISSING,
             "test, worst joint": row["test_worst_joint"] or MISSING,
             "verdict": row["verdict"],
             "seconds": row["seconds"],

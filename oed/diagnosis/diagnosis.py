@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -17,6 +16,7 @@ from oed.diagnosis.candidates.accepted import Refused
 from oed.diagnosis.data.encoder_steps import encoder_torque
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.evidence.contradiction import test_errors
 from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.estimates import Estimated
@@ -61,6 +61,8 @@ class Diagnosis:
         before: The base model, fitted.
         after: The augmented model, fitted: an ordinary torque model.
         proof: Errors before and after, one entry a role that has recordings.
+        unchecked: (n,) test error of all that was found, before the test recordings took something
+            back [N m]; None where they took nothing.
         noise_floor: (n,) deviation of noise in the band, steps of encoders included [N m].
         noise_source: Where that was read off.
         expected: (n,) error on the validation recordings, in noise floors, that noise and the
@@ -85,6 +87,7 @@ class Diagnosis:
     before: FinalModel
     after: FinalModel
     proof: tuple[RoleProof, ...]
+    unchecked: Float[ndarray, " joints"] | None
     noise_floor: Float[ndarray, " joints"]
     noise_source: str
     expected: Float[ndarray, " joints"]
@@ -105,10 +108,11 @@ class Diagnosis:
         """Found effects, their coefficients, and the rivals that the data cannot exclude."""
         if not self.effects:
             return []
-        chosen = self.shop.fit([effect.trial for effect in self.effects], self.shop.mean)
+        nameless = [u.trial for u in self.unexplained if u.stands_in and u.trial is not None]
+        chosen = self.shop.fit([*(effect.trial for effect in self.effects), *nameless])
         return [
             (effect.trial, coefficients, rival.trial)
-            for effect, coefficients in zip(self.effects, chosen.coefficients, strict=True)
+            for effect, coefficients in zip(self.effects, chosen.coefficients, strict=False)
             for rival in effect.rivals
             if rival.contender
         ]
@@ -156,10 +160,12 @@ def diagnose(
         say(f"note: {note}")
     # The mean over repetitions, which a search looks at, shows a sign's turn better than they do.
     shop = sharpened(shop, ()) or shop
-    result = uncontradicted(find(shop, held), held, by_role["test"])
+    found = find(shop, held)
+    result = uncontradicted(found, held, by_role["test"])
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")
-    return dataclasses.replace(_conclude(result, by_role, settings), notes=notes)
+    unchecked = None if result is found else _unchecked(found, by_role["test"])
+    return _conclude(result, by_role, settings, unchecked, notes)
 
 
 def _drives(dataset: DataSet) -> Drives:
@@ -189,17 +195,21 @@ def _conclude(
     result: Finding,
     by_role: dict[str, tuple[Prepared, ...]],
     settings: DiagnosisSettings,
+    unchecked: Float[ndarray, " joints"] | None,
+    notes: tuple[str, ...],
 ) -> Diagnosis:
     shop, selection, effects = result.shop, result.selection, result.effects
     before = result.before
     after, moments = with_moments_of(shop, selection.found, result.after, by_role["test"])
     baseline, estimation = shop.baseline, by_role["estimation"]
     unexplained = describe_unexplained(shop, selection)
-    if not any(a.trial.between_repetitions for a in selection.accepted):
-        unexplained += in_own_time(after, by_role, baseline)
+    # A change in time that is not met in full passes for one that goes on.
+    changing = {j for a in selection.accepted if a.trial.between_repetitions for j in a.trial.group}
+    unexplained += tuple(
+        u for u in in_own_time(after, by_role, baseline) if u.joint not in changing
+    )
     floor = _with_rounding(baseline, before, shop.layout_for(selection.trials).rows)
-    freedom = float(sum(p.rows for p in estimation))
-    left = lack_of_fit(after.fit, freedom)
+    left = lack_of_fit(after.fit, baseline.floor.freedom)
     old, new = errors_of(before, estimation), errors_of(after, estimation)
     proof = _proof(before, after, by_role, baseline, settings)
     errors = Errors.of(proof, floor)
@@ -213,10 +223,11 @@ def _conclude(
         before=before,
         after=after,
         proof=proof,
+        unchecked=unchecked,
         noise_floor=floor,
         noise_source=baseline.floor.source,
         expected=expected_unseen(shop, selection.trials),
-        lack_before=lack_of_fit(before.fit, freedom),
+        lack_before=lack_of_fit(before.fit, baseline.floor.freedom),
         lack_after=left,
         dependences=dependences(estimation, old),
         dependences_after=dependences(estimation, new),
@@ -227,7 +238,13 @@ def _conclude(
         cutoff=estimation[0].band.cutoff,
         sign_width=estimation[0].sign_noise,
         shop=shop,
+        notes=notes,
     )
+
+
+def _unchecked(found: Finding, test: tuple[Prepared, ...]) -> Float[ndarray, " joints"]:
+    _, errors = test_errors(found.shop, found.selection, found.before, found.after, test)
+    return errors * found.shop.baseline.floor.deviation
 
 
 def _with_rounding(baseline: Baseline, before: FinalModel, rows: Rows) -> Float[ndarray, " joints"]:

@@ -78,19 +78,23 @@ def find(shop: Workshop, validation: tuple[Prepared, ...]) -> Finding:
 def uncontradicted(
     found: Finding, validation: tuple[Prepared, ...], test: tuple[Prepared, ...]
 ) -> Finding:
-    """The same without what the test recordings, which chose nothing, contradict.
+    """The same without what the test recordings contradict.
 
-    Terms that claim no physics stand aside first, for they extrapolate worst; then whatever raises the
+    A tilt that does not lower their error goes, and all is sought anew as the base was declared. Terms
+    that claim no physics stand aside first, for they extrapolate worst; then whatever raises the
     error of some joint clearly goes, and last of all every name.
 
     Args:
         found: What the search found.
         validation: Recordings that the exact form must predict.
-        test: Recordings that nothing was chosen by.
+        test: Recordings that can take back, and without validation recordings tell by which clock a
+            change goes.
     """
-    shop = found.shop
-    if shop.is_turned or not found.selection.trials or not test:
+    if not found.selection.trials or not test:
         return found
+    if found.shop.is_turned and _is_contradicted(found, test):
+        found, _ = _found(found.shop.upright, validation, found.selection.refused, upright=True)
+    shop = found.shop
     if not _is_contradicted(found, test):
         found = _without_curves_that_raise(found, validation, test)
         return _without_what_raises(found, validation, test)
@@ -144,7 +148,9 @@ def _without_what_raises(
     shop, selection = found.shop, found.selection
     old, new = _test_errors(found, test)
     while selection.trials and (new / old).max() > RAISED:
-        fewer = [_less(shop, selection, trial) for trial in selection.trials]
+        # All that was added stands on the tables that a tilt has turned.
+        loose = [trial for trial in selection.trials if trial.name != GRAVITY]
+        fewer = [_less(shop, selection, trial) for trial in loose]
         tried = [
             (test_errors(shop, s, found.before, final_with(shop, s.found), test)[1], s)
             for s in fewer

@@ -31,11 +31,13 @@ NOT_FITTED: dict[tuple[str, ...], str] = {  # by the roles that there are beside
     (): "Every recording was fitted: none was kept to prove it on.",
     ("validation",): "The validation recordings were not fitted; they decide what the estimation "
     "recordings leave open of an effect's shape.",
-    ("test",): "The test recordings were not fitted and had no part in the model; a name that they "
-    "contradict is not claimed.",
+    (
+        "test",
+    ): "The test recordings were not fitted; they can take an addition back, and of two clocks that "
+    "a change in time may go by they tell which.",
     ("validation", "test"): "Neither validation nor test recordings were fitted; what the "
     "estimation recordings leave open of an effect's shape the validation recordings decide. The "
-    "test recordings had no part in the model; a name that they contradict is not claimed.",
+    "test recordings can only take an addition back.",
 }
 ANYWAY = (
     " Were it the other one, its torque could still pass for the first: where λ is small, the plainer "
@@ -131,6 +133,9 @@ def _error_note(proof: RoleProof, found: Diagnosis) -> str:
         )
     ]
     note = f"{proof.role.capitalize()} error: {old:.2f} → {new:.2f} times the noise floor"
+    if proof.role == "test" and found.unchecked is not None:
+        first = over_floor(found.unchecked, found.noise_floor)
+        note += f" ({first:.2f} with what these recordings took back)"
     return note + (f", but worse on {', '.join(worse)}." if worse else ".")
 
 
@@ -234,6 +239,8 @@ def _refused_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | Tabl
     if not found.refused:
         return [Text("No candidate came near.")]
     last = {(r.name, r.joint): r for r in sorted(found.refused, key=lambda r: r.gain)}
+    for kept in found.effects:  # turned down once, and found after all
+        last.pop((kept.name, kept.joint), None)
     rows = [
         {
             "candidate": r.name,

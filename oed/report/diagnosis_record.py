@@ -56,6 +56,8 @@ def diagnosis_record(
                 for p in found.proof
                 if p.role == "validation"
             },
+            # Of all that was found, where the test recordings then took something of it back.
+            "unchecked": {} if found.unchecked is None else {"test": found.unchecked},
             "before_interval": {p.role: p.before_interval for p in found.proof},
             "after_interval": {p.role: p.after_interval for p in found.proof},
             "change_interval": {p.role: p.change_interval for p in found.proof},

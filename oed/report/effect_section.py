@@ -103,10 +103,10 @@ def _rival_row(rival: Rival, effect: FoundEffect, found: Diagnosis, labels: Sequ
         judged = "yes"
     elif effect.name in CATALOGUE[rival.name].holds:
         judged = "no: the same with parameters that are not needed"
-    elif refused:
-        judged = f"no: {refused[-1]}"
+    elif rival.evidence >= rival.margin:
+        judged = "no: explains less"
     else:
-        judged = "no: explains less" if rival.evidence > 0 else "no: fails a test"
+        judged = f"no: {refused[-1]}" if refused else "no: fails a test"
     return {
         "instead": rival.name,
         "at": "whole arm" if rival.joint is None else labels[rival.joint],

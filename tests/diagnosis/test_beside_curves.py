@@ -44,7 +44,7 @@ def test_signs_are_read_off_again_beside_a_curve(waving):
     state = NameSearch(
         waving.on(dataclasses.replace(waving.baseline, model=slow)), [], upright=False
     )
-    curve = Accepted(curve_of(state.shop), 1e4, 1e-9)
+    curve = Accepted(curve_of(state.shop), 1e4)
     assert not state.sharpen([])
     assert state.sharpen([curve])
     assert max(widths_of(state.shop.baseline.model)) < SLOW / 2
@@ -54,13 +54,13 @@ def test_signs_are_read_off_again_beside_a_curve(waving):
 
 def test_signs_stay_where_a_curve_changes_nothing(waving):
     state = NameSearch(waving, [], upright=False)
-    assert not state.sharpen([Accepted(curve_of(waving), 1e4, 1e-9)])
+    assert not state.sharpen([Accepted(curve_of(waving), 1e4)])
     assert state.shop is waving
 
 
 def test_curves_are_found_anew_where_a_name_fell(waving):
-    stale = Accepted(curve_of(waving), 1e4, 1e-9, stands_in=False)
-    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0, 1e-3)
+    stale = Accepted(curve_of(waving), 1e4, stands_in=False)
+    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0)
     before = Selection.of(waving, [offset, stale], [])
     after = with_stand_ins(waving, before)
     assert after.trials[0].key == ("torque_offset", 1)
@@ -72,7 +72,7 @@ def test_curves_are_found_anew_where_a_name_fell(waving):
 
 @pytest.mark.parametrize("mended", [True, False])
 def test_a_search_goes_on_without_names_that_fell(waving, monkeypatch, mended):
-    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0, 1e-3)
+    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0)
     nothing = Selection.of(waving, [], [])
     curve = with_stand_ins(waving, nothing)
     barred_so_far, asked = [], []
@@ -95,7 +95,7 @@ def test_a_search_goes_on_without_names_that_fell(waving, monkeypatch, mended):
 
 def test_a_search_ends_where_little_is_left(monkeypatch):
     shop = shop_of(data_set(1), surrogates=39, refined=4)
-    offset = Accepted(trial_of(shop, "torque_offset", 1), 50.0, 1e-3)
+    offset = Accepted(trial_of(shop, "torque_offset", 1), 50.0)
     nothing = Selection.of(shop, [], [])
     calls = []
 
@@ -109,9 +109,9 @@ def test_a_search_ends_where_little_is_left(monkeypatch):
 
 
 def test_a_second_search_ends_where_its_first_names_foretell_no_more(waving, monkeypatch):
-    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0, 1e-3)
+    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0)
     concluded = []
-    monkeypatch.setattr(selection, "_added", lambda shop, *_, **__: (shop, [offset], 1.0))
+    monkeypatch.setattr(selection, "_added", lambda shop, *_, **__: (shop, [offset]))
     monkeypatch.setattr(
         selection,
         "_concluded",

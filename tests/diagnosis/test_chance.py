@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.stats import gumbel_r
 
-from oed.diagnosis.candidates.chance import ROUNDS, chance_of, p_value_of
+from oed.diagnosis.candidates import chance
+from oed.diagnosis.candidates.chance import ROUNDS, chance_of, keeps_step_unseen, p_value_of
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.terms.scores import score
+from oed.diagnosis.terms.scores import inflation_of, score
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -43,8 +44,8 @@ def test_nothing_is_as_likely_as_chance_says():
     assert p_value_of(shop, best, [], shop.physical) > 0.01
 
 
-@pytest.mark.parametrize(("chance", "rounds"), [(1e-6, 1), (0.3, 1), (0.011, ROUNDS)])
-def test_a_chance_near_the_level_is_drawn_more_finely(chance, rounds):
+@pytest.mark.parametrize(("value", "rounds"), [(1e-6, 1), (0.3, 1), (0.011, ROUNDS)])
+def test_a_chance_near_the_level_is_drawn_more_finely(value, rounds):
     """Surprises of a search through noise have the tail of a largest value."""
     rng, drawn = np.random.default_rng(4), []
 
@@ -52,9 +53,31 @@ def test_a_chance_near_the_level_is_drawn_more_finely(chance, rounds):
         drawn.append(gumbel_r.rvs(5.0, 1.5, size=99, random_state=rng))
         return drawn[-1]
 
-    surprise = float(gumbel_r.isf(chance / 3, 5.0, 1.5))
+    surprise = float(gumbel_r.isf(value / 3, 5.0, 1.5))
     found = chance_of(surprise, null, level=0.01, places=3.0)
     assert len(drawn) == rounds
     if rounds > 1:
         # A tail's slope from 990 draws is known to 3 %, so that chance itself to a fifth.
-        assert found == pytest.approx(chance, rel=0.5)
+        assert found == pytest.approx(value, rel=0.5)
+
+
+def test_an_addition_explains_unseen_recordings_by_their_own_motion(monkeypatch):
+    """Recordings are as long as one another: what is made for one would fit the rows of the other."""
+
+    def spring(q, dq, ddq):
+        return np.stack([np.zeros(len(q)), 6.0 * q[:, 1]], axis=1)
+
+    left = []
+
+    def misfit(shop, others, joint):
+        left.append(inflation_of(shop.fit(others, shop.mean).fit)[joint])
+        return False
+
+    monkeypatch.setattr(chance, "keeps_step", misfit)
+    roles = ("estimation", "validation")
+    shop = shop_of(data_set(4, extra=spring, repetitions=1, roles=roles))
+    keeps_step_unseen(shop, [], 1)
+    keeps_step_unseen(shop, [trial_of(shop, "joint_spring", 1)], 1)
+    without, with_it = left
+    assert without > 3
+    assert with_it == 1  # at the floor or below: it counts as no lack

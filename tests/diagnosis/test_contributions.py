@@ -38,8 +38,8 @@ def shop():
 
 
 def shown(shop, *, stands_in):
-    named = Accepted(trial_of(shop, "torque_offset", 0), 1.0, 0.0)
-    free_form = Accepted(free(shop, "f(q_1, q_2)", 1), 1.0, 0.0, stands_in=stands_in)
+    named = Accepted(trial_of(shop, "torque_offset", 0), 1.0)
+    free_form = Accepted(free(shop, "f(q_1, q_2)", 1), 1.0, stands_in=stands_in)
     selection = Selection.of(shop, [named, free_form], ())
     layout = shop.layout_for(selection.trials)
     model = install(shop.baseline, selection.found, shop.context)

@@ -199,7 +199,7 @@ def test_what_the_fitted_motions_alone_show_in_no_step_with_them_is_of_time(
     monkeypatch.setattr(unlocated, "keeps_step", lambda *_: False)
     shop, level = shop_of(data_set(0, repetitions=1)), np.ones(2)
     errors = Errors(np.array([5.0, 1.0]), np.array([unseen, 1.0]), level, level, level)
-    left = LackOfFit(errors.seen, np.array([0.0, 1.0]), 100 * level)
+    left = LackOfFit(errors.seen, np.array([0.0, 1.0]))
     found = list(unlocated.unlocated(shop, (), (), left, errors))
     assert [(u.joint, u.depends_on) for u in found] == [(0, of)]
 

@@ -21,7 +21,7 @@ def test_what_is_known_of_friction_is_that_beside_the_shapes_as_they_are():
 
     dataset = data_set(3, extra=square, near=0.3, roles=("estimation", "validation"))
     shop = shop_of(dataset)
-    bend = Accepted(trial_of(shop, "nonlinear_viscous", 0, (1.9, 0.0)), 600.0, 1e-6)
+    bend = Accepted(trial_of(shop, "nonlinear_viscous", 0, (1.9, 0.0)), 600.0)
     settled(shop, [bend], [])
     assert shop.context.viscous(0) == pytest.approx(VISCOUS[0], rel=0.1)
 
@@ -34,8 +34,8 @@ def test_no_torque_that_comes_first_takes_a_place_beside_one_that_is_late():
         for r in logged.recordings
     )
     shop = shop_of(dataclasses.replace(logged, recordings=smooth))
-    idle = Accepted(trial_of(shop, "torque_offset", 0), 600.0, 1e-6)
-    lag = Accepted(trial_of(shop, "filter_lag", None, (0.02,)), 600.0, 1e-6)
+    idle = Accepted(trial_of(shop, "torque_offset", 0), 600.0)
+    lag = Accepted(trial_of(shop, "filter_lag", None, (0.02,)), 600.0)
     pool = [t for t in shop.physical if t.name == "time_delay"]
     assert any(map(comes_first, pool))
     kept = settled(shop, [idle, lag], pool)

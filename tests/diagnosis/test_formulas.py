@@ -116,7 +116,7 @@ def test_a_name_that_a_curve_makes_needless_is_not_claimed():
     fit, refused = shop.before.fit, []
     curve = next(t for t in shop.smooth if t.joint == 1 and t.key[0] == "f(q_2) dq_1")
     drag = trial_of(shop, "motor_coupling", (1, 0))
-    both = [Accepted(t, score(t, fit).gain, 1e-9) for t in (drag, curve)]
+    both = [Accepted(t, score(t, fit).gain) for t in (drag, curve)]
     # It explains 98 % of what both do, but the curve has no need of it.
     assert both[0].gain > 0.95 * both[1].gain
     assert review_names(shop, both, refused) == both[1:]
@@ -128,9 +128,7 @@ def test_a_curve_that_nothing_asks_for_any_more_is_dropped():
     fit, refused = shop.before.fit, []
     curve = next(t for t in shop.smooth if t.joint == 0 and t.key[0] == "f(q_1)")
     spring = trial_of(shop, "joint_spring", 0)
-    alone, both = (
-        [Accepted(t, score(t, fit).gain, 1e-9) for t in x] for x in ([curve], [spring, curve])
-    )
+    alone, both = ([Accepted(t, score(t, fit).gain) for t in x] for x in ([curve], [spring, curve]))
     assert drop_needless(shop, alone, refused) == alone
     assert drop_needless(shop, both, refused) == both[:1]
     assert [r.name for r in refused] == ["f(q_1)"]

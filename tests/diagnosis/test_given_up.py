@@ -17,7 +17,7 @@ def state():
     """A search in which an offset that is not there has pulled another name aside."""
     shop = shop_of(data_set(10, extra=stribeck(1.5)))
     names = [
-        Accepted(trial_of(shop, name, 0, values), 100.0, 1e-6)
+        Accepted(trial_of(shop, name, 0, values), 100.0)
         for name, values in (
             ("stribeck", HOME),
             ("stribeck", ASIDE),

@@ -135,7 +135,7 @@ def test_a_gain_is_not_what_the_formula_of_another_joints_saturation_lacks(gain)
     found = score(trial_of(shop, "torque_gain", 1), beside)
     # Noise alone makes no gain of half a hundredth: the saturation has another formula.
     assert found.coefficients == pytest.approx([gain], abs=0.008)
-    reason = too_little(shop, found, [Accepted(first.trial, first.gain, 0.0)])
+    reason = too_little(shop, found, [Accepted(first.trial, first.gain)])
     assert (reason is None) == (gain > 0)
 
 

@@ -31,7 +31,7 @@ def test_of_additions_the_one_goes_that_raises_the_validation_error(order):
     for joint in order:
         trial = trial_of(shop, "torque_offset", joint)
         found = score(trial, shop.fit(others, shop.mean).fit)
-        accepted.append(Accepted(trial, found.gain, 0.0))
+        accepted.append(Accepted(trial, found.gain))
         others.append(trial)
     selection = Selection.of(shop, accepted, [])
     before = fit_final(shop.declared, shop.mean, shop.declared.model)

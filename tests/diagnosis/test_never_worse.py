@@ -39,7 +39,7 @@ def left(shop, monkeypatch):
         monkeypatch.setattr(module, "errors_of", noted)
         monkeypatch.setattr(module, "costs", lambda *_: is_dear(asked[0]))
         monkeypatch.setattr(module, "rise", lambda *_: -float(sum(wins[k] for k in asked[0])))
-        accepted = [Accepted(trial_of(shop, *key), 1e3, 1e-9) for key in keys]
+        accepted = [Accepted(trial_of(shop, *key), 1e3) for key in keys]
         before = fit_final(shop.baseline, shop.mean, shop.baseline.model)
         selection = Selection.of(shop, accepted, [])
         kept, final = never_worse(shop, selection, shop.validation, before)

@@ -214,7 +214,7 @@ def test_an_offset_of_a_tether_is_not_named_beside_the_tether():
         return np.stack([np.zeros(len(q)), pull], axis=1)
 
     shop = shop_of(data_set(5, extra=tether))
-    offset = Accepted(trial_of(shop, "torque_offset", 1), 1.0, 0.0)
+    offset = Accepted(trial_of(shop, "torque_offset", 1), 1.0)
     tether_term = next_free_form(shop, [offset], [])
     assert tether_term is not None
     assert tether_term.trial.effect.depends_on == ("q_1", "q_2")
@@ -238,8 +238,8 @@ def test_a_curve_of_the_model_is_not_needless_beside_one_that_is_not_part_of_it(
     shop = shop_with(curved)
     own = next(t for t in shop.smooth if t.key == ("f(q_1)", 0))
     pair = next(t for t in shop.smooth_pairs if t.key == ("f(q_1, dq_1)", 0))
-    aside = Accepted(pair, 1.0, 1e-9, stands_in=False)
-    curve, refused = Accepted(own, 1e4, 1e-9), []
+    aside = Accepted(pair, 1.0, stands_in=False)
+    curve, refused = Accepted(own, 1e4), []
     left = drop_needless(shop, [curve, aside], refused)
     # Beside the pair it would be needless; but the pair is no part of the model.
     beside = score(own, shop.fit([pair], shop.mean).fit)

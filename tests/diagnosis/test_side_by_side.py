@@ -6,6 +6,7 @@ import signal
 import pytest
 
 from oed.diagnosis.side_by_side import PROCESSES, processes, side_by_side
+from oed.errors import DataSetError
 
 
 @pytest.fixture(autouse=True, params=["1", "2", "3"])
@@ -29,6 +30,15 @@ def test_what_one_item_raises_is_raised():
 
     with pytest.raises(ValueError, match="5 will not do"):
         side_by_side(work, list(range(9)))
+
+
+def test_an_error_arrives_with_its_evidence():
+    def work(x):
+        raise DataSetError(f"{x} is no number", file="a.csv", row=7, column="q_1")
+
+    with pytest.raises(DataSetError, match="no number") as caught:
+        side_by_side(work, list(range(9)))
+    assert (caught.value.file, caught.value.row, caught.value.column) == ("a.csv", 7, "q_1")
 
 
 def test_what_a_process_took_with_it_is_made_here():

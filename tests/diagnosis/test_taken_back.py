@@ -31,7 +31,7 @@ def test_a_curve_that_raises_its_joints_error_stands_aside_and_the_name_beside_i
     shop = shop_of(data_set(3, extra=bumpy), surrogates=19, candidates=("stribeck",))
     curve = next(t for t in shop.smooth if t.key == ("f(q_1)", 0))
     name = trial_of(shop, "stribeck", 1, (0.1, 2.0, 1.0))
-    accepted = [Accepted(t, 1e3, 1e-9) for t in (name, curve)]
+    accepted = [Accepted(t, 1e3) for t in (name, curve)]
     selection = Selection.of(shop, accepted, [])
     before = fit_final(shop.baseline, shop.mean, shop.baseline.model)
     selection, after, effects = named(shop, selection, shop.validation, before)
@@ -59,7 +59,7 @@ def test_a_name_that_raises_a_joints_error_goes_alone(tested, kept):
         data_set(3, extra=sprung), surrogates=19, candidates=("stribeck", "joint_spring")
     )
     names = [trial_of(shop, "joint_spring", 0), trial_of(shop, "stribeck", 1, (0.1, 2.0, 1.0))]
-    selection = Selection.of(shop, [Accepted(t, 1e3, 1e-9) for t in names], [])
+    selection = Selection.of(shop, [Accepted(t, 1e3) for t in names], [])
     before = fit_final(shop.baseline, shop.mean, shop.baseline.model)
     selection, after, effects = named(shop, selection, shop.validation, before)
     found = Finding(shop, selection, before, after, effects)

@@ -121,7 +121,7 @@ def test_what_holds_the_named_effect_is_no_rival_of_it():
     """A spring whose stiffness is free fits an offset as well, on any motion."""
     shop = shop_of(data_set(5, extra=pulled()))
     offset = next(t for t in shop.physical if t.key == ("torque_offset", 0))
-    rivals = {(r.name, r.joint): r for r in find_rivals(shop, Accepted(offset, 1.0, 0.001), [])}
+    rivals = {(r.name, r.joint): r for r in find_rivals(shop, Accepted(offset, 1.0), [])}
     spring = rivals["joint_spring", 0]
     assert spring.evidence < 20  # the price of its stiffness, and not much more
     assert not spring.contender

@@ -62,9 +62,7 @@ def test_of_two_that_are_all_one_may_be_far_smaller():
     )
     faint = score(trial_of(shop, "torque_offset", 1), shop.fit([loud.trial]).fit)
     refused = []
-    known = [Accepted(loud.trial, loud.gain, 1e-10)]
+    known = [Accepted(loud.trial, loud.gain)]
     assert judge(shop, faint, known, shop.physical, refused) is None
     assert "of what torque_ripple gained" in refused[0].reason
-    passed = judge(shop, faint, [], shop.physical, refused, partners=[loud.trial])
-    assert passed is not None
-    assert passed.p_value < shop.settings.level
+    assert judge(shop, faint, [], shop.physical, refused, partners=[loud.trial]) is not None

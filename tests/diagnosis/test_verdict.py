@@ -1,5 +1,7 @@
 """What is left, of no term that was tried: said for a joint, or small enough to pass."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,7 @@ from oed.diagnosis.evidence.verdict import (
     outdone,
     preferred_rival,
 )
+from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
@@ -28,7 +31,7 @@ SURE = 1e-9  # chance of a lack of fit that no one doubts
 
 
 def left_over(p_value, seen, unseen, located=()):
-    left = LackOfFit(np.array([3.0, 1.0]), np.array([p_value, 0.5]), np.array([100.0, 100.0]))
+    left = LackOfFit(np.array([3.0, 1.0]), np.array([p_value, 0.5]))
     return describe_unlocated(
         located, left, np.array([seen, 1.0]), np.array([unseen, 1.0]), SETTINGS
     )
@@ -54,17 +57,23 @@ def test_a_clear_error_is_said_with_its_joint(p_value, seen, unseen):
 
 
 def test_error_of_another_motion_is_foretold_from_noise_alone():
-    """Against many draws of that noise."""
+    """Against errors in N m of models fitted to many draws of noise as slow as the motion."""
     rng = np.random.default_rng(4)
-    shop = shop_of(data_set(1, repetitions=1))
-    fit, white = shop.before.fit, shop.unseen_full.white
-    white = white * rng.uniform(20, 60, white.shape[2])  # a motion that asks for far more
-    noise = rng.normal(size=(400, *fit.residual.shape))
-    drawn = np.einsum("jrb,djr->db", fit.projection.basis, noise)
-    errors = np.einsum("jrb,db->djr", white @ fit.projection.inverse[: white.shape[2]], drawn)
-    expected = np.sqrt(1 + np.mean(errors**2, axis=(0, 2)))
-    assert expected.max() > 2
-    assert foretold_error(fit, white) == pytest.approx(expected, rel=0.1)
+    together, inertia, deviation = 30, 0.3, 0.2
+
+    def slow(*sizes):
+        return np.repeat(rng.normal(size=sizes), together, axis=-1)
+
+    # The motion that is foretold asks for far more than the one that was fitted.
+    seen, other, noise = slow(50), 10 * slow(50), deviation * slow(2000, 50)
+    found = inertia + noise @ seen / (seen @ seen)
+    errors = (found[:, None] - inertia) * other + deviation * slow(2000, 50)
+    expected = np.sqrt(np.mean(errors**2)) / deviation
+    assert expected > 1.5
+    white = [x[None, :, None] / deviation / np.sqrt(together) for x in (seen, other)]
+    fit = SimpleNamespace(projection=project(white[0]))
+    unseen = SimpleNamespace(white=white[1], counted=np.full(1, len(other) / together))
+    assert foretold_error(fit, unseen) == pytest.approx([expected], rel=0.05)
 
 
 def test_a_joint_that_a_term_names_is_not_named_again():
@@ -129,7 +138,7 @@ def test_a_gain_is_weighed_against_that_of_the_other_joint():
     shop = shop_of(data_set(3, extra=louder))
     for joint in (0, 1):
         own = trial_of(shop, "torque_gain", joint)
-        rivals = find_rivals(shop, Accepted(own, 1e3, 1e-9), [])
+        rivals = find_rivals(shop, Accepted(own, 1e3), [])
         (other,) = (r for r in rivals if r.name == "torque_gain")
         assert other.joint == 1 - joint
         # The first is worth what the other is, but for what a gain of 10 % is to second order.

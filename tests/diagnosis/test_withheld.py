@@ -22,7 +22,7 @@ def sprung():
 
     shop = shop_of(data_set(1, extra=pulled), surrogates=39, refined=4)
     spring = trial_of(shop, "joint_spring", 1)
-    return shop, Selection.of(shop, [Accepted(spring, 100.0, 1e-6)], [])
+    return shop, Selection.of(shop, [Accepted(spring, 100.0)], [])
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
 def test_what_lies_between_two_joints_is_claimed_if_neither_contradicts_it(sprung):
     shop, _ = sprung
     coupling = trial_of(shop, "motor_coupling", (1, 0), (0.5, 2.0))
-    selection = Selection.of(shop, [Accepted(coupling, 100.0, 1e-6)], [])
+    selection = Selection.of(shop, [Accepted(coupling, 100.0)], [])
     effect = FoundEffect("motor_coupling", 1, (), 1e-6, 0.5, (), coupling)
     ones = np.ones(2)
     for joint in range(2):
@@ -86,7 +86,7 @@ def test_what_lies_between_two_joints_is_claimed_if_neither_contradicts_it(sprun
 def test_a_load_explains_more_than_is_left(sprung, name, explained, left, claimed):
     shop, _ = sprung
     arm = next(t for t in shop.physical if t.name == name)
-    selection = Selection.of(shop, [Accepted(arm, 100.0, 1e-6)], [])
+    selection = Selection.of(shop, [Accepted(arm, 100.0)], [])
     effect = FoundEffect(name, None, (), 1e-6, 0.5, (), arm)
     ones = np.ones(2)
     # Squares above the noise, of the second joint.
@@ -101,7 +101,7 @@ def test_a_load_explains_more_than_is_left(sprung, name, explained, left, claime
 def test_a_name_of_the_whole_arm_must_foretell_something_as_others_must(sprung, name):
     shop, _ = sprung
     arm = next(t for t in shop.physical if t.name == name)
-    selection = Selection.of(shop, [Accepted(arm, 100.0, 1e-6)], [])
+    selection = Selection.of(shop, [Accepted(arm, 100.0)], [])
     effect = FoundEffect(name, None, (), 1e-6, -0.01, (), arm)
     small = Errors(*(np.full(2, 1.0) for _ in range(5)))
     kept, without = withheld(shop, selection, [effect], (), small)
@@ -140,7 +140,7 @@ def test_a_name_of_the_whole_arm_is_none_beside_its_like_that_is_none(sprung, la
     shop, _ = sprung
     gear = trial_of(shop, "joint_elasticity", 1)
     arm = next(t for t in shop.physical if t.name == late)
-    selection = Selection.of(shop, [Accepted(t, 100.0, 1e-6) for t in (gear, arm)], [])
+    selection = Selection.of(shop, [Accepted(t, 100.0) for t in (gear, arm)], [])
     effects = [
         FoundEffect(t.name, t.joint, (), 1e-6, gain, (), t)
         for t, gain in ((gear, -0.01), (arm, 0.3))

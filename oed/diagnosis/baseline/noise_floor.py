@@ -40,12 +40,14 @@ class NoiseFloor:
         deviation: (n,) standard deviation [N m].
         dilution: (n,) rows that count as one because their noise is correlated; 1 where the
             noise is whitened.
+        freedom: (n,) degrees of freedom of each deviation, at least one.
     """
 
     source: NoiseSource
     noise: tuple[Autoregression, ...]
     deviation: Float[ndarray, " joints"]
     dilution: Float[ndarray, " joints"]
+    freedom: Float[ndarray, " joints"]
 
     def quietest(self, other: NoiseFloor) -> NoiseFloor:
         """Of each joint the smaller: a fit leaves the noise and what it lacks, never less."""
@@ -56,6 +58,7 @@ class NoiseFloor:
             tuple(mine if quiet else its for quiet, mine, its in pairs),
             np.where(own, self.deviation, other.deviation),
             np.where(own, self.dilution, other.dilution),
+            np.where(own, self.freedom, other.freedom),
         )
 
     def is_below(self, other: NoiseFloor) -> bool:
@@ -141,8 +144,11 @@ def floor_from_repetitions(
         fit_autoregression([d[:, j] for d in heard], trusted=[m[:, j] for m in masks])
         for j in range(joints)
     )
-    deviation = _deviation(apart, masks, np.ones(joints))
-    return NoiseFloor("repetitions", noise, deviation, np.ones(joints))
+    ones = np.ones(joints)
+    deviation = _deviation(apart, masks, ones)
+    told = np.concatenate([_told(len(folded)) for folded in series])
+    freedom = told @ np.array([m.sum(axis=0) for m in masks])
+    return NoiseFloor("repetitions", noise, deviation, ones, np.maximum(freedom, 1.0))
 
 
 def _with_repeated(
@@ -159,10 +165,24 @@ def _with_repeated(
 
 def _neighbours(folded: Shaped[ndarray, "_ rows joints"]) -> list[tuple[float, ndarray]]:
     """The repetitions that make up each difference, and their shares in it."""
-    shares = np.array([-1.0, 1.0] if len(folded) < 3 else [1.0, -2.0, 1.0])
-    shares /= np.linalg.norm(shares)
+    shares = _shares(len(folded))
     count = len(folded) - len(shares) + 1
     return [(share, folded[k : k + count]) for k, share in enumerate(shares)]
+
+
+def _shares(repetitions: int) -> Float[ndarray, " neighbours"]:
+    """Of neighbours in a difference, which has the deviation of one."""
+    shares = np.array([-1.0, 1.0] if repetitions < 3 else [1.0, -2.0, 1.0])
+    return shares / np.linalg.norm(shares)
+
+
+def _told(repetitions: int) -> Float[ndarray, " differences"]:
+    """Degrees of freedom of each row of each difference: neighbouring ones share repetitions."""
+    shares = _shares(repetitions)
+    count = repetitions - len(shares) + 1
+    alike = np.correlate(shares, shares, "full")[len(shares) - 1 :]
+    pairs = np.where(np.arange(len(alike)) > 0, 2, 1) * np.maximum(count - np.arange(len(alike)), 0)
+    return np.full(count, count / float(pairs @ alike**2))
 
 
 def _quiet(
@@ -209,7 +229,10 @@ def floor_from_free_form(
     trusted = _quiet(residuals, trusted, round(BLOCK * rate), UNDISTURBED)
     deviation = _deviation(residuals, trusted, freedom)
     noise = tuple(Autoregression.white(d) for d in deviation)
-    return NoiseFloor("free-form fit", noise, deviation, dilution)
+    rows = np.sum([own.sum(axis=0) for own in trusted], axis=0)
+    return NoiseFloor(
+        "free-form fit", noise, deviation, dilution, np.maximum(rows * freedom / dilution, 1.0)
+    )
 
 
 def _deviation(

@@ -138,11 +138,18 @@ def _sum(
 def _filtered(
     terms: Sequence[FreeForm], prepared: Sequence[Prepared], joint: int
 ) -> Float[ndarray, "rows columns"]:
-    width = float(_sign_widths(prepared)[joint])
+    widths = _sign_widths(prepared)
+    own = [0.0 if t.direction is None else float(widths[t.direction]) for t in terms]
     return np.concatenate(
         [
             p.band.apply(
-                np.concatenate([effect_columns(t, p.motion, width)[joint] for t in terms], axis=1)
+                np.concatenate(
+                    [
+                        effect_columns(t, p.motion, width)[joint]
+                        for t, width in zip(terms, own, strict=True)
+                    ],
+                    axis=1,
+                )
             )
             for p in prepared
         ]

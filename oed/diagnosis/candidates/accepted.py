@@ -12,19 +12,17 @@ from oed.diagnosis.terms.trials import Trial
 
 @dataclass(frozen=True)
 class Accepted:
-    """An addition with the evidence at the time it was accepted.
+    """An addition.
 
     Attributes:
         trial: The addition.
-        gain: Fall of the white sum of squares.
-        p_value: Family-wise, over the whole search.
+        gain: Fall of the white sum of squares, at the time it was accepted.
         stands_in: Whether it is part of the model. A free-form term that does not predict
             what it was not fitted to only says where something is missing.
     """
 
     trial: Trial
     gain: float
-    p_value: float
     stands_in: bool = True
 
 

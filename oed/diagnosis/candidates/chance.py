@@ -92,7 +92,7 @@ def keeps_step(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
     return chance_of(left, null, level, float(shop.context.n)) <= level
 
 
-def keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> bool:
+def keeps_step_unseen(shop: Workshop, others: Sequence[Trial], joint: int) -> bool:
     """Whether the validation recordings, fitted by themselves, leave what keeps step with the arm.
 
     What is missing may show in their motion alone.
@@ -101,7 +101,7 @@ def keeps_step_unseen(shop: Workshop, others: tuple[Trial, ...], joint: int) -> 
         return False
     own = shop.validation
     alone = Workshop(shop.baseline, own, (), shop.settings, drives=shop.drives)
-    return keeps_step(alone, others, joint)
+    return keeps_step(alone, [alone.renewed(t) for t in others], joint)
 
 
 def _family_wise(

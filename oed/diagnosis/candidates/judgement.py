@@ -56,7 +56,6 @@ def judge(
     reason = reason or no_body(shop, others, candidate)
     if early_and_late([*others, candidate.trial]) and not early_and_late(others):
         reason = reason or EARLY_AND_LATE
-    p_value = 1.0
     if reason is None:
         p_value = p_value_of(shop, candidate, others, pool)
         if p_value > shop.settings.level:
@@ -65,7 +64,7 @@ def judge(
     if reason is not None or (fault is not None and not candidate.trial.is_free_form):
         refused.append(refusal(candidate, reason or str(fault)))
         return None
-    return Accepted(candidate.trial, candidate.gain, p_value, stands_in=fault is None)
+    return Accepted(candidate.trial, candidate.gain, stands_in=fault is None)
 
 
 def share_needed(free: Sequence[Trial], named: Trial, settings: DiagnosisSettings) -> float:

@@ -23,6 +23,7 @@ from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, ridge_of
 from oed.diagnosis.terms.trials import Trial
 
 LEAST_LEFT = 0.1  # share of noise: where a fit leaves nothing there is nothing to give back
+SMALLEST = 1e-12  # chance that a tail fitted to some draws can tell
 MIDDLE = (0.08, 0.92)  # of a recording: moved by less, a residual still keeps step
 
 
@@ -124,4 +125,4 @@ def family_p_value(surprise: float, surrogates: Float[ndarray, " count"]) -> flo
     """Chance that a search through noise surprises as much, from a Gumbel tail."""
     scale = max(float(np.std(surrogates)) * np.sqrt(6) / np.pi, 0.5)
     location = float(np.mean(surrogates)) - np.euler_gamma * scale
-    return float(np.clip(gumbel_r.sf(surprise, location, scale), 1e-300, 1.0))
+    return float(np.clip(gumbel_r.sf(surprise, location, scale), SMALLEST, 1.0))

@@ -68,10 +68,10 @@ def far_turned(shop: Workshop) -> Workshop | None:
     return found if found.before.fit.squares < CLEARLY_BETTER * shop.before.fit.squares else None
 
 
-def accepted_tilt(shop: Workshop, declared: Workshop, p_value: float) -> Accepted:
+def accepted_tilt(shop: Workshop, declared: Workshop) -> Accepted:
     """The tilt as an addition to turned tables: what is left of it, its gain over declared ones."""
     gain = declared.before.fit.squares - shop.before.fit.squares
-    return Accepted(_gravity_trial(shop), max(gain, 0.0), p_value)
+    return Accepted(_gravity_trial(shop), max(gain, 0.0))
 
 
 def moment_fault(shop: Workshop, fit: LinearFit) -> str | None:

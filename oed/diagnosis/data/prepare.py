@@ -37,6 +37,8 @@ def _fine_rate(recordings: tuple[Recording, ...]) -> float:
 def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> tuple[Prepared, ...]:
     """Bring all recordings to one fine grid and one band, chosen from their positions.
 
+    Of a test recording only the times count, or it would have a say in what is found.
+
     Raises:
         ValueError: If a recording is too short for its band.
     """
@@ -45,10 +47,11 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     positions = [
         stretch
         for recording, (t, q, _) in zip(recordings, raw, strict=True)
+        if recording.role != "test"
         for stretch in _stretches(q, _recorded(recording, t, rate), rate)
     ]
     highest = settings.highest_cutoff
-    if all(recording.repetitions < 2 for recording in recordings):
+    if all(r.repetitions < 2 for r in recordings if r.role == "estimation"):
         highest = min(highest, _motion_band(recordings, rate))
     noise = position_noise(positions, rate)
     band = choose_band(noise, rate, settings.lowest_cutoff, highest)

@@ -1,4 +1,4 @@
-"""What recordings that had no part in choosing say of what was chosen."""
+"""What recordings that were neither fitted nor foretold in the search say of what it found."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_errors(
         selection: What was added.
         before: The base model.
         after: With the additions.
-        test: Recordings that nothing was chosen by, at least one.
+        test: At least one.
     """
     known, _ = with_moments_of(shop, selection.found, after, test)
     weights, floor = shop.baseline.noise_share(test), shop.baseline.floor.deviation

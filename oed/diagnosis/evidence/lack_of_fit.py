@@ -10,6 +10,7 @@ from numpy import ndarray
 from scipy.stats import f as f_distribution
 
 from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.tables.unseen import Unseen
 
 
 @dataclass(frozen=True)
@@ -19,15 +20,13 @@ class LackOfFit:
     Attributes:
         ratio: (n,) root of mean squared white residual over pure error: 1 at the floor.
         p_value: (n,) of the F test that both are noise.
-        freedom: (n,) degrees of freedom of the residual.
     """
 
     ratio: Float[ndarray, " joints"]
     p_value: Float[ndarray, " joints"]
-    freedom: Float[ndarray, " joints"]
 
 
-def lack_of_fit(fit: LinearFit, noise_freedom: float) -> LackOfFit:
+def lack_of_fit(fit: LinearFit, noise_freedom: Float[ndarray, " joints"]) -> LackOfFit:
     """The lack-of-fit F test on whitened rows.
 
     Rows near reversals weigh less than their pure error would ask for, so the level of the
@@ -35,24 +34,23 @@ def lack_of_fit(fit: LinearFit, noise_freedom: float) -> LackOfFit:
 
     Args:
         fit: On mean repetitions where there are any.
-        noise_freedom: Rows that the noise was estimated from.
+        noise_freedom: (n,) degrees of freedom that each joint's noise was estimated with.
     """
     freedom = fit.freedom()
     mean_square = np.sum(fit.residual**2, axis=1) / freedom
-    p_value = f_distribution.sf(mean_square, freedom, max(noise_freedom, 1.0))
-    return LackOfFit(np.sqrt(mean_square), p_value, freedom)
+    p_value = f_distribution.sf(mean_square, freedom, noise_freedom)
+    return LackOfFit(np.sqrt(mean_square), p_value)
 
 
-def foretold_error(
-    fit: LinearFit, white: Float[ndarray, "joints rows base"]
-) -> Float[ndarray, " joints"]:
+def foretold_error(fit: LinearFit, unseen: Unseen) -> Float[ndarray, " joints"]:
     """Root of mean squared error that noise lets expect of another motion, in noise floors.
 
     Its own noise, and what the noise of the fitted motion made of the base parameters.
 
     Args:
         fit: Its first parameters are the base model's.
-        white: White base columns of the other motion.
+        unseen: The other motion.
     """
-    spread = np.sum((white @ fit.projection.inverse[: white.shape[2]]) ** 2, axis=2)
-    return np.sqrt(1 + spread.mean(axis=1)) if spread.size else np.ones(len(spread))
+    white = unseen.white
+    spread = np.sum((white @ fit.projection.inverse[: white.shape[2]]) ** 2, axis=(1, 2))
+    return np.sqrt(1 + spread / unseen.counted)

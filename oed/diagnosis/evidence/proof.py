@@ -10,6 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.band import BLOCK
+from oed.diagnosis.tables.predict import rms
 
 INTERVAL = (2.5, 97.5)  # [%]
 
@@ -26,7 +27,7 @@ class RoleProof:
         counted: (n,) share of the rows that the weights leave.
         before: (n,) rms of the base model's error [N m].
         after: (n,) rms with the additions [N m].
-        torque: (n,) rms of the torque [N m].
+        torque: (n,) rms of the torque on these rows [N m].
         before_interval: (n, 2) 95 % block-bootstrap interval [N m].
         after_interval: (n, 2) the same after [N m].
         change_interval: (n, 2) of after less before, from the same blocks [N m].
@@ -78,7 +79,7 @@ def prove(
         counted=mass.sum(axis=0) / sum(len(w) for w in weights),
         before=np.sqrt(old.sum(axis=0) / mass.sum(axis=0)),
         after=np.sqrt(new.sum(axis=0) / mass.sum(axis=0)),
-        torque=np.sqrt(np.mean(np.concatenate(list(torque)) ** 2, axis=0)),
+        torque=rms(torque, weights),
         before_interval=np.percentile(old_rms, INTERVAL, axis=0).T,
         after_interval=np.percentile(new_rms, INTERVAL, axis=0).T,
         change_interval=np.percentile(new_rms - old_rms, INTERVAL, axis=0).T,

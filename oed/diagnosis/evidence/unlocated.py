@@ -65,7 +65,7 @@ def unlocated(
 
 def expected_unseen(shop: Workshop, chosen: Sequence[Trial]) -> Float[ndarray, " joints"]:
     """(n,) validation error that noise and parameters it leaves uncertain let expect, in floors."""
-    return foretold_error(shop.fit(chosen, bend=False).fit, shop.unseen_full.white)
+    return foretold_error(shop.fit(chosen, bend=False).fit, shop.unseen_full)
 
 
 def describe_unlocated(

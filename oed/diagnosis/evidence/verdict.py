@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from oed.diagnosis.candidates.chance import p_value_of
 from oed.diagnosis.candidates.leftovers import is_own
 from oed.diagnosis.candidates.margin import CLOSE, is_first_order, is_of_kind
 from oed.diagnosis.candidates.paying import validation_gain
@@ -16,11 +17,12 @@ from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated, estimates
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.search.tilt_review import validation_gain_of_tilt
+from oed.diagnosis.search.tilt_review import stood_upright, validation_gain_of_tilt
 from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.free_form import FreeForm
+from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling
 
@@ -35,7 +37,7 @@ class FoundEffect:
         name: Of the catalogue.
         joint: Index, None for the whole arm.
         parameters: Coefficients and shapes.
-        p_value: Family-wise, over the whole search.
+        p_value: That chance explains as much beside all other additions, the whole search counted.
         validation_gain: Share by which it lowers the validation rms of its joints; None
             without validation recordings.
         rivals: What else could have been named.
@@ -93,7 +95,7 @@ def describe_effects(
             name=trial.name,
             joint=trial.joint,
             parameters=estimates(shop, trial, whole.coefficients[place], whole.covariances[place]),
-            p_value=own.p_value,
+            p_value=_chance(shop, trial, others),
             validation_gain=(
                 validation_gain_of_tilt(shop, others)
                 if trial.name == GRAVITY and shop.is_turned
@@ -110,6 +112,15 @@ def describe_effects(
         dataclasses.replace(effect, trial=whole.chosen[k])
         for effect, k in zip(found, named, strict=True)
     )
+
+
+def _chance(shop: Workshop, trial: Trial, others: Sequence[Trial]) -> float:
+    """Of as much by accident, beside the others; of a tilt on tables that stand as declared."""
+    if trial.name == GRAVITY and shop.is_turned:
+        shop, others = stood_upright(shop, others)
+    own = shop.renewed(trial)
+    found = score(own, shop.fit(others, shop.layout(own)).fit)
+    return p_value_of(shop, found, others, shop.physical)
 
 
 def preferred_rival(

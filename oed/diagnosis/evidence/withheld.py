@@ -100,14 +100,14 @@ def withheld(
             resembling.append(_without_name(shop, selection, effect, where))
     # Of a gear that is none, a delay may be the rest.
     rest = [e for e in claimed if e.joint is None and unclaimed & set(CATALOGUE[e.name].families)]
-    loudest = int(np.argmax(errors.unseen))
+    loudest = int(np.argmax(errors.unseen if errors.unseen.any() else errors.seen))
     resembling += [_without_name(shop, selection, e, loudest) for e in rest]
     kept = tuple(e for e in claimed if all(e is not r for r in rest))
     return kept, (*unexplained, *resembling)
 
 
 def _is_claimed(effect: FoundEffect, joint: int, errors: Errors, *, beside_curves: bool) -> bool:
-    # The test recordings chose nothing: a claim that they contradict is none.
+    # What the test recordings contradict is not claimed.
     if any(_is_contradicted(errors, j) for j in effect.trial.places if j is not None):
         return False
     if not beside_curves or float(errors.seen[joint]) ** 2 - 1 < CLEAR_WHERE_FITTED:

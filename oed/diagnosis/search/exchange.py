@@ -153,7 +153,7 @@ def _best_in_place(
     here = at_rest(score(shop.renewed(current.trial), fit), fit, shop.context, worth)
     here = as_usual(shop, others, here, fit)
     if not others or current.trial.is_free_form:
-        return Accepted(here.trial, here.gain, current.p_value)
+        return Accepted(here.trial, here.gain)
     # Of any joint: what is better by far elsewhere may be why this one looked needed.
     for rival in [
         *_plainer_gears(shop, current.trial, others, pool),
@@ -170,8 +170,8 @@ def _best_in_place(
             and held_out_fault(shop, others, rival.trial) is None
             and curves_explain_more(shop, rival, others) is None
         ):
-            return Accepted(rival.trial, rival.gain, current.p_value)
-    return Accepted(here.trial, here.gain, current.p_value)
+            return Accepted(rival.trial, rival.gain)
+    return Accepted(here.trial, here.gain)
 
 
 def _plainer_gears(

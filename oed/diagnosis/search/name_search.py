@@ -41,7 +41,6 @@ class NameSearch:
         paired: Joints in which two names of any kind were.
         shown: Keys of names that were found in the validation recordings.
         late: Free-form terms that names were looked for in the place of, and names found there.
-        p_value: Of a tilt, if the tables are turned.
         beside: Free-form terms beside which signs are read off.
         history: Tables and names before each addition.
     """
@@ -56,7 +55,6 @@ class NameSearch:
     paired: set[int] = field(default_factory=set)
     shown: set[tuple[str, object]] = field(default_factory=set)
     late: set[tuple[str, object]] = field(default_factory=set)
-    p_value: float = 0.0
     beside: tuple[Trial, ...] = ()
     history: list[tuple[Workshop, list[Accepted]]] = field(default_factory=list)
 
@@ -80,7 +78,6 @@ class NameSearch:
                 self.accepted += group
                 fresh = group
             elif pick.trial.name == GRAVITY:
-                self.p_value = pick.p_value
                 self.shop = turned(self.shop, [a.trial for a in self.accepted])
                 if not self.shop.is_turned:
                     self.barred.add(pick.trial.key)

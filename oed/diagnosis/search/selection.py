@@ -77,18 +77,18 @@ def _searched(
     """
     refused = list(refused)
     start = shop if upright else ((turned(shop, ()) if tilted else far_tilt(shop)) or shop)
-    found, accepted, p_value = _added(start, refused, upright=upright, barred=barred)
+    found, accepted = _added(start, refused, upright=upright, barred=barred)
     if _unseen_error(found, accepted) >= enough:
         return found, accepted, Selection.of(found, accepted, refused)
     tilts = []
     if found.is_turned:
-        tilt = accepted_tilt(found, shop, p_value)
+        tilt = accepted_tilt(found, shop)
         fault = tilt_fault(found, [a for a in accepted if a.stands_in])
         if fault is None:
             tilts = [tilt]
         else:
             refused.append(refusal(tilt, fault))
-            found, accepted, _ = _added(shop, refused, upright=True, barred=barred)
+            found, accepted = _added(shop, refused, upright=True, barred=barred)
     found, selection = _concluded(found, accepted, refused, tilts)
     return found, accepted, selection
 
@@ -114,8 +114,8 @@ def _added(
     *,
     upright: bool,
     barred: frozenset[tuple[str, object]],
-) -> tuple[Workshop, list[Accepted], float]:
-    """Named effects, then free-form terms; with the p-value of a tilt if the tables are turned.
+) -> tuple[Workshop, list[Accepted]]:
+    """Named effects, then free-form terms.
 
     Where a free-form term makes a name superfluous, others that it kept out have their turn; so
     have names that show only beside what has none.
@@ -141,7 +141,7 @@ def _added(
     shop, whole = _foretelling_most([(state.shop, whole), *given_up])
     if shop.is_turned:
         shop, whole = turned_beside(shop, whole)
-    return shop, whole, state.p_value
+    return shop, whole
 
 
 def _foretelling_most(

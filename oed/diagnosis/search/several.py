@@ -115,4 +115,4 @@ def _held_out(shop: Workshop, chosen: Sequence[Trial]) -> Float[ndarray, " joint
 
 
 def _unjudged(scores: Sequence[Score], *, but: Score) -> list[Accepted]:
-    return [Accepted(s.trial, s.gain, 1.0) for s in scores if s is not but]
+    return [Accepted(s.trial, s.gain) for s in scores if s is not but]

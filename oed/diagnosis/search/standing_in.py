@@ -193,7 +193,7 @@ class _Bench:
     def _ratio(self, found: Augmented) -> float:
         rms = self._shop.validation_rms(found, as_it_is=True)
         if self._plain is None or rms is None:
-            return 0.0
+            return 1.0  # where nothing is foretold, nothing foretells it better
         return float(rms[self._joint] / self._plain[self._joint])
 
     def _ending(self, trial: Trial, fadings: Sequence[float]) -> Iterator[Trial]:

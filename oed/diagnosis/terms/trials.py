@@ -12,7 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
+from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.coordinates import OtherTorque
 from oed.diagnosis.terms.free_form import FreeForm
@@ -201,19 +201,16 @@ def free_form_trials(
     for term in terms:
         key = (term.coordinates, term.direction)
         if key not in blocks:
-            width = WIDTH_PER_SIGMA * float(rows.prepared[0].sign_noise[term.joint])
-            blocks[key] = [
-                _free_form_block(term, p, width, contrast=contrast) for p in rows.prepared
-            ]
+            blocks[key] = [_free_form_block(term, p, contrast=contrast) for p in rows.prepared]
         group = {term.joint: rows.whiten(blocks[key], term.joint)}
         trials.append(Trial(FREE_FORM, term.joint, (), term, group, False, 0, contrast))
     return trials
 
 
 def _free_form_block(
-    term: FreeForm, prepared: Prepared, width: float, *, contrast: bool
+    term: FreeForm, prepared: Prepared, *, contrast: bool
 ) -> Float[ndarray, "_ columns"]:
     """A term in the analysis band, like the torque: noise of speeds, unfiltered, would fold in."""
     motion = prepared.mean_motion if contrast else prepared.motion
-    fine = effect_columns(term, motion, width)[term.joint]
+    fine = effect_columns(term, motion, 0.0)[term.joint]
     return prepared.band.apply(_contrasted(fine, prepared) if contrast else fine)
