@@ -35,6 +35,7 @@ from oed.report.table import markdown_table, write_csv
 from oed.robot import Robot, arm_joints, load_robot
 from studies.data_folders import EXAMPLE_ROBOTS
 from studies.interrupt import leave
+from studies.whole_numbers import from_one
 
 Row = dict[str, str | int | float]
 
@@ -210,8 +211,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--peer-python", required=True)
     parser.add_argument("--robot", default="")
-    parser.add_argument("--seeds", type=int, default=Config.seeds)
-    parser.add_argument("--iterations", type=int, default=Config.iterations)
+    parser.add_argument("--seeds", type=from_one, default=Config.seeds)
+    parser.add_argument("--iterations", type=from_one, default=Config.iterations)
     parser.add_argument("--seconds", type=float, default=Config.cpu_seconds)
     parser.add_argument("--out", type=output_folder, default=Path("results/compare_figaroh"))
     arguments = parser.parse_args(argv)

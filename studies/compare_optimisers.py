@@ -43,6 +43,7 @@ from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.data_folders import PANDA
 from studies.interrupt import RESUMES, leave
 from studies.optimiser_summary import write_summary
+from studies.whole_numbers import from_one
 
 OPTIMISERS = {
     "genetic": genetic.optimise,
@@ -247,9 +248,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--out", type=output_folder, help="results/compare_optimisers if not given")
-    parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
+    parser.add_argument("--workers", type=from_one, default=1, help="processes on this machine")
     parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
-    parser.add_argument("--seeds", type=int, help="seeds a cell; 30 if not given")
+    parser.add_argument("--seeds", type=from_one, help="seeds a cell; 30 if not given")
     parser.add_argument(
         "--optimisers", nargs="+", choices=sorted(OPTIMISERS), help="all if not given"
     )

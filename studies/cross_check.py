@@ -23,6 +23,7 @@ from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS
 from studies.interrupt import leave
+from studies.whole_numbers import from_zero
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
         type=output_folder,
         help="results/cross_check if not given, out/cross_check with --robot",
     )
-    parser.add_argument("--seed", type=int, default=Config.seed)
+    parser.add_argument("--seed", type=from_zero, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="few states, first robots only")
     given = parser.parse_args(arguments)
     robots = tuple(given.robot)

@@ -28,6 +28,7 @@ from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.discrimination_summary import write_summary
 from studies.interrupt import RESUMES, leave
 from studies.rival_experiment import Decision, Duel, Table, design, lay, tune
+from studies.whole_numbers import from_one
 
 # Two forms of the bench that look alike, and the joint at which they act.
 PAIRS = (
@@ -209,8 +210,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--out", type=output_folder, help="results/discrimination if not given")
-    parser.add_argument("--seeds", type=int, default=Config.seeds, help="of every pair and arm")
-    parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
+    parser.add_argument(
+        "--seeds", type=from_one, default=Config.seeds, help="of every pair and arm"
+    )
+    parser.add_argument("--workers", type=from_one, default=1, help="processes on this machine")
     parser.add_argument("--smoke", action="store_true", help="two cases, to see that it works")
     given = parser.parse_args(arguments)
     given.out = given.out or results_folder("discrimination", smoke=given.smoke)

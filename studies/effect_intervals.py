@@ -40,6 +40,7 @@ from studies.bench.truth import HiddenTruth
 from studies.case_runner import CaseRunner, RowFile
 from studies.interrupt import RESUMES, leave
 from studies.interval_summary import Interval, packed, page
+from studies.whole_numbers import from_one, from_zero
 
 RUNS = "runs.csv"
 VALUE_COLUMNS = ("status", "effect", "intervals", "seconds")
@@ -178,9 +179,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Coverage of the intervals of named effects.")
     parser.add_argument("--out", type=output_folder, help="results/effect_intervals if not given")
     parser.add_argument("--forms", nargs="+", choices=COMPARED, default=list(COMPARED))
-    parser.add_argument("--seeds", type=int, default=Config.seeds, help="data sets of each form")
-    parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument(
+        "--seeds", type=from_one, default=Config.seeds, help="data sets of each form"
+    )
+    parser.add_argument("--first-seed", type=from_zero, default=0)
+    parser.add_argument("--workers", type=from_one, default=1)
     parser.add_argument("--smoke", action="store_true", help="one case, to see that it works")
     options = parser.parse_args(arguments)
     options.out = options.out or results_folder("effect_intervals", smoke=options.smoke)

@@ -46,6 +46,7 @@ from oed.robot.inertia import parameters_from_pseudo_inertia, pseudo_inertia
 from studies.elbow_arm import COULOMB, VISCOUS, elbow_arm
 from studies.feasibility_summary import summarise
 from studies.interrupt import leave
+from studies.whole_numbers import from_zero
 
 
 @dataclass(frozen=True)
@@ -279,7 +280,7 @@ def main(arguments: list[str] | None = None) -> None:
     )
     parser.add_argument("--smoke", action="store_true", help="one case, to see that it works")
     parser.add_argument("--out", type=output_folder, help="results/feasibility_price if not given")
-    parser.add_argument("--seed", type=int, default=Config.seed)
+    parser.add_argument("--seed", type=from_zero, default=Config.seed)
     options = parser.parse_args(arguments)
     options.out = options.out or results_folder("feasibility_price", smoke=options.smoke)
     chosen = SMOKE if options.smoke else Config()

@@ -45,6 +45,7 @@ from oed.report.study_files import FEASIBLE
 from oed.report.table import Row, text_table
 from studies.from_data_set import DataSetConfig, add_arguments, prepare, say
 from studies.interrupt import leave
+from studies.whole_numbers import from_zero
 
 ROUND_TRIP_SAMPLES = 200
 
@@ -191,7 +192,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
         "--collision", action="store_true", help="mass lies within the collision geometry"
     )
     parser.add_argument("--smoke", action="store_true", help="few samples, resamples and poses")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=from_zero, default=0)
     given = vars(parser.parse_args(arguments))
     return Config(**{**given, "joints": tuple(given["joints"])})
 

@@ -35,6 +35,7 @@ from oed.robot import load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.free_frequency_summary import write_summary
 from studies.interrupt import RESUMES, leave
+from studies.whole_numbers import from_one
 
 INSTANTS = 80  # the paper's, section 5
 
@@ -175,7 +176,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--out", type=output_folder, help="results/free_frequencies if not given")
-    parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
+    parser.add_argument("--workers", type=from_one, default=1, help="processes on this machine")
     parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
     parser.add_argument("--smoke", action="store_true", help="a few seconds' worth")
     arguments = parser.parse_args(argv)

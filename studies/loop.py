@@ -38,6 +38,7 @@ from oed.report.output_folder import output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table, write_csv
 from studies.interrupt import leave
+from studies.whole_numbers import from_one, from_zero
 
 PERIOD = 10.0  # [s] of every motion
 REPETITIONS = 4
@@ -227,9 +228,9 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     )
     parser.add_argument("--out", type=output_folder, required=True, help="folder for the table")
     parser.add_argument("--hidden", default="stribeck", choices=[*sorted(HIDDEN), "nothing"])
-    parser.add_argument("--rounds", type=int, default=4, help="most experiments")
+    parser.add_argument("--rounds", type=from_one, default=4, help="most experiments")
     parser.add_argument("--smoke", action="store_true", help="few designs and surrogates")
-    parser.add_argument("--seed", type=int, default=0, help="of everything random")
+    parser.add_argument("--seed", type=from_zero, default=0, help="of everything random")
     given = parser.parse_args(arguments)
     return Config(given.out, given.hidden, given.rounds, given.smoke, given.seed)
 

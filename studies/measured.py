@@ -29,6 +29,7 @@ from studies import close_loop
 from studies.case_runner import CaseRunner, RowFile, is_finished
 from studies.data_folders import SHARED, data_sets
 from studies.interrupt import RESUMES, leave
+from studies.whole_numbers import from_zero
 
 RUNS = "runs.csv"
 KEY = ("data", "seed", "smoke")
@@ -194,7 +195,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         default=Path("out/measured"),
         help="folder for whole diagnoses",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of every diagnosis")
+    parser.add_argument("--seed", type=from_zero, default=0, help="of every diagnosis")
     parser.add_argument("--smoke", action="store_true", help="small diagnoses")
     options = parser.parse_args(arguments)
     out = options.out or results_folder("measured", smoke=options.smoke)

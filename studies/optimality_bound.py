@@ -31,6 +31,7 @@ from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import JointLimits, load_robot
 from studies.interrupt import leave
+from studies.whole_numbers import from_one, from_zero
 
 INSTANTS = 80
 OPTIMISERS = {
@@ -170,9 +171,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--out", type=output_folder, help="results/optimality_bound if not given")
-    parser.add_argument("--degrees", type=int, nargs="+", default=Config.degrees)
+    parser.add_argument("--degrees", type=from_one, nargs="+", default=Config.degrees)
     parser.add_argument("--seconds", type=float, default=Config.cpu_seconds)
-    parser.add_argument("--seed", type=int, default=Config.seed)
+    parser.add_argument("--seed", type=from_zero, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="degree 2 and one quick design")
     arguments = parser.parse_args(argv)
     arguments.out = arguments.out or results_folder("optimality_bound", smoke=arguments.smoke)

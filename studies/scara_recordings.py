@@ -35,6 +35,7 @@ from oed.report.output_folder import output_folder
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB
 from studies.interrupt import leave
+from studies.whole_numbers import from_zero
 
 HIDDEN = ("cable", "stribeck", "none")
 STATIC_RISE = 0.6  # of the Coulomb friction of joint 1, towards standstill
@@ -112,7 +113,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m studies.scara_recordings", description=__doc__)
     parser.add_argument("--out", type=output_folder, required=True)
     parser.add_argument("--hidden", choices=HIDDEN, default=Config.hidden)
-    parser.add_argument("--seed", type=int, default=Config.seed)
+    parser.add_argument("--seed", type=from_zero, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="two repetitions of each motion")
     given = parser.parse_args(arguments)
     repetitions = 2 if given.smoke else Config.repetitions

@@ -29,6 +29,7 @@ from oed.report.provenance import Provenance
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
 from studies.interrupt import leave
+from studies.whole_numbers import from_one, from_zero
 
 SIGN_WIDTH = 0.02  # [rad/s]
 
@@ -158,8 +159,8 @@ def main(argv: list[str] | None = None) -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--robot", default=str(PANDA), help="URDF file; the Panda by default")
-    parser.add_argument("--instants", type=int, default=Config.instants)
-    parser.add_argument("--seed", type=int, default=Config.seed)
+    parser.add_argument("--instants", type=from_one, default=Config.instants)
+    parser.add_argument("--seed", type=from_zero, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="few instants, few repetitions")
     parser.add_argument("--out", type=output_folder, help="results/speed if not given")
     given = parser.parse_args(argv)

@@ -31,6 +31,7 @@ from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
 from studies.interrupt import leave
+from studies.whole_numbers import from_one, from_zero
 
 BLOCK = 2000  # samples taken in at once
 PINOCCHIO_SAMPLES = 5000  # enough for a rate; the comparison is per sample
@@ -93,8 +94,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m studies.streaming", description=__doc__)
     parser.add_argument("--out", type=output_folder, help="results/streaming if not given")
-    parser.add_argument("--samples", type=int, default=Config.samples)
-    parser.add_argument("--seed", type=int, default=Config.seed)
+    parser.add_argument("--samples", type=from_one, default=Config.samples)
+    parser.add_argument("--seed", type=from_zero, default=Config.seed)
     parser.add_argument("--smoke", action="store_true", help="20,000 samples")
     given = parser.parse_args(arguments)
     given.out = given.out or results_folder("streaming", smoke=given.smoke)

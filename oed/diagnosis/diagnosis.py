@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -16,7 +17,8 @@ from oed.diagnosis.candidates.accepted import Refused
 from oed.diagnosis.data.encoder_steps import encoder_torque
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.evidence.contradiction import test_errors
+from oed.diagnosis.evidence.caveats import caveats
+from oed.diagnosis.evidence.contradiction import checked_errors
 from oed.diagnosis.evidence.contributions import Contribution, contributions
 from oed.diagnosis.evidence.dependence import Dependence, Spectrum, dependences, spectrum
 from oed.diagnosis.evidence.estimates import Estimated
@@ -141,7 +143,10 @@ def diagnose(
             opposite sign.
     """
     if not dataset.estimation:
-        raise ValueError(f"data set {dataset.name!r} has no recording with role estimation")
+        raise ValueError(
+            f"data set {dataset.name!r} has no recording with role estimation: give that role to one in "
+            "its dataset.toml"
+        )
     dataset.check_moves()
     prepared = prepare(dataset.recordings, settings)
     by_role = {role: tuple(p for p in prepared if p.role == role) for role in ROLES}
@@ -156,8 +161,7 @@ def diagnose(
     later = held or by_role["test"]
     shop = Workshop(baseline, estimation, held, settings, drives=drives, later=later)
     notes = _sign_notes(shop, dataset.name)
-    for note in notes:
-        say(f"note: {note}")
+    _say_all(notes, say)
     # The mean over repetitions, which a search looks at, shows a sign's turn better than they do.
     shop = sharpened(shop, ()) or shop
     found = find(shop, held)
@@ -165,7 +169,15 @@ def diagnose(
     added, refused = len(result.selection.accepted), len(result.selection.refused)
     say(f"additions, with and without a name: {added}; refused: {refused}")
     unchecked = None if result is found else _unchecked(found, by_role["test"])
-    return _conclude(result, by_role, settings, unchecked, notes)
+    diagnosis = _conclude(result, by_role, settings, unchecked)
+    doubts = caveats(diagnosis.effects, diagnosis.proof, model.robot)
+    _say_all(doubts, say)
+    return dataclasses.replace(diagnosis, notes=(*notes, *doubts))
+
+
+def _say_all(notes: Sequence[str], say: Callable[[str], None]) -> None:
+    for note in notes:
+        say(f"note: {note}")
 
 
 def _drives(dataset: DataSet) -> Drives:
@@ -196,7 +208,6 @@ def _conclude(
     by_role: dict[str, tuple[Prepared, ...]],
     settings: DiagnosisSettings,
     unchecked: Float[ndarray, " joints"] | None,
-    notes: tuple[str, ...],
 ) -> Diagnosis:
     shop, selection, effects = result.shop, result.selection, result.effects
     before = result.before
@@ -238,12 +249,11 @@ def _conclude(
         cutoff=estimation[0].band.cutoff,
         sign_width=estimation[0].sign_noise,
         shop=shop,
-        notes=notes,
     )
 
 
 def _unchecked(found: Finding, test: tuple[Prepared, ...]) -> Float[ndarray, " joints"]:
-    _, errors = test_errors(found.shop, found.selection, found.before, found.after, test)
+    _, errors = checked_errors(found.shop, found.selection, found.before, found.after, test)
     return errors * found.shop.baseline.floor.deviation
 
 

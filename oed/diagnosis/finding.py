@@ -15,7 +15,7 @@ from oed.diagnosis.candidates.clocks import by_other_clock
 from oed.diagnosis.candidates.judgement import WORSE
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.evidence.contradiction import test_errors
+from oed.diagnosis.evidence.contradiction import checked_errors
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
@@ -152,7 +152,7 @@ def _without_what_raises(
         loose = [trial for trial in selection.trials if trial.name != GRAVITY]
         fewer = [_less(shop, selection, trial) for trial in loose]
         tried = [
-            (test_errors(shop, s, found.before, final_with(shop, s.found), test)[1], s)
+            (checked_errors(shop, s, found.before, final_with(shop, s.found), test)[1], s)
             for s in fewer
         ]
         lower = [
@@ -210,7 +210,7 @@ def _test_ratios(found: Finding, test: tuple[Prepared, ...]) -> Float[ndarray, "
 def _test_errors(
     found: Finding, test: tuple[Prepared, ...]
 ) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
-    return test_errors(found.shop, found.selection, found.before, found.after, test)
+    return checked_errors(found.shop, found.selection, found.before, found.after, test)
 
 
 def _found(

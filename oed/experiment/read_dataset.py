@@ -31,6 +31,7 @@ from oed.experiment.recording_checks import (
 from oed.experiment.recording_file import read_columns
 from oed.experiment.state_clock import in_state_time
 from oed.experiment.toml_table import nearest
+from oed.experiment.torque_faults import torque_fault_notes
 from oed.robot import Robot, load_robot
 
 STILL = 0.01  # [rad or m] a joint that travels no further may be left out as locked
@@ -54,7 +55,8 @@ def read_dataset(directory: str | Path, *, joints: Sequence[str] | None = None) 
     """
     folder = Path(directory)
     if not folder.is_dir():
-        raise DataSetError("no such folder", file=str(folder))
+        what = "is a file: give the folder that it is in" if folder.exists() else "no such folder"
+        raise DataSetError(what, file=str(folder))
     manifest = read_manifest(folder)
     every = tuple(range(len(manifest.joints)))
     robot = _load_robot(folder, manifest, every, {})
@@ -155,7 +157,10 @@ def _read_recording(
     factor = manifest.drive.current_to_torque
     tau = fields.stacked("tau") * (1.0 if factor is None else factor)
     is_bare_current = manifest.torque == "current" and factor is None
-    notes = torque_notes(tau, robot, file, read.first_row, is_bare_current=is_bare_current)
+    notes = (
+        *torque_notes(tau, robot, file, read.first_row, is_bare_current=is_bare_current),
+        *torque_fault_notes(t, q, tau, file, read.first_row),
+    )
     recording = Recording(
         name=entry.name,
         role=entry.role,

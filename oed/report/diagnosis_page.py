@@ -258,13 +258,22 @@ def _refused_blocks(found: Diagnosis, labels: Sequence[str]) -> list[Text | Tabl
 
 
 def _next_text(following: NextExperiment) -> str:
+    which, tried = "; ".join(following.pairs), following.tried
+    if following.resolved < RARE:
+        return (
+            f"None of {tried} motions within the limits is likely to tell {which}: on the best, in "
+            f"{NEXT}/trajectory.csv, their predictions differ by λ = {following.separation:.3g} (now "
+            f"{following.separation_now:.3g}), the squared distance in variances of the noise, and by "
+            "no more than what sampling and smoothing may make of such a torque. A log of a higher "
+            "rate tells more."
+        )
     return (
-        f"To tell {'; '.join(following.pairs)}: run {NEXT}/trajectory.csv. Rivals' predictions then "
+        f"To tell {which}: run {NEXT}/trajectory.csv. Rivals' predictions then "
         f"differ by λ = {following.separation:.3g} (now {following.separation_now:.3g}), the squared "
         "distance in variances of the noise; where the first is true, the chance of naming the other is "
         f"{_rate(following.error_rate)} (now {_rate(following.error_rate_now)}), "
         f"and that of a decisive difference {following.resolved:.0%}. "
-        f"Best of {following.tried} motions within the limits."
+        f"Best of {tried} motions within the limits."
         f"{ANYWAY if following.error_rate_now < RARE else ''}"
     )
 

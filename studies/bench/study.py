@@ -25,6 +25,7 @@ from studies.bench.judge import VALUE_COLUMNS, Judge
 from studies.bench.plan import GROUPS, plan, smoke
 from studies.bench.summary import BenchRow, confusion, detection, done, page
 from studies.case_runner import CaseRunner, RowFile
+from studies.whole_numbers import from_one, from_zero
 
 RUNS = "runs.csv"
 NOTE = (
@@ -101,9 +102,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("--out", type=output_folder, help="results/bench if not given")
     parser.add_argument("--cases", nargs="+", choices=GROUPS, default=list(GROUPS))
-    parser.add_argument("--seeds", type=int, default=Config.seeds, help="rounds")
-    parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--seeds", type=from_one, default=Config.seeds, help="rounds")
+    parser.add_argument("--first-seed", type=from_zero, default=0)
+    parser.add_argument("--workers", type=from_one, default=1)
     parser.add_argument("--folder", type=Path, default=Path("out/bench"), help="for data sets")
     parser.add_argument("--smoke", action="store_true", help="two cases, to see that it works")
     parser.add_argument("--summarise", action="store_true", help="only the lines that are there")

@@ -19,6 +19,7 @@ from studies.paper_experiment.campaign import CampaignConfig
 from studies.paper_experiment.config import Config
 from studies.paper_experiment.stages import run_stages
 from studies.paper_experiment.writing import write
+from studies.whole_numbers import from_one, from_zero
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -26,12 +27,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="The paper's experiment, in simulation.")
     parser.add_argument("--out", type=output_folder, help="results/paper if not given")
     parser.add_argument("--cache", type=Path, default=Config.cache)
-    parser.add_argument("--experiments", type=int, default=Config.experiments)
+    parser.add_argument("--experiments", type=from_one, default=Config.experiments)
     parser.add_argument(
         "--processings", nargs="+", choices=PROCESSINGS[:-1], default=Config.processings
     )
-    parser.add_argument("--workers", type=int, default=Config.workers)
-    parser.add_argument("--seed", type=int, default=CampaignConfig.seed)
+    parser.add_argument("--workers", type=from_one, default=Config.workers)
+    parser.add_argument("--seed", type=from_zero, default=CampaignConfig.seed)
     parser.add_argument("--smoke", action="store_true", help="as small as can be")
     given = parser.parse_args(argv)
     given.out = given.out or results_folder("paper", smoke=given.smoke)

@@ -224,3 +224,12 @@ def test_only_candidates_are_tried():
     assert {t.name for t in restricted.physical} == {"torque_offset", "joint_spring"}
     with pytest.raises(ValueError, match="gremlin"):
         DiagnosisSettings(candidates=("gremlin",))
+
+
+def test_a_share_of_a_torque_does_not_change_with_the_ratio_of_a_motor():
+    """A step along the ratio leads to another formula, with other columns."""
+    shop = shop_of(data_set(1, repetitions=1))
+    share = trial_of(shop, "motor_coupling", (1, 0), (0.0, 3.0))
+    steps = np.full(2, 0.1)
+    along = secants(share, np.ones(1), shop.mean.rows, shop.context, steps)
+    assert np.array_equal(along, np.zeros_like(along))

@@ -137,8 +137,8 @@ def _prepare_one(
     cut = int(np.ceil(band.edge * band.rate))
     if band.rows(len(t) - 2 * cut) < 20:
         raise ValueError(
-            f"{recording.name}: {recording.duration:g} s are too short for a band of "
-            f"{band.cutoff:.3g} Hz"
+            f"{recording.source or recording.name}: {recording.duration:g} s are too short for a "
+            f"band of {band.cutoff:.3g} Hz; leave it out of the data set, or record longer"
         )
     inner = slice(cut, len(t) - cut)
     rounding = rounding_deviation(encoder_steps([recording]))

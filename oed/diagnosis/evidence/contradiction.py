@@ -15,7 +15,7 @@ from oed.diagnosis.tables.predict import rms
 from oed.diagnosis.tables.workshop import Workshop
 
 
-def test_errors(
+def checked_errors(
     shop: Workshop,
     selection: Selection,
     before: FinalModel,

@@ -7,7 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense
+from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 SHAPE_STEP = 0.01  # of a shape's range, for derivatives
@@ -21,6 +21,8 @@ def secants(
     steps: Float[ndarray, " shapes"],
 ) -> Float[ndarray, "joints rows shapes"]:
     """Change of an addition's white torque along each shape's axis, over a step both ways.
+
+    One way alone where a step the other way leads to a formula of other columns, zero between two.
 
     Args:
         trial: The addition.
@@ -36,11 +38,13 @@ def secants(
     shapes = entry.shapes_for(context, trial.target)
     axes = np.array([s.place_of(v) for v, s in zip(trial.values, shapes, strict=True)])
 
-    def torque(place: int, axis: float) -> Float[ndarray, "joints rows"]:
+    def torque(place: int, axis: float) -> tuple[float, Float[ndarray, "joints rows"]]:
         values = list(trial.values)
         values[place] = shapes[place].at(axis)
         there = catalogue_trial(entry, context, trial.target, tuple(values), rows)
-        return dense(there, joints, rows.count) @ coefficients
+        if len(there.effect.parameters) != len(coefficients):
+            axis, there = float(axes[place]), moved(trial, rows, context)
+        return axis, dense(there, joints, rows.count) @ coefficients
 
     columns = []
     for k, (axis, step) in enumerate(zip(axes, steps, strict=True)):
@@ -48,7 +52,8 @@ def secants(
         if upper <= lower or shapes[k].scale == "formula":
             columns.append(np.zeros((joints, rows.count)))
             continue
-        columns.append((torque(k, upper) - torque(k, lower)) / (upper - lower))
+        (above, more), (below, less) = torque(k, upper), torque(k, lower)
+        columns.append((more - less) / (above - below) if above > below else 0.0 * more)
     return np.stack(columns, axis=2)
 
 
