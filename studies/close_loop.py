@@ -35,7 +35,6 @@ from oed.report.joint_words import over_floor, place_words
 from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
 from studies.interrupt import leave
-from studies.whole_numbers import from_zero
 
 SMOKE_SURROGATES = 39
 SMOKE_BOOTSTRAP = 40
@@ -216,7 +215,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
         help="effects that may be named, all of the catalogue by default",
     )
     parser.add_argument("--smoke", action="store_true", help="few surrogates and motions")
-    parser.add_argument("--seed", type=from_zero, default=0, help="of surrogates and bootstrap")
+    parser.add_argument("--seed", type=int, default=0, help="of surrogates and bootstrap")
     given = parser.parse_args(arguments)
     return Config(
         data=given.data,

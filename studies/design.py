@@ -51,7 +51,6 @@ from oed.report.style import save_figure
 from oed.robot import Robot, arm_joints, load_robot
 from studies.design_summary import summary
 from studies.interrupt import leave
-from studies.whole_numbers import from_zero
 
 CHECKED_INSTANTS = 1000  # of the clearance check
 MOST_POINTS = 1_000_000  # that a motion is written with
@@ -252,7 +251,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         help="that bodies should not leave [m]",
     )
     parser.add_argument("--rate", type=float, default=Config.rate, help="[Hz]")
-    parser.add_argument("--seed", type=from_zero, default=Config.seed)
+    parser.add_argument("--seed", type=int, default=Config.seed)
     parser.add_argument("--budget", type=float, default=Config.budget, help="CPU seconds")
     parser.add_argument("--smoke", action="store_true", help="a few seconds, to see it work")
     given = parser.parse_args(argv)
