@@ -10,7 +10,6 @@ it cannot, and leaves diagnosis.json, report.html, figures and, if rivals remain
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -36,8 +35,6 @@ from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
 from studies.interrupt import leave
 
-SMOKE_SURROGATES = 39
-SMOKE_BOOTSTRAP = 40
 SMOKE_MOTIONS = 6
 MOTIONS = 48  # random motions of which the most discriminating is proposed
 
@@ -79,9 +76,7 @@ class Config:
         settings = DiagnosisSettings(
             max_effects=self.max_effects, seed=self.seed, candidates=self.candidates
         )
-        if not self.smoke:
-            return settings
-        return dataclasses.replace(settings, surrogates=SMOKE_SURROGATES, bootstrap=SMOKE_BOOTSTRAP)
+        return settings.made_smaller() if self.smoke else settings
 
 
 @dataclass(frozen=True)

@@ -74,9 +74,7 @@ class Config:
     def settings(self) -> DiagnosisSettings:
         """Of each round's diagnosis."""
         settings = DiagnosisSettings(seed=self.seed)
-        return (
-            dataclasses.replace(settings, surrogates=39, bootstrap=40) if self.smoke else settings
-        )
+        return settings.made_smaller() if self.smoke else settings
 
 
 def run(config: Config) -> list[Row]:

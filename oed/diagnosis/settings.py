@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 EFFECTS_PER_JOINT = 2
+FEW_SURROGATES = 39  # of a diagnosis that is made smaller
+FEW_REPLICATES = 40
 LEAST_EFFECTS = 4
 
 
@@ -70,6 +73,10 @@ class DiagnosisSettings:
         unknown = [name for name in self.candidates if name not in CATALOGUE]
         if unknown:
             raise ValueError(f"no effects {unknown} in the catalogue; there are {list(CATALOGUE)}")
+
+    def made_smaller(self) -> DiagnosisSettings:
+        """The same with few draws: for a look, not for a result."""
+        return dataclasses.replace(self, surrogates=FEW_SURROGATES, bootstrap=FEW_REPLICATES)
 
     def most_effects(self, joints: int) -> int:
         """How many effects may be added to an arm."""

@@ -9,6 +9,7 @@ from oed.diagnosis.candidates.usual import plainer
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.search.review import drop_needless, review_names
 from oed.diagnosis.search.selection import search
+from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.scores import refine, score
@@ -190,3 +191,18 @@ def test_a_spring_beside_a_much_larger_ripple_of_its_joint_is_named():
     shop = shop_of(data_set(3, extra=torque), candidates=names)
     _, found = search(shop)
     assert {t.key for t in found.trials} == {(name, 0) for name in names}
+
+
+def test_a_curve_does_not_stand_in_where_nothing_is_foretold():
+    """Without validation recordings, and without repetitions, it may follow slow noise."""
+
+    def bump(q, dq, ddq):
+        return np.stack([4.0 * np.exp(-((q[:, 0] / 0.3) ** 2)), np.zeros(len(q))], axis=1)
+
+    roles = ("estimation", "estimation", "validation")
+    dataset = data_set(3, extra=bump, repetitions=1, roles=roles)
+    for held in (True, False):
+        found = next_free_form(shop_of(dataset, held=held, surrogates=39, refined=4), [], [])
+        assert found is not None
+        assert found.trial.joint == 0
+        assert found.stands_in is held

@@ -119,13 +119,7 @@ def _on_its_clock(shop: Workshop, found: Score, others: Sequence[Trial], fit: Li
     if turned is None:
         return found
     tried = [found, score(turned, fit)]
-    return min(tried, key=lambda s: _unseen_error(shop, others, s.trial))
-
-
-def _unseen_error(shop: Workshop, others: Sequence[Trial], trial: Trial) -> float:
-    """Mean squared validation error beside additions, in squares of the noise floor."""
-    rms = shop.validation_rms(shop.fit([*others, trial], bend=False))
-    return float(np.mean((rms / shop.baseline.floor.deviation) ** 2)) if rms is not None else 0.0
+    return min(tried, key=lambda s: shop.unseen_error([*others, s.trial]))
 
 
 def _evaluated(

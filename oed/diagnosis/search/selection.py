@@ -157,9 +157,7 @@ def _foretelling_most(
 
 
 def _unseen_error(shop: Workshop, whole: Sequence[Accepted]) -> float:
-    """Mean squared validation error, in squares of the noise floor; 0 where there is none."""
-    rms = shop.validation_rms(shop.fit([a.trial for a in whole if a.stands_in], bend=False))
-    return 0.0 if rms is None else float(np.mean((rms / shop.baseline.floor.deviation) ** 2))
+    return shop.unseen_error([a.trial for a in whole if a.stands_in])
 
 
 def _with_free_forms(

@@ -16,9 +16,6 @@ from oed.diagnosis.terms.trials import Trial
 
 LEADERS = 3  # candidates for which a partner is looked for
 REFINED = 3  # candidates for partners
-# Error over noise floor up to which two names may be all that a joint lacks: where more is missing,
-# two flexible effects find some of it to explain.
-NEAR = 1.3
 
 
 def two_at_once(
@@ -86,16 +83,16 @@ def _with_partner(
 def _is_all(shop: Workshop, chosen: Sequence[Trial], joint: int) -> bool:
     """Whether additions bring a joint's error near its floor, on unseen recordings if there are.
 
-    In white rows, which know that rounding repeats with the motion, or in N m.
+    Where more is missing, two flexible effects find some of it to explain. In white rows, which know that rounding repeats with the motion, or in N m.
     """
-    found = shop.fit(chosen, bend=False)
+    found, most = shop.fit(chosen, bend=False), shop.settings.floor_ratio
     rms = shop.validation_rms(found)
     if rms is None:
-        return bool(inflation_of(shop.fit(chosen, shop.mean, bend=False).fit)[joint] < NEAR**2)
+        return bool(inflation_of(shop.fit(chosen, shop.mean, bend=False).fit)[joint] < most**2)
     unseen = shop.unseen_by(chosen)
     white = np.sqrt(unseen.left(found) / unseen.counted)
     near = min(float(white[joint]), float(rms[joint] / shop.baseline.floor.deviation[joint]))
-    return near < NEAR
+    return near < most
 
 
 def _leaves_nothing(

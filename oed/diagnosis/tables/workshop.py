@@ -166,6 +166,15 @@ class Workshop:
         valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
         return rms(valid, self._validation_weights) * self.unseen.share_without_noise(found)
 
+    def unseen_error(self, chosen: Sequence[Trial]) -> float:
+        """Mean squared validation error over the joints, in squares of their noise floors.
+
+        Zero without validation recordings.
+        """
+        errors = self.validation_rms(self.fit(chosen, bend=False))
+        floor = self.baseline.floor.deviation
+        return 0.0 if errors is None else float(np.mean((errors / floor) ** 2))
+
     @cached_property
     def unseen(self) -> Unseen:
         """The validation recordings, of their mean repetitions."""
