@@ -25,7 +25,8 @@ from oed.diagnosis.rivals.discrimination import NextExperiment, design_discrimin
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workbench import lay_out
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, refine, scan
+from oed.diagnosis.terms.climbing import refine
+from oed.diagnosis.terms.scores import Score, scan
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.motion import Motion

@@ -13,7 +13,8 @@ from oed.diagnosis.fit.motion_noise import calmed
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workbench import lags_of
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import gain_of, refine, score
+from oed.diagnosis.terms.climbing import refine
+from oed.diagnosis.terms.scores import gain_of, score
 from oed.diagnosis.terms.trials import moved
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set

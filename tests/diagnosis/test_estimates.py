@@ -8,7 +8,8 @@ import pytest
 from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.evidence.estimates import estimates
 from oed.diagnosis.evidence.profile import UNIFORM, widened
-from oed.diagnosis.terms.scores import at_rest, score
+from oed.diagnosis.terms.climbing import at_rest
+from oed.diagnosis.terms.scores import score
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import COULOMB, data_set
 from tests.diagnosis.shop import shop_of, trial_of

@@ -12,7 +12,8 @@ from oed.diagnosis.search.selection import search
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.scores import refine, score
+from oed.diagnosis.terms.climbing import refine
+from oed.diagnosis.terms.scores import score
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of

@@ -9,7 +9,8 @@ from oed.diagnosis.evidence.sharper_sign import told_by_a_sign
 from oed.diagnosis.tables import sharpening
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import at_rest, score
+from oed.diagnosis.terms.climbing import at_rest
+from oed.diagnosis.terms.scores import score
 from tests.diagnosis.arm import COULOMB, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

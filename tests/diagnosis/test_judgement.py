@@ -14,7 +14,8 @@ from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence import naming
 from oed.diagnosis.search import selection
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.scores import at_rest, score
+from oed.diagnosis.terms.climbing import at_rest
+from oed.diagnosis.terms.scores import score
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, RATE, VISCOUS, data_set, rigid, stribeck
 from tests.diagnosis.shop import shop_of, trial_of

@@ -65,3 +65,21 @@ def test_what_explains_nothing_at_the_shape_decided_for_it_is_no_candidate(monke
     _, chosen = selection.search(shop_of(data_set(10, extra=stribeck(1.5))))
     assert silent
     assert all(a.trial.is_free_form for a in chosen.accepted)
+
+
+@pytest.mark.parametrize(("hardening", "near", "kept"), [(0.0, 0.15, 1.0), (3.0, 1.0, 2.0)])
+def test_further_terms_of_a_formula_stay_only_where_another_motion_shows_them(
+    hardening, near, kept
+):
+    """Near the middle a cube is hardly seen, and what noise makes of it is large further out."""
+
+    def spring(q, dq, ddq):
+        pull = 3.0 * q[:, 1] + hardening * q[:, 1] ** 3
+        return np.stack([np.zeros(len(q)), pull], axis=1)
+
+    shop = shop_of(data_set(4, extra=spring, near=near))
+    fuller = score(trial_of(shop, "joint_spring", 1, (2.0,)), shop.before.fit)
+    found = decided(shop, [], fuller)
+    assert found.trial.values == (kept,)
+    errors = [shop.unseen_error([s.trial]) for s in (fuller, found)]
+    assert errors[1] <= errors[0]

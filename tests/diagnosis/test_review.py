@@ -14,7 +14,8 @@ from oed.diagnosis.search.review import drop_needless, review_names
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import at_rest, implausible, scan, score
+from oed.diagnosis.terms.climbing import at_rest
+from oed.diagnosis.terms.scores import implausible, scan, score
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of

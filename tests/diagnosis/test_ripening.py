@@ -15,7 +15,8 @@ from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import at_rest, refine, scan, score
+from oed.diagnosis.terms.climbing import at_rest, refine
+from oed.diagnosis.terms.scores import scan, score
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.motion import Motion

@@ -6,7 +6,8 @@ import pytest
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.judgement import judge
 from oed.diagnosis.search.two_at_once import two_at_once
-from oed.diagnosis.terms.scores import refine, score
+from oed.diagnosis.terms.climbing import refine
+from oed.diagnosis.terms.scores import score
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

@@ -15,7 +15,8 @@ from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, at_rest, score
+from oed.diagnosis.terms.climbing import at_rest
+from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.secants import secants
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck

@@ -60,6 +60,18 @@ def test_a_name_is_claimed_if_it_explains_far_more_than_is_lacking(
     assert len(unexplained) == 2 - claimed
 
 
+@pytest.mark.parametrize(("p_value", "claimed"), [(1e-4, True), (0.03, False)])
+def test_a_name_that_chance_may_give_beside_all_others_is_not_claimed(sprung, p_value, claimed):
+    shop, selection = sprung
+    (item,) = selection.accepted
+    effect = FoundEffect("joint_spring", 1, (), p_value, 0.5, (), item.trial)
+    level = np.ones(2)
+    found = Errors(level, level, level, level, level)
+    effects, unexplained = withheld(shop, selection, [effect], (), found)
+    assert len(effects) == claimed
+    assert len(unexplained) == 1 - claimed
+
+
 def test_what_lies_between_two_joints_is_claimed_if_neither_contradicts_it(sprung):
     shop, _ = sprung
     coupling = trial_of(shop, "motor_coupling", (1, 0), (0.5, 2.0))

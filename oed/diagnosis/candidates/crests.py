@@ -16,7 +16,8 @@ from scipy.ndimage import maximum_filter
 from oed.diagnosis.candidates.ripening import is_late, is_unripe
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, implausible, refine, score
+from oed.diagnosis.terms.climbing import refine
+from oed.diagnosis.terms.scores import Score, implausible, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 

@@ -10,8 +10,9 @@ from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workbench import Layout
 from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.climbing import at_rest
 from oed.diagnosis.terms.free_form import FreeForm
-from oed.diagnosis.terms.scores import Score, at_rest, inflation_of, none_explains_more, score
+from oed.diagnosis.terms.scores import Score, inflation_of, none_explains_more, score
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 

@@ -17,7 +17,8 @@ from numpy import ndarray
 
 from oed.diagnosis.candidates.ripening import is_late, is_unripe
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, at_rest, climb, implausible, inflation_of, score
+from oed.diagnosis.terms.climbing import at_rest, climb, shorter_formulas
+from oed.diagnosis.terms.scores import Score, implausible, inflation_of, score
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.effects.catalogue import CATALOGUE
 
@@ -38,7 +39,7 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
         found: At the shape that the estimation recordings prefer.
     """
     trial = found.trial
-    if trial.is_free_form or not trial.shapes or is_late(trial):
+    if trial.is_free_form or not trial.values or is_late(trial):
         return found
     if trial.between_repetitions or not shop.validation:
         return found
@@ -49,6 +50,8 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
         return found
     fit = shop.fit(others, shop.layout(trial)).fit
     starts = [score(moved(t, fit.rows, shop.context), fit) for t in _usual(shop, trial)]
+    # Further terms of a formula may follow one motion alone.
+    starts += shorter_formulas(found, fit, shop.context)
     if not is_unripe(trial):  # whose grid stands on another torque
         # One motion may rise to another crest than both together do.
         starts += [score(t, fit) for t in shop.physical if t.key == trial.key]

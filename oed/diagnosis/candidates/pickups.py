@@ -21,7 +21,8 @@ from oed.diagnosis.fit.model_columns import filtered_columns
 from oed.diagnosis.tables.predict import fine_torque, prediction_errors
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, at_rest, inflation_of, score
+from oed.diagnosis.terms.climbing import at_rest
+from oed.diagnosis.terms.scores import Score, inflation_of, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.payload import PayloadChange, PickUp
 

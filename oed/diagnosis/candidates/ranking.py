@@ -20,7 +20,8 @@ from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, best_shapes, refine, score
+from oed.diagnosis.terms.climbing import refine
+from oed.diagnosis.terms.scores import Score, best_shapes, score
 from oed.diagnosis.terms.trials import Trial, moved
 
 OF_EACH = 2  # candidates of every joint that are refined in any case

@@ -19,15 +19,8 @@ from oed.diagnosis.candidates.calming import worth_beside
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workbench import lags_of
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import (
-    Score,
-    Worth,
-    gain_of,
-    implausible,
-    refine,
-    score,
-    score_at,
-)
+from oed.diagnosis.terms.climbing import refine, score_at
+from oed.diagnosis.terms.scores import Score, Worth, gain_of, implausible, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 

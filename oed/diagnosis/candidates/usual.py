@@ -15,7 +15,8 @@ from oed.diagnosis.candidates.margin import decisive_between
 from oed.diagnosis.candidates.telling import telling
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, climb, implausible, other_formulas, score
+from oed.diagnosis.terms.climbing import climb, shorter_formulas
+from oed.diagnosis.terms.scores import Score, implausible, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Shape
 
@@ -42,11 +43,7 @@ def plainer(shop: Workshop, others: Sequence[Trial], trial: Trial) -> Trial | No
     """
     fit = shop.fit(others, shop.layout(trial)).fit
     here = score(shop.renewed(trial), fit)
-    fewer = [
-        climb(there, fit, shop.context)
-        for there in other_formulas(here, fit, shop.context)
-        if len(there.coefficients) < len(here.coefficients)
-    ]
+    fewer = [climb(s, fit, shop.context) for s in shorter_formulas(here, fit, shop.context)]
     plausible = [s for s in fewer if implausible(s, shop.context) is None]
     return max(plausible, key=lambda s: s.gain).trial if plausible else None
 

@@ -84,8 +84,10 @@ def withheld(
     claimed, resembling = [], []
     for effect in effects:
         joint = effect.joint
-        # Beside others it may be worth something, but not what its name says.
-        if effect.validation_gain is not None and effect.validation_gain < 0:
+        # Beside others it may be worth something, but not what its name says, or no more than chance.
+        if (
+            effect.validation_gain is not None and effect.validation_gain < 0
+        ) or effect.p_value > shop.settings.level:
             is_claimed = False
         elif joint is None:
             is_claimed = not (effect.trial.between_repetitions and _is_most_left(errors))

@@ -13,7 +13,8 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.tables.workbench import Layout, fit_layout, layout_of
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import Score, refine, score
+from oed.diagnosis.terms.climbing import refine
+from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense, grid_of, white_group
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.context import Context

@@ -22,7 +22,8 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.free_form_rivals import curves_explain_more
 from oed.diagnosis.tables.workbench import Layout, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import AT_REST, MOST_ROUNDS, Score, at_rest, implausible, score
+from oed.diagnosis.terms.climbing import AT_REST, MOST_ROUNDS, at_rest
+from oed.diagnosis.terms.scores import Score, implausible, score
 from oed.diagnosis.terms.trials import Trial
 
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.diagnosis.candidates.accepted import Accepted, Refused
+from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.search.free_form_rivals import gain_together
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.scores import inflation_of, none_explains_more
+from oed.diagnosis.terms.scores import inflation_of, none_explains_more, score
 from oed.diagnosis.terms.trials import Trial
 
 LEADERS = 3  # candidates for which a partner is looked for
@@ -52,10 +53,11 @@ def two_at_once(
     best = int(np.argmax(gains - [np.log(rows) * _price(pair) for pair in pairs]))
     if not _leaves_nothing(shop, others, joint, pairs[best]):
         return []
-    if not _is_all(shop, [*others, *pairs[best]], joint):
+    pair = _decided(shop, others, pairs[best])
+    if not _is_all(shop, [*others, *pair], joint):
         return []
-    found = several_at_once(shop, accepted, pairs[best], refused, are_all=True)
-    return found if len(found) == len(pairs[best]) else []
+    found = several_at_once(shop, accepted, pair, refused, are_all=True)
+    return found if len(found) == len(pair) else []
 
 
 def _is_of(trial: Trial, joint: int, shop: Workshop) -> bool:
@@ -80,10 +82,21 @@ def _with_partner(
     return [ranked(shop, same, [*others, partner], 1)[0].trial, partner]
 
 
+def _decided(shop: Workshop, others: Sequence[Trial], pair: Sequence[Trial]) -> list[Trial]:
+    """Both, each as the validation recordings decide what is open of it beside the other."""
+    kept = list(pair)
+    for k, trial in enumerate(pair):
+        beside = [*others, *(t for t in kept if t is not kept[k])]
+        own = score(trial, shop.fit(beside, shop.layout(trial)).fit)
+        kept[k] = decided(shop, beside, own).trial
+    return kept
+
+
 def _is_all(shop: Workshop, chosen: Sequence[Trial], joint: int) -> bool:
     """Whether additions bring a joint's error near its floor, on unseen recordings if there are.
 
-    Where more is missing, two flexible effects find some of it to explain. In white rows, which know that rounding repeats with the motion, or in N m.
+    Where more is missing, two flexible effects find some of it to explain. In white rows, which know
+    that rounding repeats with the motion, or in N m.
     """
     found, most = shop.fit(chosen, bend=False), shop.settings.floor_ratio
     rms = shop.validation_rms(found)

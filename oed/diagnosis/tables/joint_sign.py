@@ -25,7 +25,8 @@ from oed.diagnosis.baseline.sign_width import (
 )
 from oed.diagnosis.fit.linear_fit import whitened_regressor
 from oed.diagnosis.tables.workbench import Layout, fit_with
-from oed.diagnosis.terms.scores import climb, score
+from oed.diagnosis.terms.climbing import climb
+from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
