@@ -80,9 +80,9 @@ def uncontradicted(
 ) -> Finding:
     """The same without what the test recordings contradict.
 
-    A tilt that does not lower their error goes, and all is sought anew as the base was declared. Terms
-    that claim no physics stand aside first, for they extrapolate worst; then whatever raises the
-    error of some joint clearly goes, and last of all every name.
+    Where a tilt raises the error of some joint clearly, all is sought anew as the base was declared, and
+    the better of both stays. Terms that claim no physics stand aside first, for they extrapolate worst;
+    then whatever raises the error of some joint clearly goes, and last of all every name.
 
     Args:
         found: What the search found.
@@ -92,8 +92,10 @@ def uncontradicted(
     """
     if not found.selection.trials or not test:
         return found
-    if found.shop.is_turned and _is_contradicted(found, test):
-        found, _ = _found(found.shop.upright, validation, found.selection.refused, upright=True)
+    raises = _test_ratios(found, test).max() > RAISED
+    if found.shop.is_turned and (raises or _is_contradicted(found, test)):
+        other, _ = _found(found.shop.upright, validation, found.selection.refused, upright=True)
+        found = min(found, other, key=lambda f: _squares(_test_ratios(f, test)))
     shop = found.shop
     if not _is_contradicted(found, test):
         found = _without_curves_that_raise(found, validation, test)
