@@ -3,8 +3,8 @@
     python -m studies.loop --out DIR [--hidden NAME] [--rounds R] [--smoke] [--seed N]
 
 A simulated arm hides an effect. Each round designs a motion, runs it, estimates and diagnoses;
-what is doubtful decides the next design. The loop ends when the data explain themselves or the
-budget is spent; rounds.csv says what each round bought.
+what is doubtful decides the next design. The loop ends when the data explain themselves, when two
+motions running show nothing, or when the budget is spent; rounds.csv says what each round bought.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
 from oed.diagnosis.rivals.discrimination import design_discriminating
+from oed.diagnosis.rivals.exposing import design_exposing
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.position import JointSpring, PositionFriction
@@ -96,7 +97,9 @@ def run(config: Config) -> list[Row]:
         found = diagnose(dataset, model, config.settings)
         rows.append(_row(number, purpose, found))
         _say(text_table(rows[-1:]))
-        if found.verdict in ("explained", "nothing found"):
+        # What one motion does not show, another may.
+        again = number > 1 and rows[-2]["verdict"] == found.verdict
+        if found.verdict == "explained" or (found.verdict == "nothing found" and again):
             break
         motion, purpose = _next_motion(found, model, rng, count)
     return rows
@@ -157,12 +160,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _next_motion(
     found: Diagnosis, model: TorqueModel, rng: np.random.Generator, count: int
 ) -> tuple[Motion, str]:
-    """Between rivals the motion that tells them apart; without a name, one that covers more."""
+    """Between rivals the motion that tells them apart; else one that shows what is in doubt."""
     pairs = found.rival_pairs()
     if found.verdict == "ambiguous" and pairs:
         following = design_discriminating(found.shop, pairs, rng, candidates=count)
         return _whole_period(following.motion), "; ".join(following.pairs)
-    return informative_motion(model, rng, count), "coverage: another motion"
+    exposing = design_exposing(found.shop, [e.trial for e in found.effects], rng, candidates=count)
+    if exposing is None:
+        return informative_motion(model, rng, count), "J_d: another motion"
+    doubted = ", ".join(_label(t.name, t.joint) for t in exposing.doubted)
+    return _whole_period(exposing.motion), f"in doubt: {doubted}"
 
 
 def _whole_period(motion: Motion) -> Motion:
@@ -204,9 +211,7 @@ def _row(number: int, purpose: str, found: Diagnosis) -> Row:
         "round": number,
         "designed for": purpose,
         "verdict": found.verdict,
-        "effects": ", ".join(
-            e.name + ("" if e.joint is None else f"_{e.joint + 1}") for e in found.effects
-        ),
+        "effects": ", ".join(_label(e.name, e.joint) for e in found.effects),
         "evidence over best contender": rival if np.isfinite(rival) else "",
         "validation before [N m]": errors["validation"][0],
         "validation after [N m]": errors["validation"][1],
@@ -214,6 +219,10 @@ def _row(number: int, purpose: str, found: Diagnosis) -> Row:
         "test after [N m]": errors["test"][1],
         "noise floor [N m]": float(np.linalg.norm(found.noise_floor)),
     }
+
+
+def _label(name: str, joint: int | None) -> str:
+    return name if joint is None else f"{name}_{joint + 1}"
 
 
 def _say(text: str) -> None:

@@ -7,11 +7,11 @@ from scipy.stats import ncx2, norm
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import (
     _in_words,
-    as_prepared,
     design_discriminating,
     error_rate,
     separation,
 )
+from oed.diagnosis.rivals.motions import as_prepared
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import dense
 from tests.diagnosis.arm import data_set
@@ -157,7 +157,7 @@ def test_a_further_motion_sets_rivals_further_apart(shop: Workshop) -> None:
 
 def test_refuses_to_choose_among_no_motions(shop: Workshop) -> None:
     pair, _ = scaled_pair(shop, 4.0)
-    with pytest.raises(ValueError, match="candidates=0"):
+    with pytest.raises(ValueError, match="0 motions leave nothing"):
         design_discriminating(shop, [pair], np.random.default_rng(0), candidates=0)
 
 

@@ -20,22 +20,18 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import norm
 
-from oed.design.default_limits import with_default_limits
-from oed.design.limits import fill
-from oed.design.trajectories import FourierClass
 from oed.diagnosis.candidates.margin import of_smoothing
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.favourite import Pair, best_imitation, context_beside, torque_beside
+from oed.diagnosis.rivals.motions import as_prepared, random_motions
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense, moved
 from oed.dynamics.motion import Motion
 
-HARMONICS = (5, 10, 15)  # more harmonics separate delays and lags, few separate slow effects
-AMPLITUDES = (1.0, 0.3, 0.1)  # of what the limits allow: small ones tell Dahl from Stribeck
 # Motions of which the rival is refitted in full: the slope of its shape alone may promise a
 # separation that another shape takes back.
 REFITTED = 4
@@ -88,18 +84,10 @@ def design_discriminating(
         rng: Draws motions.
         candidates: Motions to compare.
     """
-    if candidates < 1:
-        raise ValueError(f"{candidates=} motions leave nothing to choose from")
-    robot, notes = with_default_limits(shop.baseline.model.robot)
     pattern = shop.mean.rows.prepared[0]
-    horizon = _one_run(pattern)
+    motions, notes = random_motions(shop.baseline.model.robot, pattern, rng, candidates)
     tried: list[tuple[float, Motion]] = []
-    for k in range(candidates):
-        cycle = FourierClass(horizon, robot.limits, harmonics=HARMONICS[k % len(HARMONICS)])
-        z = fill(cycle, cycle.draw(rng), robot.limits)
-        amplitude = AMPLITUDES[(k // len(HARMONICS)) % len(AMPLITUDES)]
-        z = cycle.shrink(z, np.full(robot.n, amplitude))
-        motion = cycle.motion(z, np.arange(0.0, horizon, 1 / pattern.band.rate))
+    for motion in motions:
         further = as_prepared(pattern, motion)
         tried.append((min(_slope_clear(shop, pair, further) for pair in pairs), motion))
     leading = sorted(tried, key=lambda item: -item[0])[:REFITTED]
@@ -153,37 +141,6 @@ def separation(
     """
     own, imitated = _gains(shop, (favourite, coefficients, rival), further)
     return max(0.0, own - imitated)
-
-
-def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:
-    """A motion that nobody has run yet, in the clothes of a recording."""
-    silent = np.zeros_like(motion.q)
-    torque = pattern.band.apply(silent)
-    t = pattern.band.instants(motion.t)
-    return Prepared(
-        name="next",
-        role="estimation",
-        motion=motion,
-        fine_torque=silent,
-        torque=torque,
-        t=t,
-        band=pattern.band,
-        repetition=np.full(len(t), -1),
-        period=None,
-        position_noise=pattern.position_noise,
-        repeated_steps=pattern.repeated_steps,
-        sign_noise=pattern.sign_noise,
-        recorded=np.ones(len(motion), dtype=bool),
-    )
-
-
-def _one_run(pattern: Prepared) -> float:
-    """Length of one repetition as it was recorded [s], the edges that preparing cuts included.
-
-    Noise is read off repetitions of several recordings only if their periods are equal.
-    """
-    cut = int(np.ceil(pattern.band.edge * pattern.band.rate))
-    return (len(pattern.motion) + 2 * cut) / pattern.band.rate
 
 
 def _gains(shop: Workshop, pair: Pair, further: Prepared | None) -> tuple[float, float]:

@@ -32,7 +32,7 @@ def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> Linea
         further: A recording besides those at hand, run as often as the first of these.
     """
     favourite, coefficients, rival = pair
-    layout = _with_further(shop, shop.layout_for([favourite, rival]), further)
+    layout = with_further(shop, shop.layout_for([favourite, rival]), further)
     # The effect as it was fitted: one that acts on the model's torque brings its own.
     mine = dataclasses.replace(favourite, group=white_group(favourite.effect, layout.rows))
     torque = dense(mine, shop.context.n, layout.rows.count) @ coefficients
@@ -62,7 +62,7 @@ def best_imitation(context: Context, rival: Trial, fit: LinearFit) -> Score:
     return max((refine(s, fit, context) for s in starts.values()), key=lambda s: s.gain)
 
 
-def _with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> Layout:
+def with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> Layout:
     """A layout and one more recording."""
     if further is None:
         return layout
