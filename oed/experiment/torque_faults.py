@@ -38,7 +38,7 @@ def torque_fault_notes(
     file: str,
     first_row: int,
 ) -> Iterator[str]:
-    """A line for each joint whose torque is held while it moves, and for one that leaps.
+    """A line for torques that are held while their joints move, and for each that leaps.
 
     Args:
         t: (N,) [s].
@@ -47,25 +47,28 @@ def torque_fault_notes(
         file: For the message.
         first_row: Line of the first sample.
     """
+    held: dict[tuple[int, int, float], list[str]] = {}
     for j in range(tau.shape[1]):
-        column = f"column 'tau_{j + 1}'"
-        held = list(_held(t, q[:, j], tau[:, j]))
-        if held:
-            start, end = max(held, key=lambda stretch: t[stretch[1]] - t[stretch[0]])
-            value, seconds = tau[start, j], sum(t[b] - t[a] for a, b in held)
-            why = "right only with the drive off" if value == 0 else "the sensor did not report"
-            yield (
-                f"{file}, rows {start + first_row} to {end + first_row}, {column}: stays at "
-                f"{value:.4g} while the joint moves ({seconds:.3g} s in all): {why}; else cut these "
-                "rows, which pass for a load or an offset"
-            )
+        longest = max(
+            _held(t, q[:, j], tau[:, j]), key=lambda rows: t[rows[1]] - t[rows[0]], default=None
+        )
+        if longest is not None:
+            held.setdefault((*longest, float(tau[longest[0], j])), []).append(f"'tau_{j + 1}'")
+    for (start, end, value), columns in held.items():
+        why = "right only with the drive off" if value == 0 else "the sensor did not report"
+        yield (
+            f"{file}, rows {start + first_row} to {end + first_row}, column {', '.join(columns)}: stays at "
+            f"{value:.4g} for {t[end] - t[start]:.3g} s while the joint moves: {why}; else cut these rows, "
+            "which pass for a load or an offset"
+        )
+    for j in range(tau.shape[1]):
         leaps = np.flatnonzero(_leaps(tau[:, j]))
         if len(leaps):
             row = int(leaps[np.argmax(np.abs(tau[leaps, j]))])
             before, value, after = tau[row - 1 : row + 2, j]
             more = f", and {len(leaps) - 1} more such rows" if len(leaps) > 1 else ""
             yield (
-                f"{file}, row {row + first_row}, {column}: {value:.4g} between {before:.4g} and "
+                f"{file}, row {row + first_row}, column 'tau_{j + 1}': {value:.4g} between {before:.4g} and "
                 f"{after:.4g}{more}: one wild value outweighs all others; remove it from the log"
             )
 

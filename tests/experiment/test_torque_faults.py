@@ -60,3 +60,11 @@ def test_a_blow_that_lasts_is_no_wild_value():
     t, q, tau = _log()
     tau[1700:1703, 0] += [15.0, 30.0, 10.0]
     assert _notes(t, q, tau) == []
+
+
+def test_torques_that_are_held_together_share_a_line():
+    t, q, tau = _log()
+    both = np.hstack([q, q]), np.hstack([tau, 2 * tau])
+    both[1][STILL] = 0.0
+    (note,) = _notes(t, *both)
+    assert note.startswith("a.csv, rows 1002 to 1401, column 'tau_1', 'tau_2': stays at 0")
