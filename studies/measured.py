@@ -27,7 +27,7 @@ from oed.report.provenance import Provenance
 from oed.report.table import MISSING, Row, markdown_table
 from studies import close_loop
 from studies.case_runner import CaseRunner, RowFile, is_finished
-from studies.data_folders import SHARED, data_sets
+from studies.data_folders import SHARED, data_folder, data_sets
 from studies.interrupt import RESUMES, leave
 from studies.whole_numbers import from_zero
 
@@ -186,7 +186,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument(
-        "--data", type=Path, help="folder of data sets; ../shared/data if not given"
+        "--data", type=data_folder, help="folder of data sets; ../shared/data if not given"
     )
     parser.add_argument("--out", type=output_folder, help="results/measured if not given")
     parser.add_argument(

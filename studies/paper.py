@@ -21,7 +21,7 @@ from pathlib import Path
 
 from paper_figures.writing import HERE, write_all
 from studies import close_loop, identify, scara_recordings
-from studies.data_folders import REPOSITORY, data_sets
+from studies.data_folders import REPOSITORY, data_folder, data_sets
 from studies.interrupt import leave
 from studies.paper_experiment import experiment
 
@@ -107,7 +107,7 @@ def _record(folder: Path, small: list[str]) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m studies.paper", description=__doc__)
-    parser.add_argument("--data", type=Path, help="a data set, or a folder of data sets")
+    parser.add_argument("--data", type=data_folder, help="a data set, or a folder of data sets")
     parser.add_argument("--out", type=Path, default=REPOSITORY / "out")
     parser.add_argument("--results", type=Path, default=REPOSITORY / "results")
     parser.add_argument("--smoke", action="store_true", help="every step, as small as can be")

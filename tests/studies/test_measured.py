@@ -48,3 +48,11 @@ def test_a_folder_without_data_sets_is_refused_in_a_line(tmp_path, monkeypatch, 
     monkeypatch.setattr(measured, "data_sets", lambda _: ())
     assert measured.main(["--out", str(tmp_path / "out")]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_folder_that_is_not_there_is_refused_before_anything_is_run(tmp_path, capsys):
+    out = tmp_path / "out"
+    with pytest.raises(SystemExit):
+        measured.main(["--data", str(tmp_path / "nowhere"), "--out", str(out)])
+    assert "nowhere: no such folder" in capsys.readouterr().err
+    assert not out.exists()
