@@ -138,5 +138,6 @@ def test_a_moment_is_not_read_off_what_a_shape_would_be_if_it_were_another():
     test = [p for p in prepare(dataset.recordings, shop.settings) if p.role == "test"]
     _, moments = with_moments_of(shop, found, final_with(shop, found), test)
     (own,) = moments.values()
-    # There all the time: the arm's first second hardly shows it.
-    assert own.value < 1.0
+    # There all the time: the arm's first second hardly shows it, and noise has its share beside that.
+    assert own.std < 0.5
+    assert own.value < 1.0 + 2 * own.std
