@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 EFFECTS_PER_JOINT = 2
-FEW_SURROGATES = 39  # of a diagnosis that is made smaller
-FEW_REPLICATES = 40
 LEAST_EFFECTS = 4
+FEW_SURROGATES, FEW_REPLICATES = 39, 40  # of a diagnosis that is made smaller
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
-from oed.diagnosis.rivals.favourite import torque_beside
+from oed.diagnosis.rivals.favourite import torque_on, with_further
 from oed.diagnosis.rivals.motions import as_prepared, random_motions
+from oed.diagnosis.tables.workbench import Layout
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score, implausible, scan
 from oed.diagnosis.terms.trials import Trial
@@ -55,15 +58,14 @@ def design_exposing(
         return None
     pattern = shop.mean.rows.prepared[0]
     motions, _ = random_motions(shop.baseline.model.robot, pattern, rng, candidates)
-    pairs = [(s.trial, s.coefficients, s.trial) for s in doubted]
-    known = [torque_beside(shop, pair, None).squares for pair in pairs]
 
-    def gain(motion: Motion) -> float:
-        further = as_prepared(pattern, motion)
-        told = [torque_beside(shop, pair, further).squares for pair in pairs]
-        return float(np.exp(np.mean(np.log(np.array(told) / known))))
+    def told(layout: Layout) -> Float[ndarray, " doubted"]:
+        fits = (torque_on(shop, layout, s.trial, s.coefficients) for s in doubted)
+        return np.array([fit.squares for fit in fits])
 
-    gains = [gain(motion) for motion in motions]
+    known = told(shop.mean)
+    layouts = (with_further(shop, shop.mean, as_prepared(pattern, m)) for m in motions)
+    gains = [float(np.exp(np.mean(np.log(told(layout) / known)))) for layout in layouts]
     best = int(np.argmax(gains))
     return Exposing(motions[best], tuple(s.trial for s in doubted), gains[best])
 

@@ -33,6 +33,13 @@ def torque_beside(shop: Workshop, pair: Pair, further: Prepared | None) -> Linea
     """
     favourite, coefficients, rival = pair
     layout = with_further(shop, shop.layout_for([favourite, rival]), further)
+    return torque_on(shop, layout, favourite, coefficients)
+
+
+def torque_on(
+    shop: Workshop, layout: Layout, favourite: Trial, coefficients: Float[ndarray, " columns"]
+) -> LinearFit:
+    """The same on rows that are laid out already."""
     # The effect as it was fitted: one that acts on the model's torque brings its own.
     mine = dataclasses.replace(favourite, group=white_group(favourite.effect, layout.rows))
     torque = dense(mine, shop.context.n, layout.rows.count) @ coefficients
@@ -63,7 +70,7 @@ def best_imitation(context: Context, rival: Trial, fit: LinearFit) -> Score:
 
 
 def with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> Layout:
-    """A layout and one more recording."""
+    """A layout and one more recording, if there is one."""
     if further is None:
         return layout
     old, scale = layout.rows, layout.rows.scales[0]

@@ -121,6 +121,8 @@ def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> tup
 
     With the ratio of the validation error, 1 where it does not.
     """
+    if not shop.validation:  # where nothing is foretold, nothing foretells it better
+        return dataclasses.replace(item, stands_in=False), 1.0
     bench = _Bench(shop, others, item.trial)
     tried = bench.tried(
         _with_fine_pieces(shop, [item.trial, *_alike(shop, item.trial)]), ending=True
@@ -193,7 +195,7 @@ class _Bench:
     def _ratio(self, found: Augmented) -> float:
         rms = self._shop.validation_rms(found, as_it_is=True)
         if self._plain is None or rms is None:
-            return 1.0  # where nothing is foretold, nothing foretells it better
+            return 1.0
         return float(rms[self._joint] / self._plain[self._joint])
 
     def _ending(self, trial: Trial, fadings: Sequence[float]) -> Iterator[Trial]:
