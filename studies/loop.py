@@ -165,7 +165,7 @@ def _next_motion(
     if found.verdict == "ambiguous" and pairs:
         following = design_discriminating(found.shop, pairs, rng, candidates=count)
         return _whole_period(following.motion), "; ".join(following.pairs)
-    exposing = design_exposing(found.shop, [e.trial for e in found.effects], rng, candidates=count)
+    exposing = design_exposing(found.shop, found.standing, rng, candidates=count)
     if exposing is None:
         return informative_motion(model, rng, count), "J_d: another motion"
     doubted = ", ".join(_label(t.name, t.joint) for t in exposing.doubted)

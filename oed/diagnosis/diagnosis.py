@@ -60,6 +60,7 @@ class Diagnosis:
         verdict: In the interface's words.
         effects: What was found and named.
         unexplained: What is there and has no name.
+        standing: All that is part of the augmented model, with and without a name.
         before: The base model, fitted.
         after: The augmented model, fitted: an ordinary torque model.
         proof: Errors before and after, one entry a role that has recordings.
@@ -86,6 +87,7 @@ class Diagnosis:
     verdict: Outcome
     effects: tuple[FoundEffect, ...]
     unexplained: tuple[Unexplained, ...]
+    standing: tuple[Trial, ...]
     before: FinalModel
     after: FinalModel
     proof: tuple[RoleProof, ...]
@@ -110,11 +112,11 @@ class Diagnosis:
         """Found effects, their coefficients, and the rivals that the data cannot exclude."""
         if not self.effects:
             return []
-        nameless = [u.trial for u in self.unexplained if u.stands_in and u.trial is not None]
-        chosen = self.shop.fit([*(effect.trial for effect in self.effects), *nameless])
+        found = self.shop.fit(self.standing)
+        keys = [trial.key for trial in self.standing]
         return [
-            (effect.trial, coefficients, rival.trial)
-            for effect, coefficients in zip(self.effects, chosen.coefficients, strict=False)
+            (effect.trial, found.coefficients[keys.index(effect.trial.key)], rival.trial)
+            for effect in self.effects
             for rival in effect.rivals
             if rival.contender
         ]
@@ -231,6 +233,7 @@ def _conclude(
         verdict=decide(effects, unexplained),
         effects=effects,
         unexplained=unexplained,
+        standing=selection.trials,
         before=before,
         after=after,
         proof=proof,

@@ -97,13 +97,14 @@ def uncontradicted(
         other, _ = _found(found.shop.upright, validation, found.selection.refused, upright=True)
         found = min(found, other, key=lambda f: _squares(_test_ratios(f, test)))
     shop = found.shop
+    # Without validation recordings nobody has been asked whose clock a change goes by.
+    if not validation and _is_contradicted(found, test):
+        turned = _by_other_clocks(found)
+        if not _is_contradicted(turned, test):
+            found = turned
     if not _is_contradicted(found, test):
         found = _without_curves_that_raise(found, validation, test)
         return _without_what_raises(found, validation, test)
-    if not validation:  # whose clock has not been asked for either
-        turned = _by_other_clocks(found)
-        if not _is_contradicted(turned, test):
-            return turned
     if _curves(found.selection):
         found = _with_aside(found, validation, _curves(found.selection))
     found = _without_what_raises(found, validation, test)
@@ -226,17 +227,17 @@ def _found(
 ) -> tuple[Finding, frozenset[Key]]:
     """One search, without a tilt where that proves to be none; and the keys of names that fell."""
     turned, searched = search(shop, refused, upright=upright, instead_of=instead_of, barred=barred)
-    layout = turned.layout_for(searched.trials)
-    # As it is by itself: beside additions its signs turn otherwise.
-    before = fit_final(turned.declared, layout, shop.declared.model)
+    declared = shop.declared.model  # as it is by itself: beside additions its signs turn otherwise
+    before = fit_final(turned.declared, turned.layout_for(searched.trials), declared)
     kept, after, effects = named(turned, searched, validation, before)
     fallen = frozenset(t.key for t in _names(searched)) - {t.key for t in _names(kept)}
     if len(_names(kept)) < len(_names(searched)):
         turned, kept = _sharpened(turned, kept)
+        before = fit_final(turned.declared, turned.layout_for(kept.trials), declared)
         kept, after, effects = named(turned, with_stand_ins(turned, kept), validation, before)
     if turned.is_turned and all(t.name != GRAVITY for t in kept.trials):
         # The tables stand as the tilt has turned them, and all that was added stands on them.
-        return _found(shop, validation, kept.refused, upright=True)
+        return _found(shop, validation, kept.refused, upright=True, barred=barred)
     return Finding(turned, kept, before, after, effects), fallen
 
 
@@ -245,6 +246,7 @@ def _sharpened(shop: Workshop, kept: Selection) -> tuple[Workshop, Selection]:
     sharper = sharpened(shop, kept.trials)
     if sharper is None:
         return shop, kept
+    sharper.settle([a.trial for a in kept.accepted if a.stands_in])
     moved = [dataclasses.replace(a, trial=sharper.renewed(a.trial)) for a in kept.accepted]
     return sharper, Selection.of(sharper, moved, kept.refused)
 

@@ -20,7 +20,12 @@ from oed.diagnosis.baseline.noise_floor import (
     repetition_series,
 )
 from oed.diagnosis.baseline.rich_fit import model_columns, rich_fit
-from oed.diagnosis.baseline.sign_width import widths_of, with_fitted_sign
+from oed.diagnosis.baseline.sign_width import (
+    signs_of,
+    widths_of,
+    with_fitted_sign,
+    with_signs,
+)
 from oed.diagnosis.data.direction import certainty, trusted_samples
 from oed.diagnosis.data.encoder_steps import fine_encoder_torque
 from oed.diagnosis.data.prepared import Prepared
@@ -73,8 +78,9 @@ class Baseline:
         return dataclasses.replace(self, model=model, floor=floor, coulomb=_coulomb_of(fit))
 
     def standing_as(self, other: Baseline) -> Baseline:
-        """Another baseline's model with the noise of this one."""
-        return dataclasses.replace(self, model=other.model, columns=other.columns)
+        """Another baseline's model with the noise of this one, and signs that turn as here."""
+        model = with_signs(other.model, signs_of(self.model))
+        return dataclasses.replace(self, model=model, columns=other.columns)
 
     def certainty(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
         """Weights of the errors of recordings: below one where the direction is uncertain."""

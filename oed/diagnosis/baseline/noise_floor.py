@@ -201,7 +201,9 @@ def _quiet(
     power = [q / np.maximum(r, 1) for q, r in zip(squares, rows, strict=True)]
     filled = np.concatenate(rows) > block / 2
     every = np.where(filled, np.concatenate(power), np.nan)
-    usual = np.nanquantile(every, 0.25, axis=0) if filled.any(axis=0).all() else np.inf
+    heard = filled.any(axis=0)
+    usual = np.full(every.shape[1], np.inf)  # of a joint without a trusted block nothing is known
+    usual[heard] = np.nanquantile(every[:, heard], 0.25, axis=0)
     loud = [p > quiet**2 * usual for p in power]
     return [m & ~np.repeat(x, block, axis=0)[: len(m)] for m, x in zip(trusted, loud, strict=True)]
 

@@ -9,7 +9,7 @@ speed will offer to take them.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -92,16 +92,22 @@ def _coulomb_terms(model: TorqueModel) -> list[Coulomb]:
     return [effect for effect in model.effects if isinstance(effect, Coulomb)]
 
 
+def signs_of(model: TorqueModel) -> dict[int, Coulomb]:
+    """The Coulomb term of each joint that has one."""
+    return {effect.joint: effect for effect in _coulomb_terms(model)}
+
+
+def with_signs(model: TorqueModel, signs: Mapping[int, Coulomb]) -> TorqueModel:
+    """The model with these Coulomb terms in the place of those of the same joints."""
+    effects = (signs.get(e.joint, e) if isinstance(e, Coulomb) else e for e in model.effects)
+    return dataclasses.replace(model, effects=tuple(effects))
+
+
 def with_widths(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:
     """The model whose Coulomb terms turn over these velocities [rad/s], in their order."""
-    left = iter(widths)
-    effects = tuple(
-        dataclasses.replace(effect, width=next(left), gradual=False)
-        if isinstance(effect, Coulomb)
-        else effect
-        for effect in model.effects
-    )
-    return dataclasses.replace(model, effects=effects)
+    pairs = zip(_coulomb_terms(model), widths, strict=True)
+    turned = (dataclasses.replace(sign, width=width, gradual=False) for sign, width in pairs)
+    return with_signs(model, {sign.joint: sign for sign in turned})
 
 
 def _best_turn(

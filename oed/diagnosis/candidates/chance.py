@@ -132,7 +132,9 @@ def _family_wise(
 def _null(shop: Workshop, search: NullSearch, draw: Draw) -> Callable[[], Float[ndarray, " count"]]:
     """Surprises of a search, in as many residuals as are drawn at once."""
     noise, rows, count = undiminished(search.fit), search.fit.rows, shop.settings.surrogates
-    return lambda: search.largest_surprises(draw(noise, rows, count, shop.rng))
+    # Of its own, so that what was asked before, or by another process, does not change the answer.
+    rng = np.random.default_rng(shop.settings.seed)
+    return lambda: search.largest_surprises(draw(noise, rows, count, rng))
 
 
 def chance_of(

@@ -33,7 +33,6 @@ SECOND_MOMENTS = (4, 7, 9)  # places of Ixx, Iyy and Izz among a link's paramete
 SETTLED = 1e-3  # [rad] of a step, after which the direction is taken for found
 MOST_STEPS = 8
 LARGEST_STEP = 0.5  # [rad]
-SAME = 0.999  # ratio of squares of two rounds, after which the reference torque has settled
 LEVEL = 1.001  # ratio of squares up to which two directions fit alike
 HEAVIEST = 1000.0  # [kg] of a link, beyond every arm on the market
 HEAVIER = 5.0  # times what the whole arm is declared to weigh
@@ -133,7 +132,7 @@ def _at_best_tilt(shop: Workshop, others: Sequence[Trial], *, bare: bool = False
 
     A step that explains less is halved: moments that only the tilt shows multiply it.
     """
-    own, left = _beside(shop, others)
+    own, left = shop.settle(others, shop.mean)
     for _ in range(MOST_STEPS):
         trial = _gravity_trial(shop)
         coefficients = shop.fit([*own, trial], shop.mean, bend=False).coefficients[-1]
@@ -142,7 +141,7 @@ def _at_best_tilt(shop: Workshop, others: Sequence[Trial], *, bare: bool = False
         step = step * min(1.0, LARGEST_STEP / max(length, SETTLED))
         while np.linalg.norm(step) >= SETTLED:
             there = _rebuilt(shop, _under_tilt(shop.baseline.model, step), bare=bare)
-            renewed, less = _beside(there, own)
+            renewed, less = there.settle(own, there.mean)
             if less < left:
                 break
             step = step / 2
@@ -150,23 +149,6 @@ def _at_best_tilt(shop: Workshop, others: Sequence[Trial], *, bare: bool = False
             return shop
         shop, own, left = there, renewed, less
     return shop
-
-
-def _beside(shop: Workshop, others: Sequence[Trial]) -> tuple[list[Trial], float]:
-    """Additions on these tables, and the white squares that they leave.
-
-    They refer to the torque that is fitted beside them: what is fitted without a gain or an
-    elastic gear is no torque to multiply or to bend.
-    """
-    own, left = list(others), np.inf
-    for _ in range(MOST_STEPS):
-        own = [shop.renewed(trial) for trial in others]
-        found = shop.fit(own, shop.mean, bend=False)
-        if found.fit.squares > SAME * left:
-            break
-        left = found.fit.squares
-        shop.update_context(found)
-    return own, left
 
 
 def _smaller_of_mirrored(shop: Workshop) -> Workshop:

@@ -94,6 +94,11 @@ class Band:
         return t[self.reach : len(t) - self.reach : self.factor]
 
     @property
+    def cut(self) -> int:
+        """Samples of the fine grid that are cut at each end."""
+        return int(np.ceil(self.edge * self.rate))
+
+    @property
     def edge(self) -> float:
         """Time at each end in which the smoothing has not settled [s]."""
         return max(EDGE, *(1 / cutoff for cutoff in self.calming), 1 / self.smoothing)

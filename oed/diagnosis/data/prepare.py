@@ -25,6 +25,7 @@ from oed.experiment.signals.resampling import resample, uniform_grid
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
 SHORTEST_WAVE = 260.0  # [1/turn] of a torque ripple and its first overtone
+LEAST_ROWS = 20  # of a recording that is of use
 LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 
 
@@ -40,7 +41,7 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     Of a test recording only the times count, or it would have a say in what is found.
 
     Raises:
-        ValueError: If a recording is too short for its band.
+        ValueError: If a recording, or what pauses leave of it, is too short for its band.
     """
     rate = _fine_rate(recordings)
     raw = [_uniform(recording, rate) for recording in recordings]
@@ -134,17 +135,16 @@ def _prepare_one(
 ) -> Prepared:
     smooth, dq, ddq = band.differentiate(q)
     t, tau = t[:: band.logged], band.thin(tau)
-    cut = int(np.ceil(band.edge * band.rate))
-    if band.rows(len(t) - 2 * cut) < 20:
+    if band.rows(len(t) - 2 * band.cut) < LEAST_ROWS:
         raise ValueError(
             f"{recording.source or recording.name}: {recording.duration:g} s are too short for a "
             f"band of {band.cutoff:.3g} Hz; leave it out of the data set, or record longer"
         )
-    inner = slice(cut, len(t) - cut)
+    inner = slice(band.cut, len(t) - band.cut)
     rounding = rounding_deviation(encoder_steps([recording]))
     shift = 0.0 if start is None else start - float(recording.t[0])
     rows_t = band.instants(t[inner])
-    return Prepared(
+    prepared = Prepared(
         name=recording.name,
         role=recording.role,
         motion=Motion(
@@ -163,6 +163,12 @@ def _prepare_one(
         recorded=_recorded(recording, t[inner], band.logged_rate, band.edge),
         laid=start is not None,
     )
+    if prepared.valid.sum() < LEAST_ROWS:
+        raise ValueError(
+            f"{recording.source or recording.name}: between its pauses no stretch is long enough for a "
+            f"band of {band.cutoff:.3g} Hz; leave it out of the data set, or record without pauses"
+        )
+    return prepared
 
 
 def _recorded(

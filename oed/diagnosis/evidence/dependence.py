@@ -39,7 +39,7 @@ class Dependence:
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Power density of the residuals before and after, and of the noise [N^2 m^2/Hz].
+    """Power density of the residuals before and after [N^2 m^2/Hz].
 
     Attributes:
         frequency: (F,) [Hz].

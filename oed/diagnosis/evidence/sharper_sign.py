@@ -31,9 +31,10 @@ def told_by_a_sign(shop: Workshop, whole: Augmented) -> Trial | None:
         alone = with_own_sign(shop, trial.joint, others)
         if alone is None:
             continue
-        lead = lead_of((shop, whole.chosen), (alone, others))
-        freedom = len(trial.effect.parameters) + trial.shapes
-        price = shop.settings.decisive + freedom * np.log(shop.layout_for(whole.chosen).rows.count)
+        lead = lead_of((shop.on(shop.baseline), whole.chosen), (alone, others))
+        price = shop.settings.decisive + trial.freedom * np.log(
+            shop.layout_for(whole.chosen).rows.count
+        )
         if float(np.sum(lead)) < price:
             return trial
     return None

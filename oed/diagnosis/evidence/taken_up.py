@@ -50,7 +50,9 @@ def with_moments_of(
     moments = {}
     for own in pickups:
         recording = recordings[own.first]
-        lead = recording.band.edge  # since the log's first sample, not since the first in use
+        lead = (
+            recording.band.cut / recording.band.rate
+        )  # since the log's first sample, not since the first in use
         since_start = lead - own.first
         moments[recording.name] = Estimated("moment", own.moment + since_start, own.deviation, "s")
         if np.isfinite(own.release):

@@ -210,7 +210,7 @@ def outdone_by_tilt(
 
 def _is_plainer(one: Trial, other: Trial) -> bool:
     """Whether one has fewer parameters, shapes counted."""
-    return len(one.effect.parameters) + one.shapes < len(other.effect.parameters) + other.shapes
+    return one.freedom < other.freedom
 
 
 def describe_unexplained(shop: Workshop, selection: Selection) -> tuple[Unexplained, ...]:

@@ -67,5 +67,4 @@ def _one_run(pattern: Prepared) -> float:
 
     Noise is read off repetitions of several recordings only if their periods are equal.
     """
-    cut = int(np.ceil(pattern.band.edge * pattern.band.rate))
-    return (len(pattern.motion) + 2 * cut) / pattern.band.rate
+    return (len(pattern.motion) + 2 * pattern.band.cut) / pattern.band.rate

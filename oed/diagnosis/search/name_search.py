@@ -194,7 +194,8 @@ class NameSearch:
         others = [a.trial for a in self.accepted]
         for beside, trial in quieter_beside(self.shop, self._pool(), others):
             accepted = [at_home(beside, a) for a in self.accepted]
-            own = [beside.renewed(trial), *(t for t in beside.physical if t.key == trial.key)]
+            same = (t for t in beside.candidates(trial.name) if t.key == trial.key)
+            own = [beside.renewed(trial), *same]
             for pick in next_names(beside, accepted, self.refused, own):
                 self.shop, self.accepted = beside, accepted
                 return pick

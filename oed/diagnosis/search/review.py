@@ -81,8 +81,7 @@ def review_names(
 
 def _price(shop: Workshop, trial: Trial) -> float:
     """What an addition must gain for its parameters (Schwarz)."""
-    columns = 0 if trial.fixed else len(trial.effect.parameters)
-    return (columns + trial.shapes) * float(np.log(shop.full.rows.count))
+    return trial.freedom * float(np.log(shop.full.rows.count))
 
 
 def _in_its_place(shop: Workshop, others: list[Trial], standing: list[Trial]) -> Iterator[Trial]:

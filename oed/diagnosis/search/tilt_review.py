@@ -31,7 +31,8 @@ def far_tilt(shop: Workshop) -> Workshop | None:
 
 def stood_upright(shop: Workshop, others: Sequence[Trial]) -> tuple[Workshop, list[Trial]]:
     """Turned tables under the gravity that was declared, with the same noise, and additions there."""
-    return shop.upright, [shop.upright.renewed(t) for t in others]
+    own, _ = shop.upright.settle(others)
+    return shop.upright, own
 
 
 def validation_gain_of_tilt(shop: Workshop, others: Sequence[Trial]) -> float | None:

@@ -50,7 +50,7 @@ def two_at_once(
     if not pairs:
         return []
     gains = np.array([gain_together(shop, others, pair, joint) for pair in pairs])
-    best = int(np.argmax(gains - [np.log(rows) * _price(pair) for pair in pairs]))
+    best = int(np.argmax(gains - [np.log(rows) * sum(t.freedom for t in pair) for pair in pairs]))
     if not _leaves_nothing(shop, others, joint, pairs[best]):
         return []
     pair = _decided(shop, others, pairs[best])
@@ -65,11 +65,6 @@ def _is_of(trial: Trial, joint: int, shop: Workshop) -> bool:
     if trial.between_repetitions and shop.full is not shop.mean:
         return False
     return trial.target is None if trial.fixed else trial.joint == joint
-
-
-def _price(pair: Sequence[Trial]) -> int:
-    """Parameters of two effects."""
-    return sum((0 if t.fixed else len(t.effect.parameters)) + t.shapes for t in pair)
 
 
 def _with_partner(

@@ -21,7 +21,9 @@ from oed.diagnosis.baseline.sign_width import (
     LARGEST_WIDTH,
     MODEST_WIDTH,
     SMALLEST_WIDTH,
+    signs_of,
     usual_speed,
+    with_signs,
 )
 from oed.diagnosis.fit.linear_fit import whitened_regressor
 from oed.diagnosis.tables.workbench import Layout, fit_with
@@ -56,8 +58,7 @@ def with_signs_fitted_together(
     """
     beside = (_sign_beside(baseline.model, trial) for trial in chosen)
     kept = {sign.joint: sign for sign in beside if sign is not None}
-    effects = tuple(kept.get(e.joint, e) if isinstance(e, Coulomb) else e for e in fitted.effects)
-    baseline = dataclasses.replace(baseline, model=dataclasses.replace(fitted, effects=effects))
+    baseline = dataclasses.replace(baseline, model=with_signs(fitted, kept))
     for trial in chosen:
         sign = _sign_beside(baseline.model, trial)
         if sign is not None:
@@ -75,8 +76,7 @@ def _sign_beside(model: TorqueModel, trial: Trial) -> Coulomb | None:
     """The sign that trades places with an addition; None if none does."""
     if not is_law_of_speed(trial):
         return None
-    signs = [e for e in model.effects if isinstance(e, Coulomb) and e.joint == trial.joint]
-    return signs[0] if signs and trial.shapes else None
+    return signs_of(model).get(trial.joint) if trial.joint is not None and trial.shapes else None
 
 
 @dataclass
@@ -150,9 +150,7 @@ class _Together:
         return left
 
     def _model(self, sign: Coulomb) -> TorqueModel:
-        model = self.baseline.model
-        effects = tuple(sign if effect is self.sign else effect for effect in model.effects)
-        return dataclasses.replace(model, effects=effects)
+        return with_signs(self.baseline.model, {sign.joint: sign})
 
     def _layout(self, sign: Coulomb) -> Layout:
         """The layout with the sign's column as it is with this sign."""

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.baseline.sign_width import turn_alike, with_fitted_sign, with_widths
+from oed.diagnosis.baseline.sign_width import (
+    signs_of,
+    turn_alike,
+    with_fitted_sign,
+    with_signs,
+    with_widths,
+)
 from oed.diagnosis.tables.joint_sign import is_law_of_speed, with_signs_fitted_together
 from oed.diagnosis.tables.predict import fine_torque
 from oed.diagnosis.tables.workbench import Augmented, added_columns, lags_of
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
-from oed.dynamics.effects import Coulomb
 from oed.dynamics.torque_model import TorqueModel
 
 
@@ -67,7 +72,8 @@ def _foretelling(shop: Workshop, model: TorqueModel, chosen: Sequence[Trial]) ->
     lead = lead_of(*((_standing_on(shop, m), chosen) for m in (model, sharp)))
     laws = {t.joint for t in chosen if is_law_of_speed(t)}  # fitted together with their signs
     kept = set(np.flatnonzero(lead >= 0).tolist()) | laws
-    return _with_signs_of(model, sharp, set(range(len(lead))) - kept)
+    signs = signs_of(sharp).items()
+    return with_signs(model, {joint: sign for joint, sign in signs if joint not in kept})
 
 
 def lead_of(
@@ -94,15 +100,9 @@ def with_own_sign(shop: Workshop, joint: int | None, chosen: Sequence[Trial]) ->
     None where it turns alike.
     """
     model = _foretelling(shop, _signs_beside(shop, shop.fit(chosen)), chosen)
-    turned = _with_signs_of(shop.baseline.model, model, {joint})
+    own = {j: sign for j, sign in signs_of(model).items() if j == joint}
+    turned = with_signs(shop.baseline.model, own)
     return None if turn_alike(turned, shop.baseline.model) else _standing_on(shop, turned)
-
-
-def _with_signs_of(model: TorqueModel, other: TorqueModel, joints: Set[int | None]) -> TorqueModel:
-    """A model with some joints' signs as another has them."""
-    pairs = zip(model.effects, other.effects, strict=True)
-    effects = (b if isinstance(b, Coulomb) and b.joint in joints else a for a, b in pairs)
-    return dataclasses.replace(model, effects=tuple(effects))
 
 
 def _standing_on(shop: Workshop, model: TorqueModel) -> Workshop:
@@ -112,7 +112,8 @@ def _standing_on(shop: Workshop, model: TorqueModel) -> Workshop:
 
 def _squares(shop: Workshop, chosen: Sequence[Trial]) -> Float[ndarray, "2 joints"]:
     """White squares that a model leaves of the recordings, fitted and foretold."""
-    found = shop.fit([shop.renewed(t) for t in chosen], bend=False)
+    own, _ = shop.settle(chosen)
+    found = shop.fit(own, bend=False)
     fitted = np.sum(found.fit.residual**2, axis=1)
     return np.stack([fitted, shop.unseen_by(chosen).left(found)])
 

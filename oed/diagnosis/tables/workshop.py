@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -31,15 +31,17 @@ from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives, Shape
 from oed.dynamics.effects.payload import PickUp
 
 NOTHING_KNOWN = Drives()
+SAME = 0.999  # ratio of squares of two rounds, after which the reference torque has settled
+MOST_STEPS = 8
 RECENT_FITS = 16  # kept: what is asked of one addition is asked beside the same others
 
 
 class Workshop:
     """The tables of one diagnosis: layouts, pools of trials and the held-out recordings.
 
-    What it makes, it never changes. Three things of its own do change: `context`, which
-    `update_context` takes from better fits, `pickups`, the moments of a load in recordings that
-    have one of their own, and `rng`, from which surrogates are drawn.
+    What it makes, it never changes. Two things of its own do change: `context`, which
+    `update_context` takes from better fits, and `pickups`, the moments of a load in recordings
+    that have one of their own.
     """
 
     def __init__(
@@ -63,7 +65,6 @@ class Workshop:
         self.estimation, self.validation = estimation, validation
         self.pickups = pickups
         self.later = later or validation  # of which nothing but the clock is known to a search
-        self.rng = np.random.default_rng(settings.seed)
         self._fits: Recent[Augmented] = Recent(RECENT_FITS)
         self.before = self._fitted((), self.mean, bend=False)
         self.context = self.context_with(self.before)
@@ -104,7 +105,8 @@ class Workshop:
 
     def renewed(self, trial: Trial) -> Trial:
         """A trial on the rows of these tables, with what is known by now."""
-        return moved(trial, self.layout(trial).rows, self.context, contrast=trial.contrast)
+        own = moved(trial, self.layout(trial).rows, self.context, contrast=trial.contrast)
+        return dataclasses.replace(own, decided=trial.decided)
 
     def fit(
         self, chosen: Sequence[Trial], layout: Layout | None = None, *, bend: bool = True
@@ -126,7 +128,7 @@ class Workshop:
         own = [
             t
             if next(iter(t.group.values())).shape[0] == layout.rows.count and not t.contrast
-            else moved(t, layout.rows, self.context)
+            else dataclasses.replace(moved(t, layout.rows, self.context), decided=t.decided)
             for t in chosen
         ]
         return fit_with(self.baseline, layout, own, context)
@@ -134,6 +136,24 @@ class Workshop:
     def update_context(self, found: Augmented) -> None:
         """Take the reference torque of load-dependent effects from a better fit."""
         self.context = self.context_with(found)
+
+    def settle(
+        self, chosen: Sequence[Trial], layout: Layout | None = None
+    ) -> tuple[list[Trial], float]:
+        """Additions on these tables, with what is known beside them, and the squares that they leave.
+
+        They refer to the torque that is fitted beside them: what is fitted without a gain or an
+        elastic gear is no torque to multiply or to bend.
+        """
+        own, left = list(chosen), np.inf
+        for _ in range(MOST_STEPS):
+            own = [self.renewed(trial) for trial in chosen]
+            found = self.fit(own, layout, bend=False)
+            if found.fit.squares > SAME * left:
+                break
+            left = found.fit.squares
+            self.update_context(found)
+        return own, left
 
     def context_with(self, found: Augmented) -> Context:
         """What the catalogue may know beside a fit."""
@@ -159,12 +179,13 @@ class Workshop:
         """
         if not self.validation:
             return None
+        share = self.unseen.share_without_noise(found)
         if not as_it_is:
-            lasting = found.fit.rows is self.full.rows
+            lasting = found.fit.rows is not self.mean.rows
             found, _ = (self.unseen_full if lasting else self.unseen).given_way(found)
         errors = prediction_errors(found, self.validation, self.unseen_full.columns)
         valid = [e[p.valid] for e, p in zip(errors, self.validation, strict=True)]
-        return rms(valid, self._validation_weights) * self.unseen.share_without_noise(found)
+        return rms(valid, self._validation_weights) * share
 
     def unseen_error(self, chosen: Sequence[Trial]) -> float:
         """Mean squared validation error over the joints, in squares of their noise floors.
@@ -205,26 +226,25 @@ class Workshop:
     @cached_property
     def physical(self) -> tuple[Trial, ...]:
         """Every candidate of the catalogue, everywhere, over the grid of its shapes."""
-        trials: list[Trial] = []
-        for entry in CATALOGUE.values():
-            if entry.name not in self.settings.candidates:
-                continue
-            contrast = entry.between_repetitions and self.full is not self.mean
-            layout = self.full if entry.between_repetitions else self.mean
-            for target in entry.targets(self.context):
-                shapes = entry.shapes_for(self.context, target)
-                trials += [
-                    catalogue_trial(
-                        entry,
-                        self.context,
-                        target,
-                        values,
-                        layout.rows,
-                        contrast=contrast and not _between_recordings(values, shapes),
-                    )
-                    for values in (*grid_of(shapes), *entry.further(self.context))
-                ]
-        return tuple(trials)
+        names = (name for name in CATALOGUE if name in self.settings.candidates)
+        return tuple(trial for name in names for trial in self.candidates(name))
+
+    def candidates(self, name: str) -> Iterator[Trial]:
+        """The same of one name."""
+        entry = CATALOGUE[name]
+        contrast = entry.between_repetitions and self.full is not self.mean
+        layout = self.full if entry.between_repetitions else self.mean
+        for target in entry.targets(self.context):
+            shapes = entry.shapes_for(self.context, target)
+            for values in (*grid_of(shapes), *entry.further(self.context)):
+                yield catalogue_trial(
+                    entry,
+                    self.context,
+                    target,
+                    values,
+                    layout.rows,
+                    contrast=contrast and not _between_recordings(values, shapes),
+                )
 
     def in_place_of(self, trial: Trial) -> list[Trial]:
         """Candidates that act on a joint on which an addition acts."""

@@ -84,7 +84,7 @@ def climb(
     if not found.trial.shapes:
         return found
     shapes = CATALOGUE[found.trial.name].shapes_for(context, found.trial.target)
-    best, most = found, worth(found)
+    best, most, fault = found, worth(found), implausible(found, context)
     whole = np.array([s.place_of(v) for v, s in zip(found.trial.values, shapes, strict=True)])
     # A choice between whole numbers that has but one trial value is not for these data to make.
     free = np.array(
@@ -98,17 +98,18 @@ def climb(
     if not free.any():
         return found
     # From a plausible start on, what is not plausible explains nothing.
-    guarded = implausible(found, context) is None
+    guarded = fault is None
 
     def loss(x: Float[ndarray, " shapes"]) -> float:
-        nonlocal best, most
+        nonlocal best, most, fault
         whole[free] = x
         tried = score_at(whole, found.trial, fit, context)
         value = worth(tried)
-        if is_better(tried, best, context, more=value > most):
-            best, most = tried, value
-        outside = guarded and implausible(tried, context) is not None
-        return np.inf if outside else -value
+        wrong = implausible(tried, context)
+        # A plausible shape before one that explains more.
+        if (wrong is None, value) > (fault is None, most):
+            best, most, fault = tried, value, wrong
+        return np.inf if guarded and wrong is not None else -value
 
     start = whole[free]
     steps = np.array([0.6 / max(s.points - 1, 1) for s in shapes])[free]

@@ -123,15 +123,15 @@ def scan(trials: Sequence[Trial], fit: LinearFit, context: Context) -> list[Scor
 
 def best_shapes(scores: Sequence[Score], fit: LinearFit, context: Context) -> list[Score]:
     """The same of trials that have their scores."""
-    best: dict[tuple[str, object], Score] = {}
+    by_key: dict[tuple[str, object], list[Score]] = {}
     for found in scores:
-        key = found.trial.key
-        if key not in best or is_better(
-            found, best[key], context, more=found.gain > best[key].gain
-        ):
-            best[key] = found
+        by_key.setdefault(found.trial.key, []).append(found)
+    best = []
+    for own in by_key.values():
+        own.sort(key=lambda s: -s.gain)
+        best.append(next((s for s in own if implausible(s, context) is None), own[0]))
     inflation = inflation_of(fit)
-    return sorted(best.values(), key=lambda s: -s.surprise(inflation))
+    return sorted(best, key=lambda s: -s.surprise(inflation))
 
 
 def implausible(found: Score, context: Context) -> str | None:

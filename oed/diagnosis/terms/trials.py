@@ -59,6 +59,11 @@ class Trial:
         return (self.name, self.target)
 
     @property
+    def freedom(self) -> int:
+        """Parameters that are estimated: columns unless their size is fixed, and shapes."""
+        return (0 if self.fixed else len(self.effect.parameters)) + self.shapes
+
+    @property
     def joint(self) -> int | None:
         """The joint that a reader would name; None for the whole arm."""
         if isinstance(self.target, tuple):
