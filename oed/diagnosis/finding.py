@@ -23,7 +23,6 @@ from oed.diagnosis.search.name_search import FEW
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import search, with_stand_ins
 from oed.diagnosis.tables.predict import rms
-from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -96,7 +95,6 @@ def uncontradicted(
     if found.shop.is_turned and (raises or _is_contradicted(found, test)):
         other, _ = _found(found.shop.upright, validation, found.selection.refused, upright=True)
         found = min(found, other, key=lambda f: _squares(_test_ratios(f, test)))
-    shop = found.shop
     # Without validation recordings nobody has been asked whose clock a change goes by.
     if not validation and _is_contradicted(found, test):
         turned = _by_other_clocks(found)
@@ -112,7 +110,7 @@ def uncontradicted(
         return found
     selection = found.selection
     for trial in _names(selection):
-        selection = selection.without(shop, trial, "it does not lower the test error")
+        selection = selection.without(found.shop, trial, "it does not lower the test error")
     return dataclasses.replace(found, selection=selection, after=found.before, effects=())
 
 
@@ -136,8 +134,8 @@ def _with_aside(
 
 
 def _renamed(found: Finding, selection: Selection, validation: tuple[Prepared, ...]) -> Finding:
-    selection, after, effects = named(found.shop, selection, validation, found.before)
-    return dataclasses.replace(found, selection=selection, after=after, effects=effects)
+    shop, selection, after, effects = named(found.shop, selection, validation, found.before)
+    return dataclasses.replace(found, shop=shop, selection=selection, after=after, effects=effects)
 
 
 def _without_what_raises(
@@ -229,26 +227,17 @@ def _found(
     turned, searched = search(shop, refused, upright=upright, instead_of=instead_of, barred=barred)
     declared = shop.declared.model  # as it is by itself: beside additions its signs turn otherwise
     before = fit_final(turned.declared, turned.layout_for(searched.trials), declared)
-    kept, after, effects = named(turned, searched, validation, before)
+    turned, kept, after, effects = named(turned, searched, validation, before)
     fallen = frozenset(t.key for t in _names(searched)) - {t.key for t in _names(kept)}
     if len(_names(kept)) < len(_names(searched)):
-        turned, kept = _sharpened(turned, kept)
+        turned, kept = kept.sharpened(turned)
         before = fit_final(turned.declared, turned.layout_for(kept.trials), declared)
-        kept, after, effects = named(turned, with_stand_ins(turned, kept), validation, before)
+        whole = with_stand_ins(turned, kept)
+        turned, kept, after, effects = named(turned, whole, validation, before)
     if turned.is_turned and all(t.name != GRAVITY for t in kept.trials):
         # The tables stand as the tilt has turned them, and all that was added stands on them.
         return _found(shop, validation, kept.refused, upright=True, barred=barred)
     return Finding(turned, kept, before, after, effects), fallen
-
-
-def _sharpened(shop: Workshop, kept: Selection) -> tuple[Workshop, Selection]:
-    """Tables with the signs that stand beside what is left, and that on them."""
-    sharper = sharpened(shop, kept.trials)
-    if sharper is None:
-        return shop, kept
-    sharper.settle([a.trial for a in kept.accepted if a.stands_in])
-    moved = [dataclasses.replace(a, trial=sharper.renewed(a.trial)) for a in kept.accepted]
-    return sharper, Selection.of(sharper, moved, kept.refused)
 
 
 def _is_worse(one: Finding, other: Finding, validation: tuple[Prepared, ...]) -> bool:

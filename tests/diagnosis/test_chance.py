@@ -22,6 +22,11 @@ def wavy_and_coupled(q, dq, ddq):
     )
 
 
+def faint(q, dq, ddq):
+    """A constant torque on the second joint that a search may take for chance."""
+    return np.broadcast_to([0.0, 0.002], q.shape)
+
+
 def beside_nothing(shop, trial) -> LinearFit:
     return shop.fit([], shop.layout(trial)).fit
 
@@ -81,3 +86,16 @@ def test_an_addition_explains_unseen_recordings_by_their_own_motion(monkeypatch)
     without, with_it = left
     assert without > 3
     assert with_it == 1  # at the floor or below: it counts as no lack
+
+
+def test_a_chance_is_the_same_whatever_was_asked_before():
+    """Names are described on several processes, each of which is asked for some."""
+    shop = shop_of(data_set(5, extra=faint), surrogates=39, refined=4)
+    first, second = (
+        score(trial, beside_nothing(shop, trial))
+        for trial in (trial_of(shop, "torque_offset", joint) for joint in range(2))
+    )
+    alone = p_value_of(shop, second, [], shop.physical)
+    assert 1e-6 < alone < 0.5  # where another draw would be seen
+    p_value_of(shop, first, [], shop.physical)
+    assert p_value_of(shop, second, [], shop.physical) == alone

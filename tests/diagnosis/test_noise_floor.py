@@ -246,3 +246,14 @@ def test_a_blow_that_the_arm_takes_is_no_noise():
     usual, after_blow = (floor.deviation for floor in floors)
     # Without the seconds that were struck a sixtieth of the rows is left out.
     assert after_blow == pytest.approx(usual, rel=0.02)
+
+
+def test_a_blow_at_one_joint_is_no_noise_of_it_though_another_joint_is_hardly_trusted():
+    rng = np.random.default_rng(0)
+    noise = rng.normal(size=(4000, 2))
+    noise[2000:2400, 0] *= 30
+    trusted = np.ones(noise.shape, dtype=bool)
+    trusted[:, 1] = np.arange(len(noise)) % 3 == 0  # of every half second too little
+    floor = floor_from_free_form([noise], [trusted], np.ones(2), np.ones(2), RATE)
+    # 3600 rows tell a deviation within 1.2 %, whole noisy blocks less a little more.
+    np.testing.assert_allclose(floor.deviation, 1.0, rtol=0.05)

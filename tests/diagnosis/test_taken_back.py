@@ -34,7 +34,7 @@ def test_a_curve_that_raises_its_joints_error_stands_aside_and_the_name_beside_i
     accepted = [Accepted(t, 1e3) for t in (name, curve)]
     selection = Selection.of(shop, accepted, [])
     before = fit_final(shop.baseline, shop.mean, shop.baseline.model)
-    selection, after, effects = named(shop, selection, shop.validation, before)
+    shop, selection, after, effects = named(shop, selection, shop.validation, before)
     assert after.model is not before.model
     found = Finding(shop, selection, before, after, effects)
     recordings = data_set(3, extra=tested).recordings
@@ -61,7 +61,7 @@ def test_a_name_that_raises_a_joints_error_goes_alone(tested, kept):
     names = [trial_of(shop, "joint_spring", 0), trial_of(shop, "stribeck", 1, (0.1, 2.0, 1.0))]
     selection = Selection.of(shop, [Accepted(t, 1e3) for t in names], [])
     before = fit_final(shop.baseline, shop.mean, shop.baseline.model)
-    selection, after, effects = named(shop, selection, shop.validation, before)
+    shop, selection, after, effects = named(shop, selection, shop.validation, before)
     found = Finding(shop, selection, before, after, effects)
     recordings = data_set(3, extra=tested).recordings
     test = tuple(p for p in prepare(recordings, shop.settings) if p.role == "test")

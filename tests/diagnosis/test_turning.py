@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis import finding
+from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates import turning
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.telling import foretells_most
@@ -195,3 +196,14 @@ def test_a_tilt_that_test_recordings_contradict_is_taken_back():
     # What it would have been with the tilt is said, too.
     assert found.unchecked is not None
     assert found.unchecked.max() > 2 * test.after.max()
+
+
+def test_turned_and_level_tables_have_friction_that_turns_alike():
+    """Else what a sign does would count for or against the tilt."""
+    shop, _ = turning.turned_beside(shop_of(data_set(11, extra=weight_of(np.deg2rad(40.0)))), [])
+    assert shop.is_turned
+    slow = with_widths(shop.baseline.model, [0.2, 0.1])
+    later = shop.on(dataclasses.replace(shop.baseline, model=slow))
+    assert later.is_turned
+    assert widths_of(later.upright.baseline.model) == [0.2, 0.1]
+    assert not later.upright.is_turned

@@ -28,6 +28,7 @@ from oed.diagnosis.evidence.verdict import (
     riddles,
 )
 from oed.diagnosis.search.selected import Selection
+from oed.diagnosis.tables.joint_sign import is_law_of_speed
 from oed.diagnosis.tables.workbench import Augmented, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -39,8 +40,8 @@ def named(
     selection: Selection,
     validation: tuple[Prepared, ...],
     before: FinalModel,
-) -> tuple[Selection, FinalModel, tuple[FoundEffect, ...]]:
-    """What is sure, under the plainest of the names that the data prefer.
+) -> tuple[Workshop, Selection, FinalModel, tuple[FoundEffect, ...]]:
+    """What is sure, under the plainest of the names that the data prefer, and the tables it stands on.
 
     Args:
         shop: The laid-out data.
@@ -50,7 +51,7 @@ def named(
     """
     barred: set[tuple[str, object]] = set()
     while True:
-        selection, after, found = _sure(shop, selection, validation, before)
+        shop, selection, after, found = _sure(shop, selection, validation, before)
         effects = describe_effects(shop, selection, found)
         ended = {e.trial.key for e in effects if is_at_its_end(shop, e)}
         exchange = preferred_rival(effects, shop.settings.decisive, barred, ended)
@@ -62,9 +63,9 @@ def named(
         if riddles(effects, describe_unexplained(shop, selection)):
             mistaken = outdone(effects, shop.settings.decisive)
         if mistaken is None:
-            return selection, after, with_own_parts(effects)
+            return shop, selection, after, with_own_parts(effects)
         reason = "another name would foretell more beside what has none"
-        selection = selection.without(shop, mistaken, reason)
+        shop, selection = _without(shop, selection, mistaken, reason)
 
 
 def _sure(
@@ -72,7 +73,7 @@ def _sure(
     selection: Selection,
     validation: tuple[Prepared, ...],
     before: FinalModel,
-) -> tuple[Selection, FinalModel, Augmented]:
+) -> tuple[Workshop, Selection, FinalModel, Augmented]:
     """What holds in its exact form and beyond its own uncertainty, installed and as it was fitted."""
     while True:
         selection, after = never_worse(shop, selection, validation, before)
@@ -84,11 +85,22 @@ def _sure(
         found = with_uncertainty(shop, selection.found)
         doubt = _doubt(shop, selection, found)
         if doubt is None:
-            return selection, after, found
+            return shop, selection, after, found
         if doubt.instead is None:
-            selection = selection.without(shop, doubt.trial, doubt.reason)
+            shop, selection = _without(shop, selection, doubt.trial, doubt.reason)
         else:
             selection = selection.exchanged(shop, doubt.trial, doubt.instead)
+
+
+def _without(
+    shop: Workshop, selection: Selection, trial: Trial, reason: str
+) -> tuple[Workshop, Selection]:
+    """A selection without a name, and signs with it that had turned to suit a law of speed.
+
+    They would now be wrong by its whole size, and all other names be held to account for that.
+    """
+    left = selection.without(shop, trial, reason)
+    return left.sharpened(shop) if is_law_of_speed(trial) else (shop, left)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from oed.diagnosis.candidates.accepted import Accepted, Refused, refusal
+from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
@@ -38,6 +39,15 @@ class Selection:
     def trials(self) -> tuple[Trial, ...]:
         """The additions that are part of the model."""
         return tuple(a.trial for a in self.accepted if a.stands_in)
+
+    def sharpened(self, shop: Workshop) -> tuple[Workshop, Selection]:
+        """Tables with the signs that stand beside these additions, and the same on them."""
+        sharper = sharpened(shop, self.trials)
+        if sharper is None:
+            return shop, self
+        sharper.settle(self.trials)
+        moved = [dataclasses.replace(a, trial=sharper.renewed(a.trial)) for a in self.accepted]
+        return sharper, Selection.of(sharper, moved, self.refused)
 
     def without(self, shop: Workshop, trial: Trial, reason: str) -> Selection:
         """The same with one addition turned down after all."""

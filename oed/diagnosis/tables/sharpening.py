@@ -21,6 +21,8 @@ from oed.diagnosis.tables.joint_sign import is_law_of_speed, with_signs_fitted_t
 from oed.diagnosis.tables.predict import fine_torque
 from oed.diagnosis.tables.workbench import Augmented, added_columns, lags_of
 from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis.terms.climbing import climb
+from oed.diagnosis.terms.scores import scan
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.torque_model import TorqueModel
 
@@ -69,11 +71,23 @@ def _foretelling(shop: Workshop, model: TorqueModel, chosen: Sequence[Trial]) ->
     sharp = _sharpest(shop.baseline, model)
     if not shop.validation or turn_alike(sharp, model):
         return model
-    lead = lead_of(*((_standing_on(shop, m), chosen) for m in (model, sharp)))
-    laws = {t.joint for t in chosen if is_law_of_speed(t)}  # fitted together with their signs
-    kept = set(np.flatnonzero(lead >= 0).tolist()) | laws
+    tables = [_standing_on(shop, m) for m in (model, sharp)]
+    lead = lead_of(*((own, _with_laws_refined(own, chosen)) for own in tables))
+    kept = np.flatnonzero(lead >= 0).tolist()
     signs = signs_of(sharp).items()
     return with_signs(model, {joint: sign for joint, sign in signs if joint not in kept})
+
+
+def _with_laws_refined(shop: Workshop, chosen: Sequence[Trial]) -> list[Trial]:
+    """Additions on these tables, laws of low speed at the shapes that they want beside the signs here."""
+    own, _ = shop.settle(chosen)
+    for k, trial in enumerate(own):
+        if is_law_of_speed(trial) and trial.shapes:
+            fit = shop.fit([t for t in own if t is not trial], shop.layout(trial)).fit
+            grid = (t for t in shop.candidates(trial.name) if t.key == trial.key)
+            (start,) = scan([trial, *grid], fit, shop.context)
+            own[k] = climb(start, fit, shop.context).trial
+    return own
 
 
 def lead_of(
