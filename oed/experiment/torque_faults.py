@@ -27,6 +27,7 @@ AT_LIMIT = 0.01  # of the range of torque, within which of its ends a held value
 # by which these may differ: a blow lasts, and a joint that turns ends at another torque.
 LEAP = 0.3
 AGREE = 0.1
+RESTS = 0.02  # of a joint's usual speed, below which it may stand
 USUAL = 0.99  # of the rows, whose torque is its range
 FEW = 0.002  # of the rows; what leaps more often is how that torque is
 
@@ -62,7 +63,7 @@ def torque_fault_notes(
             "which pass for a load or an offset"
         )
     for j in range(tau.shape[1]):
-        leaps = np.flatnonzero(_leaps(tau[:, j]))
+        leaps = np.flatnonzero(_leaps(q[:, j], tau[:, j]))
         if len(leaps):
             row = int(leaps[np.argmax(np.abs(tau[leaps, j]))])
             before, value, after = tau[row - 1 : row + 2, j]
@@ -92,12 +93,17 @@ def _held(
             yield int(start), int(end)
 
 
-def _leaps(tau: Float[ndarray, " samples"]) -> Bool[ndarray, " samples"]:
-    """Single rows far away from both neighbours, which agree."""
+def _leaps(
+    q: Float[ndarray, " samples"], tau: Float[ndarray, " samples"]
+) -> Bool[ndarray, " samples"]:
+    """Single rows far away from both neighbours, which agree, while the joint moves."""
     low, high = np.quantile(tau, [1 - USUAL, USUAL])
     before, after = tau[1:-1] - tau[:-2], tau[1:-1] - tau[2:]
     away = np.minimum(np.abs(before), np.abs(after))
     leaps = (away > LEAP * (high - low)) & (np.abs(before - after) < AGREE * away)
+    # Between two moves a joint may rest for no more than one row, without its friction.
+    travel = np.abs(q[2:] - q[:-2])
+    leaps &= travel > RESTS * np.sqrt(np.mean(travel**2))
     result = np.zeros(len(tau), dtype=bool)
     result[1:-1] = leaps & (np.mean(leaps) <= FEW)
     return result

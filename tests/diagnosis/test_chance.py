@@ -24,7 +24,7 @@ def wavy_and_coupled(q, dq, ddq):
 
 def faint(q, dq, ddq):
     """A constant torque on the second joint that a search may take for chance."""
-    return np.broadcast_to([0.0, 0.002], q.shape)
+    return np.broadcast_to([0.0, 0.003], q.shape)
 
 
 def beside_nothing(shop, trial) -> LinearFit:

@@ -56,6 +56,18 @@ def test_one_wild_value_is_named_with_its_row():
     assert "remove it" in note
 
 
+def test_a_joint_that_rests_for_a_row_between_two_moves_has_no_friction_there():
+    """As in a log of ten rows a second of moves from rest to rest."""
+    t = np.arange(1000) / 10.0
+    move = np.pi * t / 50.0
+    q = move - np.sin(2 * move) / 2  # at rest in the middle
+    tau = 5.0 + 0.05 * np.random.default_rng(1).normal(size=len(t))
+    tau[500] = 0.0
+    assert _notes(t, q[:, None], tau[:, None]) == []
+    moving = _notes(t, t[:, None], tau[:, None])
+    assert len(moving) == 1
+
+
 def test_a_blow_that_lasts_is_no_wild_value():
     t, q, tau = _log()
     tau[1700:1703, 0] += [15.0, 30.0, 10.0]

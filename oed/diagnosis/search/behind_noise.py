@@ -62,8 +62,8 @@ def _changing(shop: Workshop, pool: Sequence[Trial], others: Sequence[Trial]) ->
     """What changes from one repetition to the next; whitened noise would hide its own colour."""
     keys = {t.key for t in pool if t.between_repetitions}
     plain = shop.on(dataclasses.replace(shop.baseline, floor=shop.baseline.floor.uncoloured))
-    names = dict.fromkeys(t.name for t in pool if t.key in keys)
-    own = [t for name in names for t in plain.candidates(name) if t.key in keys]
+    places = dict.fromkeys((t.name, t.target) for t in pool if t.key in keys)
+    own = [t for place in places for t in plain.candidates(*place)]
     if not own:
         return []
     found = ranked(plain, own, [plain.renewed(t) for t in others], shop.settings.refined)

@@ -194,8 +194,7 @@ class NameSearch:
         others = [a.trial for a in self.accepted]
         for beside, trial in quieter_beside(self.shop, self._pool(), others):
             accepted = [at_home(beside, a) for a in self.accepted]
-            same = (t for t in beside.candidates(trial.name) if t.key == trial.key)
-            own = [beside.renewed(trial), *same]
+            own = [beside.renewed(trial), *beside.candidates(trial.name, trial.target)]
             for pick in next_names(beside, accepted, self.refused, own):
                 self.shop, self.accepted = beside, accepted
                 return pick

@@ -84,7 +84,7 @@ def _with_laws_refined(shop: Workshop, chosen: Sequence[Trial]) -> list[Trial]:
     for k, trial in enumerate(own):
         if is_law_of_speed(trial) and trial.shapes:
             fit = shop.fit([t for t in own if t is not trial], shop.layout(trial)).fit
-            grid = (t for t in shop.candidates(trial.name) if t.key == trial.key)
+            grid = shop.candidates(trial.name, trial.target)
             (start,) = scan([trial, *grid], fit, shop.context)
             own[k] = climb(start, fit, shop.context).trial
     return own

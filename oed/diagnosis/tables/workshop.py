@@ -27,7 +27,7 @@ from oed.diagnosis.tables.workbench import (
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import terms_alone, terms_together, torques_of_others
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
-from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives, Shape
+from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives, Shape, Target
 from oed.dynamics.effects.payload import PickUp
 
 NOTHING_KNOWN = Drives()
@@ -227,24 +227,24 @@ class Workshop:
     def physical(self) -> tuple[Trial, ...]:
         """Every candidate of the catalogue, everywhere, over the grid of its shapes."""
         names = (name for name in CATALOGUE if name in self.settings.candidates)
-        return tuple(trial for name in names for trial in self.candidates(name))
+        targets = ((name, t) for name in names for t in CATALOGUE[name].targets(self.context))
+        return tuple(trial for key in targets for trial in self.candidates(*key))
 
-    def candidates(self, name: str) -> Iterator[Trial]:
-        """The same of one name."""
+    def candidates(self, name: str, target: Target) -> Iterator[Trial]:
+        """The same of one effect at one place."""
         entry = CATALOGUE[name]
         contrast = entry.between_repetitions and self.full is not self.mean
         layout = self.full if entry.between_repetitions else self.mean
-        for target in entry.targets(self.context):
-            shapes = entry.shapes_for(self.context, target)
-            for values in (*grid_of(shapes), *entry.further(self.context)):
-                yield catalogue_trial(
-                    entry,
-                    self.context,
-                    target,
-                    values,
-                    layout.rows,
-                    contrast=contrast and not _between_recordings(values, shapes),
-                )
+        shapes = entry.shapes_for(self.context, target)
+        for values in (*grid_of(shapes), *entry.further(self.context)):
+            yield catalogue_trial(
+                entry,
+                self.context,
+                target,
+                values,
+                layout.rows,
+                contrast=contrast and not _between_recordings(values, shapes),
+            )
 
     def in_place_of(self, trial: Trial) -> list[Trial]:
         """Candidates that act on a joint on which an addition acts."""
