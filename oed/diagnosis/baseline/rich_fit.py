@@ -1,7 +1,7 @@
 """What noise there is without repetitions: what even a rich free-form fit of a joint leaves.
 
-Splines in every coordinate by itself come first. Products of two coordinates and fine splines
-along a turn join only where they explain far more than correlated noise would give them: every
+Splines in every coordinate by itself come first. Products of two coordinates, fine splines along a
+turn, and friction that falls from standstill or is another in each recording join only where they explain far more than correlated noise would give them: every
 further function also follows some noise.
 """
 
@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy.linalg import block_diag
 
 from oed.diagnosis.baseline.colour import Colour, Stretches
 from oed.diagnosis.data.prepared import Prepared
@@ -27,6 +28,7 @@ LEAST_ROWS_PER_COLUMN = 4  # and after the enrichment
 # Least ratio of what a column of a further term explains to what one of correlated noise would.
 CONVINCING = 3.0
 MOST_FURTHER = 4
+SLOW = 0.01  # of a joint's largest speed, about which pieces crowd: friction falls from standstill
 LEAST_WIDTH = 1e-9  # [rad/s] of a sign, where encoders have no noise
 NEW = 1e-9  # squared share of a unit column outside a span, below which it adds nothing to it
 REMEMBERED = 16  # joints whose further columns are kept
@@ -184,7 +186,10 @@ def _first_terms(
 def _further(
     prepared: tuple[Prepared, ...], joint: int
 ) -> tuple[Float[ndarray, "rows columns"], ...]:
-    """Filtered columns of products and fine splines; the same for every fit of a data set."""
+    """Filtered columns of products and fine splines, of friction at low speed and in each recording.
+
+    The same for every fit of a data set.
+    """
     joints = range(prepared[0].torque.shape[1])
     fine = coordinate(prepared, "q", joint, PIECES_FINE)
     together = terms_together(prepared, len(joints), [joint])
@@ -194,11 +199,24 @@ def _further(
     terms = [
         FreeForm(joint, (fine,)),
         FreeForm(joint, (fine,), direction=joint),
+        FreeForm(joint, (coordinate(prepared, "dq", joint, 12).crowded(SLOW),), direction=joint),
         *(FreeForm(joint, (loop(prepared, i),)) for i in joints),
         *turned,
         *steady,
     ]
-    return tuple(_filtered([t], prepared, joint) for t in terms)
+    blocks = tuple(_filtered([t], prepared, joint) for t in terms)
+    return (*blocks, _own_friction(prepared, joint)) if len(prepared) > 1 else blocks
+
+
+def _own_friction(
+    prepared: Sequence[Prepared], joint: int
+) -> Float[ndarray, "rows recordings_twice"]:
+    """Filtered columns of dry and viscous friction that each recording has of its own."""
+    width, blocks = float(_sign_widths(prepared)[joint]), []
+    for p in prepared:
+        speed = p.motion.dq[:, joint]
+        blocks.append(p.band.apply(np.stack([np.tanh(speed / width), speed], axis=1)))
+    return block_diag(*blocks)
 
 
 def model_columns(

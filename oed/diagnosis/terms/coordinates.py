@@ -96,9 +96,13 @@ class Coordinate:
         """With at least so many pieces."""
         return dataclasses.replace(self, pieces=max(pieces, self.pieces))
 
-    def crowded(self) -> Coordinate:
-        """With its pieces closer together about zero, as friction changes with speed."""
-        return dataclasses.replace(self, crowding=CROWDING * max(abs(self.lower), abs(self.upper)))
+    def crowded(self, share: float = CROWDING) -> Coordinate:
+        """With its pieces closer together about zero, as friction changes with speed.
+
+        Args:
+            share: Of its largest value, below which they crowd.
+        """
+        return dataclasses.replace(self, crowding=share * max(abs(self.lower), abs(self.upper)))
 
     def values(self, state: State) -> Float[ndarray, " samples"]:
         """The coordinate itself."""
