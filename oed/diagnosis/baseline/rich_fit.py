@@ -78,9 +78,9 @@ def rich_fit(
     span = _basis(np.concatenate(first, axis=1)[trusted], np.zeros((rows, 0)))
     left = torque[trusted] - span @ (span.T @ torque[trusted])
     taken = stretches.taken_by(span)
-    blocks = [block[trusted] for block in _further(tuple(prepared), joint)] if enriched else []
+    further = _further(tuple(prepared), joint) if enriched else ()
+    tried = [_basis(block[trusted], span) for block in further]
     for _ in range(MOST_FURTHER if enriched else 0):
-        tried = [_basis(block, span) for block in blocks]
         shares = [_sum(taken, stretches.taken_by(basis)) for basis in tried]
         pairs = zip(tried, shares, strict=True)
         ratios = [_convincing(left, basis, taken, both, stretches) for basis, both in pairs]
@@ -90,9 +90,10 @@ def rich_fit(
             or span.shape[1] + tried[best].shape[1] > rows // LEAST_ROWS_PER_COLUMN
         ):
             break
-        left = left - tried[best] @ (tried[best].T @ left)
-        span, taken = np.concatenate([span, tried[best]], axis=1), shares[best]
-        del blocks[best]
+        taken, new = shares[best], tried.pop(best)
+        left = left - new @ (new.T @ left)
+        span = np.concatenate([span, new], axis=1)
+        tried = [_basis(basis, new) for basis in tried]
     return RichFit(stretches.whole(left), span.shape[1], Colour.of(left, taken, stretches))
 
 

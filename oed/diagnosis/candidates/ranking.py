@@ -21,7 +21,7 @@ from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine
-from oed.diagnosis.terms.scores import Score, best_shapes, score
+from oed.diagnosis.terms.scores import Score, best_shapes, score, scores
 from oed.diagnosis.terms.trials import Trial, moved
 
 OF_EACH = 2  # candidates of every joint that are refined in any case
@@ -60,7 +60,7 @@ def ranked(
         part = [t for t in pool if t.between_repetitions == between and t.key not in keys]
         if part:
             fit = shop.fit(others, shop.full if between else shop.mean).fit
-            grid = [score(t, fit) for t in part]
+            grid = scores(part, fit)
             leading = _leading(shop, grid, fit, most, thorough=thorough, least=least)
             refined = [_on_its_clock(shop, s, others, fit) for s in leading]
             found += _evaluated(shop, grid, refined, others, fit, thorough=thorough, least=least)

@@ -93,6 +93,11 @@ class NormalEquations:
     moment: Float[ndarray, " columns"]
     inside: Float[ndarray, "rank columns"]
 
+    def squares(self, coefficients: Float[ndarray, " columns"]) -> float:
+        """Of the columns together, by these coefficients: outside the model and inside."""
+        outside = float(coefficients @ self.gram @ coefficients)
+        return outside + float(np.sum((self.inside @ coefficients) ** 2))
+
     @cached_property
     def directions(self) -> Directions:
         """What is left of the group beside the model."""

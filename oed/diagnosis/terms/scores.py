@@ -10,7 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import chdtrc, gammaln
 
-from oed.diagnosis.fit.addition import normal_equations
+from oed.diagnosis.fit.addition import NormalEquations, normal_equations, normal_equations_of_all
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
@@ -79,7 +79,17 @@ def inflation_of(fit: LinearFit) -> Float[ndarray, " joints"]:
 
 def score(trial: Trial, fit: LinearFit) -> Score:
     """Judge one trial beside a model."""
-    normal = normal_equations(fit.projection, fit.residual, trial.group)
+    return _scored(trial, normal_equations(fit.projection, fit.residual, trial.group))
+
+
+def scores(trials: Sequence[Trial], fit: LinearFit) -> list[Score]:
+    """The same of many, at a fraction of the time."""
+    groups = [trial.group for trial in trials]
+    normals = normal_equations_of_all(fit.projection, fit.residual, groups)
+    return [_scored(trial, normal) for trial, normal in zip(trials, normals, strict=True)]
+
+
+def _scored(trial: Trial, normal: NormalEquations) -> Score:
     if trial.fixed:
         towards, size = float(normal.moment.sum()), float(normal.gram.sum())
         ones = np.ones(len(normal.lengths))
@@ -89,7 +99,7 @@ def score(trial: Trial, fit: LinearFit) -> Score:
         return Score(trial, 2 * towards - size, trial.shapes, ones, promise=promise)
     found = normal.solved(ridge_of(trial))
     freedom = found.rank + trial.shapes if found.rank else 0
-    own = sum(float(np.sum((b @ found.coefficients) ** 2)) for b in trial.group.values())
+    own = normal.squares(found.coefficients)
     cancelled = own / found.gain if found.gain > 0 else 1.0
     # Its size is free as it is.
     return Score(trial, found.gain, freedom, found.coefficients, cancelled, promise=found.gain)
@@ -118,7 +128,7 @@ def ridge_of(trial: Trial) -> float:
 
 def scan(trials: Sequence[Trial], fit: LinearFit, context: Context) -> list[Score]:
     """The best plausible shape of every candidate, or its best one; largest surprise first."""
-    return best_shapes([score(t, fit) for t in trials], fit, context)
+    return best_shapes(scores(trials, fit), fit, context)
 
 
 def best_shapes(scores: Sequence[Score], fit: LinearFit, context: Context) -> list[Score]:
