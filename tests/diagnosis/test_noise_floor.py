@@ -20,7 +20,7 @@ from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import COULOMB, NOISE, data_set, rigid
+from tests.diagnosis.arm import COULOMB, NOISE, VISCOUS, data_set, rigid, stribeck
 from tests.diagnosis.arm import RATE as ARM_RATE
 from tests.diagnosis.shop import shop_of
 
@@ -257,3 +257,30 @@ def test_a_blow_at_one_joint_is_no_noise_of_it_though_another_joint_is_hardly_tr
     floor = floor_from_free_form([noise], [trusted], np.ones(2), np.ones(2), RATE)
     # 3600 rows tell a deviation within 1.2 %, whole noisy blocks less a little more.
     np.testing.assert_allclose(floor.deviation, 1.0, rtol=0.05)
+
+
+def _unrepeated(seed, *extras):
+    """The noise that is read off recordings of one motion each, with these torques in turn."""
+    sets = [data_set(seed, extra=extra) for extra in extras]
+    recordings = tuple(
+        dataclasses.replace(sets[k % len(sets)].recordings[k], repetition=None, period=None)
+        for k in range(len(sets[0].recordings))
+    )
+    dataset = dataclasses.replace(sets[0], recordings=recordings)
+    return shop_of(dataset).baseline.floor.deviation
+
+
+def _stiffer(q, dq, ddq):
+    """Friction of a cold arm, less what it has when warm."""
+    return 0.4 * (COULOMB * np.sign(dq) + VISCOUS * dq)
+
+
+def test_friction_that_falls_within_a_hundredth_of_the_speed_range_is_no_noise():
+    """Splines that are even in speed cannot follow it, and took a third too much for noise."""
+    falls = _unrepeated(4, stribeck(3.0, 0.05))
+    np.testing.assert_allclose(falls, _unrepeated(4, None), rtol=0.03)
+
+
+def test_friction_of_each_recordings_own_is_no_noise():
+    """An arm that was cold in one of them; the second joint's noise had been taken for twice as large."""
+    np.testing.assert_allclose(_unrepeated(4, None, _stiffer), _unrepeated(4, None), rtol=0.03)

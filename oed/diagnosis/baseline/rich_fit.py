@@ -217,7 +217,7 @@ def _own_friction(
     for p in prepared:
         speed = p.motion.dq[:, joint]
         blocks.append(p.band.apply(np.stack([np.tanh(speed / width), speed], axis=1)))
-    return block_diag(*blocks)
+    return np.asarray(block_diag(*blocks))
 
 
 def model_columns(
