@@ -5,11 +5,13 @@ import pytest
 
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.diagnosis import diagnose
+from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained
 from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import _foretelling_most
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
@@ -161,3 +163,17 @@ def test_a_name_of_the_whole_arm_is_none_beside_its_like_that_is_none(sprung, la
     kept, without = withheld(shop, selection, effects, (), small)
     assert [e.name for e in kept] == [late] * claimed
     assert [u.trial for u in without] == [gear, *([] if claimed else [arm])]
+
+
+@pytest.mark.parametrize(("after_start", "std", "claimed"), [(0.05, 0.3, False), (0.6, 0.3, True)])
+def test_a_load_that_comes_as_the_recordings_begin_is_not_claimed(after_start, std, claimed):
+    """What friction holds at a start is told by nothing before it."""
+    shop = shop_of(data_set(1), surrogates=39, refined=4)
+    moment, *_ = CATALOGUE["payload_change"].shapes_for(shop.context, None)
+    load = trial_of(shop, "payload_change", None, (moment.lower + after_start, 0.0))
+    selection = Selection.of(shop, [Accepted(load, 100.0)], [])
+    told = (Estimated("moment", moment.lower + after_start, std, "s"),)
+    effect = FoundEffect("payload_change", None, told, 1e-6, 0.3, (), load)
+    ones = np.ones(2)
+    effects, _ = withheld(shop, selection, [effect], (), Errors(ones, ones, ones, ones, 2 * ones))
+    assert [e.name for e in effects] == ["payload_change"] * claimed

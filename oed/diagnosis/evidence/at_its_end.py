@@ -7,6 +7,7 @@ import numpy as np
 from oed.diagnosis.evidence.verdict import FoundEffect
 from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.position import TorqueRipple
 
 # Of the range of a shape: where it ends, and what deviation tells that it is there.
@@ -18,11 +19,17 @@ def is_at_its_end(shop: Workshop, effect: FoundEffect) -> bool:
     """Whether an effect would be something that its name does not say, if it were let.
 
     A loop wider than any presliding is none, but a narrower one is; waves as long as a ripple's may
-    be, to a deviation and without overtones, are any function of position. Of a joint alone, and
-    not where the shape is unknown: a change in time may be slower than a recording is long, and a
-    filter slower than any is one.
+    be, to a deviation and without overtones, are any function of position. A load that is taken up as
+    the recordings begin, to a deviation, or as they end is what a start or a stop does. Else of a
+    joint alone, and not where the shape is unknown: a change in time may be slower than a recording
+    is long, and a filter slower than any is one.
     """
     trial = effect.trial
+    if isinstance(trial.effect, PayloadChange):
+        moment, *_ = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)
+        std = next((p.std for p in effect.parameters if p.name == moment.name), 0.0)
+        value = trial.values[0]
+        return min(value - moment.lower, moment.upper - value) < std
     if trial.joint is None or trial.between_repetitions:
         return False
     shapes = CATALOGUE[trial.name].shapes_for(shop.context, trial.target)

@@ -93,8 +93,7 @@ def withheld(
             is_claimed = not (effect.trial.between_repetitions and _is_most_left(errors))
         else:
             is_claimed = _is_claimed(effect, joint, errors, beside_curves=joint in curves)
-            is_claimed = is_claimed and not is_at_its_end(shop, effect)
-        if is_claimed:
+        if is_claimed and not is_at_its_end(shop, effect):
             claimed.append(effect)
         else:
             unclaimed |= set(CATALOGUE[effect.name].families)
