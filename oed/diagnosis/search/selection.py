@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.diagnosis.candidates.accepted import Accepted, Refused, at_home, refusal
+from oed.diagnosis.candidates.judgement import WORSE
 from oed.diagnosis.candidates.pickups import take_up_again
 from oed.diagnosis.candidates.turning import accepted_tilt, turned, turned_beside
 from oed.diagnosis.search.exchange import decided_shapes, rested
@@ -180,7 +181,12 @@ def _concluded(
     # At the shape that one motion alone prefers, a name may foretell another worse than none.
     needed = drop_superfluous(shop, decided_shapes(shop, needed), refused)
     if tilts and len(needed) < len(accepted):  # what fell had its part in the tilt
-        shop, needed = turned_beside(shop, needed)
+        other, left = turned_beside(shop, needed)
+        # Moments that no link has may have done in its place what it does.
+        if _unseen_error(other, left) > WORSE**2 * _unseen_error(shop, accepted):
+            needed = accepted
+        else:
+            shop, needed = other, left
         tilts = [at_home(shop, tilt) for tilt in tilts]
     take_up_again(shop, [a.trial for a in needed if a.stands_in])
     accepted = decided_shapes(shop, rested(shop, [*tilts, *needed]))
