@@ -1,8 +1,9 @@
 """What noise there is without repetitions: what even a rich free-form fit of a joint leaves.
 
 Splines in every coordinate by itself come first. Products of two coordinates, fine splines along a
-turn, and friction that falls from standstill or is another in each recording join only where they explain far more than correlated noise would give them: every
-further function also follows some noise.
+turn, and friction that falls from standstill or is another in each recording join only where they
+explain far more than correlated noise would give them: every further function also follows some
+noise.
 """
 
 from __future__ import annotations

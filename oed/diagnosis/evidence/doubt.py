@@ -33,8 +33,9 @@ def doubtful_name(shop: Workshop, whole: Augmented) -> Trial | None:
     Bonferroni's level for a choice among all candidates). A free form of the same coordinate that
     mends a name can follow it whole, and says nothing against it. Nor is in doubt what foretells
     much of what its joints do on a motion that it was not fitted to. The size of a delay or a lag
-    is its time; encoder noise that the control answers comes first too, in every single motion, so that
-    a torque which does must be clear of that. What has its size in its shapes is in doubt, too, where none of these is known.
+    is its time; encoder noise that the control answers comes first too, in every single motion, so
+    that a torque which does must be clear of that. What has its size in its shapes is in doubt, too,
+    where none of these is known.
 
     Args:
         shop: The laid-out data.
