@@ -148,10 +148,10 @@ def test_teeth_of_a_slide_are_counted_on_its_pinion(name: str) -> None:
     assert sliding.upper * slide.speed(1.0) == pytest.approx(turning.upper)
 
 
-def test_a_wave_that_hardly_comes_back_within_the_motion_is_no_ripple() -> None:
+def test_a_wave_longer_than_half_the_motion_is_no_ripple() -> None:
     context = context_of(scara(), MOTION)
     shape, _ = CATALOGUE["torque_ripple"].shapes_for(context, 1)
-    assert shape.lower * np.ptp(Q) == pytest.approx(1.6 * 2 * np.pi)
+    assert shape.lower * np.ptp(Q) == pytest.approx(4 * np.pi)
 
 
 def test_coupling_is_the_other_joints_motion_and_its_inertia_is_mutual() -> None:

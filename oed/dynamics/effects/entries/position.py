@@ -34,9 +34,7 @@ PHASE_STEP = 2.0  # [rad]
 MOST_TRIALS = 600
 # Multiples of the gear ratio worth looking at: once, twice and four times a motor turn.
 MOTOR_HARMONICS = 4.2
-# Within the motion. A torque that holds at one place of the turn is a ripple, too, of 1.5 periods; of 52
-# sets with something outside of the catalogue, even 1.25 name the same as 2 do.
-LEAST_PERIODS = 1.6
+LEAST_PERIODS = 2.0
 ROUNDING = 1e-6
 RIPPLE_SHARE = 0.1  # of the peak torque; drives are sold with 1 to 5 %
 LEAST_RANGE = 0.05  # [rad]
