@@ -1,5 +1,7 @@
 """Recordings of a two-joint arm for tests: its torque is worked out here, not by the estimator."""
 
+import dataclasses
+
 import numpy as np
 from scipy.signal import lfilter
 
@@ -58,6 +60,12 @@ def data_set(
         for k, role in enumerate(roles)
     )
     return DataSet("arm", "test", "none", imi_scara(), "measured", recordings=recordings)
+
+
+def once(recording, rows=slice(None)):
+    """Rows of a recording, without a word of repetitions."""
+    t, q, tau = (getattr(recording, name)[rows] for name in ("t", "q", "tau"))
+    return dataclasses.replace(recording, t=t, q=q, tau=tau, repetition=None, period=None)
 
 
 def stribeck(size, speed=0.1, joint=0):

@@ -8,7 +8,7 @@ import pytest
 from oed.diagnosis.search.behind_noise import quieter_beside
 from oed.diagnosis.search.selection import search
 from oed.dynamics.effects.entries.payload import SWING
-from tests.diagnosis.arm import RATE, data_set, rigid
+from tests.diagnosis.arm import RATE, data_set, once, rigid
 from tests.diagnosis.shop import shop_of
 
 pytestmark = pytest.mark.whole_search
@@ -32,7 +32,7 @@ def load_from(*moments):
 def dazed_shop(extra):
     """Recordings that nobody repeated, and noise of which hardly a row in a hundred counts."""
     dataset = data_set(1, extra=extra, roles=("estimation", "validation"), repetitions=2)
-    bare = tuple(dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
+    bare = tuple(map(once, dataset.recordings))
     shop = shop_of(
         dataclasses.replace(dataset, recordings=bare), surrogates=39, refined=4, candidates=NAMES
     )

@@ -12,7 +12,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workbench import early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import RATE, data_set
+from tests.diagnosis.arm import RATE, data_set, once
 from tests.diagnosis.shop import shop_of, trial_of
 
 
@@ -20,7 +20,7 @@ def laid_out(roles):
     """Tables of recordings without repetitions, those for the test known by their clock alone."""
     dataset = data_set(0, repetitions=1, roles=roles)
     # Without a period, as most logs are.
-    logs = tuple(dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
+    logs = tuple(map(once, dataset.recordings))
     settings = DiagnosisSettings()
     prepared = prepare(logs, settings)
     own = tuple(p for p in prepared if p.role == "estimation")

@@ -20,7 +20,7 @@ from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import COULOMB, NOISE, VISCOUS, data_set, rigid, stribeck
+from tests.diagnosis.arm import COULOMB, NOISE, VISCOUS, data_set, once, rigid, stribeck
 from tests.diagnosis.arm import RATE as ARM_RATE
 from tests.diagnosis.shop import shop_of
 
@@ -187,9 +187,7 @@ def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
     for seed in range(12):
         dataset = data_set(seed, roles=("estimation",), repetitions=2)
         (whole,) = dataset.recordings
-        prepared = prepare(
-            (dataclasses.replace(whole, repetition=None, period=None),), DiagnosisSettings()
-        )
+        prepared = prepare((once(whole),), DiagnosisSettings())
         found.append(find_baseline(TorqueModel.standard(dataset.robot), prepared).floor.deviation)
         taps = prepared[0].band.taps
     true = NOISE * np.sqrt(taps @ taps)
@@ -222,15 +220,7 @@ def test_recordings_too_short_to_tell_noise_from_motion_are_refused():
     """A rich fit of a second passes through every sample: no noise, and everything significant."""
     dataset = data_set(1, roles=("estimation",), repetitions=1)
     (whole,) = dataset.recordings
-    brief = slice(0, round(2.5 * ARM_RATE))
-    short = dataclasses.replace(
-        whole,
-        t=whole.t[brief],
-        q=whole.q[brief],
-        tau=whole.tau[brief],
-        repetition=None,
-        period=None,
-    )
+    short = once(whole, slice(0, round(2.5 * ARM_RATE)))
     prepared = prepare((short,), DiagnosisSettings())
     with pytest.raises(ValueError, match="record longer, or repeat the motion"):
         find_baseline(TorqueModel.standard(dataset.robot), prepared)
@@ -263,8 +253,7 @@ def _unrepeated(seed, *extras):
     """The noise that is read off recordings of one motion each, with these torques in turn."""
     sets = [data_set(seed, extra=extra) for extra in extras]
     recordings = tuple(
-        dataclasses.replace(sets[k % len(sets)].recordings[k], repetition=None, period=None)
-        for k in range(len(sets[0].recordings))
+        once(sets[k % len(sets)].recordings[k]) for k in range(len(sets[0].recordings))
     )
     dataset = dataclasses.replace(sets[0], recordings=recordings)
     return shop_of(dataset).baseline.floor.deviation

@@ -7,7 +7,7 @@ import pytest
 
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
-from tests.diagnosis.arm import data_set
+from tests.diagnosis.arm import data_set, once
 
 
 def _noisy(recording):
@@ -17,11 +17,7 @@ def _noisy(recording):
     return dataclasses.replace(recording, q=q)
 
 
-def _once(recording):
-    return dataclasses.replace(recording, repetition=None, period=None)
-
-
-@pytest.mark.parametrize("change", [_noisy, _once])
+@pytest.mark.parametrize("change", [_noisy, once])
 def test_a_test_recording_changes_nothing_of_the_others(change):
     recordings = data_set(1, step=1e-7).recordings
     other = tuple(change(r) if r.role == "test" else r for r in recordings)
@@ -36,7 +32,7 @@ def test_a_test_recording_changes_nothing_of_the_others(change):
 
 def test_a_repeated_test_does_not_widen_the_band_of_motions_that_ran_once():
     recordings = data_set(1, step=1e-7).recordings
-    single = tuple(_once(r) for r in recordings)
-    mixed = tuple(r if r.role == "test" else _once(r) for r in recordings)
+    single = tuple(map(once, recordings))
+    mixed = tuple(r if r.role == "test" else once(r) for r in recordings)
     one, same = (prepare(own, DiagnosisSettings())[0].band for own in (single, mixed))
     assert one.cutoff == same.cutoff < prepare(recordings, DiagnosisSettings())[0].band.cutoff

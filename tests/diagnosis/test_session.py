@@ -20,7 +20,7 @@ from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import ThermalDrift
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import COULOMB, LENGTH, PERIOD, RATE, VISCOUS, data_set, rigid
+from tests.diagnosis.arm import COULOMB, LENGTH, PERIOD, RATE, VISCOUS, data_set, once, rigid
 from tests.diagnosis.shop import shop_of
 
 pytestmark = pytest.mark.whole_search
@@ -67,8 +67,7 @@ def test_recordings_of_their_own_clocks_lie_end_to_end_as_they_are_listed():
 
 def unrepeated(dataset):
     """The same without a word of repetitions."""
-    recordings = (dataclasses.replace(r, repetition=None, period=None) for r in dataset.recordings)
-    return dataclasses.replace(dataset, recordings=tuple(recordings))
+    return dataclasses.replace(dataset, recordings=tuple(map(once, dataset.recordings)))
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,8 @@ LEAST_ROWS_PER_COLUMN = 4  # and after the enrichment
 # Least ratio of what a column of a further term explains to what one of correlated noise would.
 CONVINCING = 3.0
 MOST_FURTHER = 4
-SLOW = 0.01  # of a joint's largest speed, about which pieces crowd: friction falls from standstill
+# Pieces that crowd about this share of a joint's largest speed: friction falls from standstill.
+PIECES_SLOW, SLOW = 12, 0.01
 LEAST_WIDTH = 1e-9  # [rad/s] of a sign, where encoders have no noise
 NEW = 1e-9  # squared share of a unit column outside a span, below which it adds nothing to it
 REMEMBERED = 16  # joints whose further columns are kept
@@ -201,7 +202,9 @@ def _further(
     terms = [
         FreeForm(joint, (fine,)),
         FreeForm(joint, (fine,), direction=joint),
-        FreeForm(joint, (coordinate(prepared, "dq", joint, 12).crowded(SLOW),), direction=joint),
+        FreeForm(
+            joint, (coordinate(prepared, "dq", joint, PIECES_SLOW).crowded(SLOW),), direction=joint
+        ),
         *(FreeForm(joint, (loop(prepared, i),)) for i in joints),
         *turned,
         *steady,

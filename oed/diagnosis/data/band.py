@@ -99,6 +99,11 @@ class Band:
         return int(np.ceil(self.edge * self.rate))
 
     @property
+    def lead(self) -> float:
+        """Time from a log's first sample to the first that is used [s]."""
+        return self.cut / self.rate
+
+    @property
     def edge(self) -> float:
         """Time at each end in which the smoothing has not settled [s]."""
         return max(EDGE, *(1 / cutoff for cutoff in self.calming), 1 / self.smoothing)

@@ -91,8 +91,7 @@ def _shapes(shop: Workshop, trial: Trial, on_axes: Float[ndarray, " shapes"]) ->
         std = float(on_axis) * shape.slope_at(value) if is_told else 0.0
         if isinstance(trial.effect, PayloadChange) and shape.name == "moment":
             std = max(std, _unseen_stretch(shop, trial.effect) / np.sqrt(12))
-            band = shop.full.rows.prepared[0].band
-            lead = band.cut / band.rate  # since the log's first sample, not the first that is used
+            lead = shop.full.rows.prepared[0].band.lead
         if isinstance(trial.effect, CrossCoupling) and shape.name == "ratio":
             std = max(std, ONE_WAY / np.sqrt(3))  # all that are so small are one
         # A shape can be no less certain than anywhere in its range: from its end, that is further off.

@@ -50,10 +50,7 @@ def with_moments_of(
     moments = {}
     for own in pickups:
         recording = recordings[own.first]
-        lead = (
-            recording.band.cut / recording.band.rate
-        )  # since the log's first sample, not since the first in use
-        since_start = lead - own.first
+        since_start = recording.band.lead - own.first
         moments[recording.name] = Estimated("moment", own.moment + since_start, own.deviation, "s")
         if np.isfinite(own.release):
             moments[f"{recording.name}, put down"] = Estimated(

@@ -152,7 +152,7 @@ def preferred_rival(
                 return effect.trial, rival.trial
             if not rival.contender:
                 continue
-            plainer = _is_plainer(rival.trial, effect.trial)
+            plainer = rival.trial.freedom < effect.trial.freedom
             nested = is_first_order(rival.trial, effect.trial)
             margin = rival.margin if nested else CLOSE
             if (
@@ -206,11 +206,6 @@ def outdone_by_tilt(
         for rival in effect.rivals
         if rival.contender and rival.name == GRAVITY and rival.evidence < -decisive
     )
-
-
-def _is_plainer(one: Trial, other: Trial) -> bool:
-    """Whether one has fewer parameters, shapes counted."""
-    return one.freedom < other.freedom
 
 
 def describe_unexplained(shop: Workshop, selection: Selection) -> tuple[Unexplained, ...]:

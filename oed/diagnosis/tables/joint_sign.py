@@ -163,6 +163,5 @@ class _Together:
         return dataclasses.replace(self.layout, regressor=regressor)
 
     def _least_width(self) -> float:
-        signs = [e for e in self.baseline.model.effects if isinstance(e, Coulomb)]
-        place = next(k for k, effect in enumerate(signs) if effect is self.sign)
+        place = list(signs_of(self.baseline.model)).index(self.sign.joint)
         return self.baseline.least_widths[place]

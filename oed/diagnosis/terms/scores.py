@@ -131,10 +131,10 @@ def scan(trials: Sequence[Trial], fit: LinearFit, context: Context) -> list[Scor
     return best_shapes(scores(trials, fit), fit, context)
 
 
-def best_shapes(scores: Sequence[Score], fit: LinearFit, context: Context) -> list[Score]:
+def best_shapes(judged: Sequence[Score], fit: LinearFit, context: Context) -> list[Score]:
     """The same of trials that have their scores."""
     by_key: dict[tuple[str, object], list[Score]] = {}
-    for found in scores:
+    for found in judged:
         by_key.setdefault(found.trial.key, []).append(found)
     best = []
     for own in by_key.values():
