@@ -134,8 +134,11 @@ def _with_aside(
 
 
 def _renamed(found: Finding, selection: Selection, validation: tuple[Prepared, ...]) -> Finding:
-    shop, selection, after, effects = named(found.shop, selection, validation, found.before)
-    return dataclasses.replace(found, shop=shop, selection=selection, after=after, effects=effects)
+    before = found.before
+    shop, selection, after, effects = named(found.shop, selection, validation, before)
+    if shop is not found.shop:  # a law of speed fell, and the noise with its signs is another
+        before = fit_final(shop.declared, shop.layout_for(selection.trials), before.model)
+    return Finding(shop, selection, before, after, effects)
 
 
 def _without_what_raises(
