@@ -12,17 +12,14 @@ from numpy import ndarray
 
 from oed.diagnosis.candidates.accepted import Refused
 from oed.diagnosis.candidates.clocks import by_other_clock
-from oed.diagnosis.candidates.judgement import WORSE
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contradiction import checked_errors
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
+from oed.diagnosis.evidence.final_model import FinalModel, final_with, fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
-from oed.diagnosis.search.name_search import FEW
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import search, with_stand_ins
-from oed.diagnosis.tables.predict import rms
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -53,22 +50,17 @@ class Finding:
 def find(shop: Workshop, validation: tuple[Prepared, ...]) -> Finding:
     """Search, and name what holds.
 
-    Where a name falls that the search was sure of, another search goes on without it, for it may
-    have kept out what is there; where a tilt would tell more by far than a name that was found
-    first, another begins with it: to turn the tables changes what all others are worth.
+    Where a tilt would tell more by far than a name that was found first, another search begins with
+    it: to turn the tables changes what all others are worth.
 
     Args:
         shop: The laid-out data.
         validation: Recordings that the exact form must predict.
     """
-    found, fallen = _found(shop, validation)
-    if fallen and shop.context.n <= FEW:
-        other, _ = _found(shop, validation, found.selection.refused, barred=fallen)
-        if len(other.effects) > len(found.effects) and not _is_worse(other, found, validation):
-            found = other
+    found = _found(shop, validation)
     outdone = outdone_by_tilt(found.effects, shop.settings.decisive)
     if outdone:
-        other, _ = _found(shop, validation, found.selection.refused, instead_of=outdone)
+        other = _found(shop, validation, found.selection.refused, instead_of=outdone)
         if any(t.name == GRAVITY for t in other.selection.trials):
             return other
     return found
@@ -93,7 +85,7 @@ def uncontradicted(
         return found
     raises = _test_ratios(found, test).max() > RAISED
     if found.shop.is_turned and (raises or _is_contradicted(found, test)):
-        other, _ = _found(found.shop.upright, validation, found.selection.refused, upright=True)
+        other = _found(found.shop.upright, validation, found.selection.refused, upright=True)
         found = min(found, other, key=lambda f: _squares(_test_ratios(f, test)))
     # Without validation recordings nobody has been asked whose clock a change goes by.
     if not validation and _is_contradicted(found, test):
@@ -224,14 +216,12 @@ def _found(
     *,
     upright: bool = False,
     instead_of: frozenset[Key] = frozenset(),
-    barred: frozenset[Key] = frozenset(),
-) -> tuple[Finding, frozenset[Key]]:
-    """One search, without a tilt where that proves to be none; and the keys of names that fell."""
-    turned, searched = search(shop, refused, upright=upright, instead_of=instead_of, barred=barred)
+) -> Finding:
+    """One search, without a tilt where that proves to be none."""
+    turned, searched = search(shop, refused, upright=upright, instead_of=instead_of)
     declared = shop.declared.model  # as it is by itself: beside additions its signs turn otherwise
     before = fit_final(turned.declared, turned.layout_for(searched.trials), declared)
     turned, kept, after, effects = named(turned, searched, validation, before)
-    fallen = frozenset(t.key for t in _names(searched)) - {t.key for t in _names(kept)}
     if len(_names(kept)) < len(_names(searched)):
         turned, kept = kept.sharpened(turned)
         before = fit_final(turned.declared, turned.layout_for(kept.trials), declared)
@@ -239,17 +229,8 @@ def _found(
         turned, kept, after, effects = named(turned, whole, validation, before)
     if turned.is_turned and all(t.name != GRAVITY for t in kept.trials):
         # The tables stand as the tilt has turned them, and all that was added stands on them.
-        return _found(shop, validation, kept.refused, upright=True, barred=barred)
-    return Finding(turned, kept, before, after, effects), fallen
-
-
-def _is_worse(one: Finding, other: Finding, validation: tuple[Prepared, ...]) -> bool:
-    """Whether one foretells the validation recordings worse than another."""
-    if not validation:
-        return False
-    weights = one.shop.baseline.noise_share(validation)
-    new, old = (rms(errors_of(f.after, validation), weights) for f in (one, other))
-    return bool((new > WORSE * old).any())
+        return _found(shop, validation, kept.refused, upright=True)
+    return Finding(turned, kept, before, after, effects)
 
 
 def _names(selection: Selection) -> list[Trial]:

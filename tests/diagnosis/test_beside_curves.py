@@ -8,7 +8,6 @@ import pytest
 from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.ranking import ranked
-from oed.diagnosis.search import selection
 from oed.diagnosis.search.free_form_rivals import better_free_form
 from oed.diagnosis.search.name_search import NameSearch
 from oed.diagnosis.search.selected import Selection
@@ -68,61 +67,6 @@ def test_curves_are_found_anew_where_a_name_fell(waving):
     assert (term.joint, term.effect.depends_on) == (0, ("q_2",))
     left = [np.sum(s.found.fit.residual[0] ** 2) for s in (before, after)]
     assert left[1] < 0.1 * left[0]
-
-
-@pytest.mark.parametrize("mended", [True, False])
-def test_a_search_goes_on_without_names_that_fell(waving, monkeypatch, mended):
-    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0)
-    nothing = Selection.of(waving, [], [])
-    curve = with_stand_ins(waving, nothing)
-    barred_so_far, asked = [], []
-
-    def searched(shop, refused, *, upright, tilted, barred, enough=np.inf):
-        barred_so_far.append(barred)
-        asked.append(enough)
-        if not barred:
-            return shop, [offset], nothing
-        return shop, [], curve if mended else nothing
-
-    monkeypatch.setattr(selection, "_searched", searched)
-    _, found = selection.search(waving)
-    assert found is (curve if mended else nothing)
-    assert barred_so_far == [frozenset(), {offset.trial.key}]
-    # The second is over as soon as it can no longer foretell more by far.
-    assert asked[0] == np.inf
-    assert np.isfinite(asked[1])
-
-
-def test_a_search_ends_where_little_is_left(monkeypatch):
-    shop = shop_of(data_set(1), surrogates=39, refined=4)
-    offset = Accepted(trial_of(shop, "torque_offset", 1), 50.0)
-    nothing = Selection.of(shop, [], [])
-    calls = []
-
-    def searched(*_, **__):
-        calls.append(1)
-        return shop, [offset], nothing
-
-    monkeypatch.setattr(selection, "_searched", searched)
-    assert selection.search(shop)[1] is nothing
-    assert len(calls) == 1
-
-
-def test_a_second_search_ends_where_its_first_names_foretell_no_more(waving, monkeypatch):
-    offset = Accepted(trial_of(waving, "torque_offset", 1), 50.0)
-    concluded = []
-    monkeypatch.setattr(selection, "_added", lambda shop, *_, **__: (shop, [offset]))
-    monkeypatch.setattr(
-        selection,
-        "_concluded",
-        lambda shop, *_: (shop, concluded.append(1) or Selection.of(shop, [], [])),
-    )
-    now = selection._unseen_error(waving, [offset])
-    for enough in (0.9 * now, 1.1 * now):
-        selection._searched(
-            waving, (), upright=True, tilted=False, barred=frozenset(), enough=enough
-        )
-    assert len(concluded) == 1
 
 
 def test_a_curve_is_no_rival_of_what_differs_between_repetitions():

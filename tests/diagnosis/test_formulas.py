@@ -185,6 +185,17 @@ def test_the_search_goes_on_where_no_tilt_is_found():
     assert found == {("joint_spring", 0), ("position_dependent_friction", 0)}
 
 
+def test_a_cable_that_is_slack_in_the_middle_is_a_spring_and_nothing_else():
+    """Coarse stretches leave some of it that has no name, or passes for a ripple."""
+
+    def slack(q):
+        return 4.0 * np.sign(q - 0.06) * np.maximum(np.abs(q - 0.06) - 0.14, 0.0)
+
+    found = found_in(slack)
+    assert {(e.name, e.joint) for e in found.effects} == {("joint_spring", 0)}
+    assert found.verdict == "explained"
+
+
 def test_a_spring_beside_a_much_larger_ripple_of_its_joint_is_named():
     """It explains a fiftieth of what the ripple does, and no curve of position does as well."""
     names = ("torque_ripple", "joint_spring")

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.judgement import share_needed
 from oed.diagnosis.candidates.leftovers import COVERED
 from oed.diagnosis.candidates.telling import foretells_most
@@ -103,17 +102,6 @@ def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Tr
     layout = shop.layout(candidate.trial)
     fit = shop.fit([*others, rival.trial], layout).fit
     return score(candidate.trial, fit).gain < COVERED * candidate.gain
-
-
-def as_good_as_free_forms(
-    shop: Workshop, accepted: list[Accepted], found: list[Accepted], joint: int
-) -> bool:
-    """Whether additions to a joint explain together what the best free-form term does."""
-    others = [a.trial for a in accepted]
-    before = shop.fit(others, shop.mean, bend=False).fit
-    gain = gain_together(shop, others, [a.trial for a in found], joint)
-    free = (t for t in shop.smooth if t.joint == joint and not t.between_repetitions)
-    return gain > shop.settings.family_share * max(score(t, before).gain for t in free)
 
 
 def gain_together(

@@ -9,8 +9,7 @@ from itertools import groupby
 from oed.diagnosis.candidates.accepted import Accepted, Refused, at_home, refusal
 from oed.diagnosis.candidates.turning import GRAVITY, turned
 from oed.diagnosis.search.behind_noise import quieter_beside
-from oed.diagnosis.search.exchange import MANY, decided_shapes, settled
-from oed.diagnosis.search.free_form_rivals import as_good_as_free_forms
+from oed.diagnosis.search.exchange import decided_shapes, settled
 from oed.diagnosis.search.next_name import next_names
 from oed.diagnosis.search.other_motion import shown_by_other_motion
 from oed.diagnosis.search.several import several_at_once
@@ -22,8 +21,6 @@ from oed.diagnosis.terms.trials import Trial
 FEW = 3  # joints of an arm whose effects are added one by one
 SHARPENED = 3  # times at most that tables are made anew after a name
 AT_ONCE = 3  # names that are added at once to an arm of more
-# What nearly every joint has a little of; tried together where none alone does what is missing.
-TOGETHER = ("torque_offset", "rotor_inertia", "asymmetric_viscous")
 
 
 @dataclass
@@ -37,10 +34,8 @@ class NameSearch:
         accepted: Names so far.
         barred: Keys of names that fell, and may not come back.
         grouped: Names that were tried in several joints at once.
-        joined: Joints in which several names were tried at once.
-        paired: Joints in which two names of any kind were.
+        paired: Joints in which two names were tried at once.
         shown: Keys of names that were found in the validation recordings.
-        late: Free-form terms that names were looked for in the place of, and names found there.
         beside: Free-form terms beside which signs are read off.
         history: Tables and names before each addition.
     """
@@ -51,10 +46,8 @@ class NameSearch:
     accepted: list[Accepted] = field(default_factory=list)
     barred: set[tuple[str, object]] = field(default_factory=set)
     grouped: set[str] = field(default_factory=set)
-    joined: set[int] = field(default_factory=set)
     paired: set[int] = field(default_factory=set)
     shown: set[tuple[str, object]] = field(default_factory=set)
-    late: set[tuple[str, object]] = field(default_factory=set)
     beside: tuple[Trial, ...] = ()
     history: list[tuple[Workshop, list[Accepted]]] = field(default_factory=list)
 
@@ -67,12 +60,7 @@ class NameSearch:
             fresh = self._next_ones(room)
             pick = fresh[0] if fresh else None
             if pick is None:
-                group = (
-                    self._next_group(room)
-                    or self._next_together(room)
-                    or self._next_two(room)
-                    or self._next_unseen()
-                )
+                group = self._next_group(room) or self._next_two(room) or self._next_unseen()
                 if not group:
                     break
                 self.accepted += group
@@ -161,34 +149,6 @@ class NameSearch:
     def _names(self) -> tuple[bool, set[tuple[str, object]]]:
         return self.shop.is_turned, {a.trial.key for a in self.accepted}
 
-    def next_beside(self, whole: Sequence[Accepted]) -> Accepted | None:
-        """A name in the place of one free-form term, beside the others; every one has one turn.
-
-        What another joint lacks, or a crosstalk, had kept it out. Not beside very many.
-        """
-        if self.shop.context.n > FEW:  # with as many curves it takes minutes
-            return None
-        if len(self.accepted) + self.shop.is_turned >= min(self.shop.most_effects, MANY):
-            return None
-        taken = self.late | {a.trial.key for a in whole}
-        free = [a for a in whole if a.trial.is_free_form]
-        for item in free if len(free) > 1 else []:
-            if item.trial.key in self.late:
-                continue
-            self.late.add(item.trial.key)
-            pool = [
-                t
-                for t in self._pool()
-                if t.key not in taken and t.name != GRAVITY and item.trial.joint in t.group
-            ]
-            rest = [a for a in whole if a is not item]
-            if any(_follows_anything(a.trial, item.trial.joint) for a in rest):
-                continue
-            for pick in next_names(self.shop, rest, self.refused, pool):
-                self.late.add(pick.trial.key)
-                return pick
-        return None
-
     def _next_behind_noise(self) -> Accepted | None:
         """A name that has passed for noise, in tables without it."""
         others = [a.trial for a in self.accepted]
@@ -210,27 +170,6 @@ class NameSearch:
             self.grouped.add(name)
             found = several_at_once(self.shop, self.accepted, free, self.refused)
             if found:
-                return found
-        return []
-
-    def _next_together(self, most: int) -> list[Accepted]:
-        """Plain effects of one joint at once; every joint has one turn.
-
-        A function of some coordinate may do in part what each of them does: alone none explains
-        as much as it.
-        """
-        names = {a.trial.key for a in self.accepted}
-        for joint in range(self.shop.context.n):
-            free = [
-                t
-                for t in self._pool()
-                if t.name in TOGETHER and t.target == joint and t.key not in names
-            ]
-            if joint in self.joined or len(free) > most:
-                continue
-            self.joined.add(joint)
-            found = several_at_once(self.shop, self.accepted, free, self.refused)
-            if found and as_good_as_free_forms(self.shop, self.accepted, found, joint):
                 return found
         return []
 
@@ -264,11 +203,6 @@ class NameSearch:
             for t in self.shop.physical
             if t.key not in self.barred and not (self.upright and t.name == GRAVITY)
         ]
-
-
-def _follows_anything(trial: Trial, joint: int | None) -> bool:
-    """Whether a free-form term of a joint, beside which any name would be left over, is there."""
-    return trial.is_free_form and not trial.is_share and trial.joint == joint
 
 
 def _is_plain(trial: Trial) -> bool:

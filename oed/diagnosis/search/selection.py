@@ -11,7 +11,7 @@ from oed.diagnosis.candidates.judgement import WORSE
 from oed.diagnosis.candidates.pickups import take_up_again
 from oed.diagnosis.candidates.turning import accepted_tilt, turned, turned_beside
 from oed.diagnosis.search.exchange import decided_shapes, rested
-from oed.diagnosis.search.name_search import FEW, NameSearch
+from oed.diagnosis.search.name_search import NameSearch
 from oed.diagnosis.search.review import drop_needless, drop_superfluous, review_names
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.standing_in import next_free_form
@@ -19,7 +19,6 @@ from oed.diagnosis.search.tilt_review import far_tilt, tilt_fault
 from oed.diagnosis.tables.workshop import Workshop
 
 FAR_LESS = 0.5  # of a squared error
-MUCH = 2.0  # mean squared validation error, in squares of the noise floor
 
 
 def search(
@@ -28,59 +27,18 @@ def search(
     *,
     upright: bool = False,
     instead_of: frozenset[tuple[str, object]] = frozenset(),
-    barred: frozenset[tuple[str, object]] = frozenset(),
 ) -> tuple[Workshop, Selection]:
     """Add, exchange and drop until nothing passes all tests; the tables may be made anew.
-
-    Where names fall at last and much is left, another search goes on without them: they may have
-    kept out what is there.
 
     Args:
         shop: The laid-out data.
         refused: What an earlier search turned down.
         upright: Whether no tilt may be named.
         instead_of: Keys of names that a tilt is put in the place of, to begin with.
-        barred: Keys of names that an earlier search has seen to fall.
-    """
-    found, whole, selection = _searched(
-        shop, refused, upright=upright, tilted=bool(instead_of), barred=barred | instead_of
-    )
-    kept = {a.trial.key for a in selection.accepted}
-    fallen = {a.trial.key for a in whole if not a.trial.is_free_form} - kept
-    error = _unseen_error(found, selection.accepted)
-    # Not twice, and not of an arm of many joints: it takes minutes.
-    if barred or not fallen or error < MUCH or shop.context.n > FEW:
-        return found, selection
-    other, _, others = _searched(
-        shop,
-        selection.refused,
-        upright=upright,
-        tilted=bool(instead_of),
-        barred=frozenset(fallen) | instead_of,
-        enough=FAR_LESS * error,
-    )
-    foretells_more = _unseen_error(other, others.accepted) < FAR_LESS * error
-    return (other, others) if foretells_more else (found, selection)
-
-
-def _searched(
-    shop: Workshop,
-    refused: Sequence[Refused],
-    *,
-    upright: bool,
-    tilted: bool,
-    barred: frozenset[tuple[str, object]],
-    enough: float = np.inf,
-) -> tuple[Workshop, list[Accepted], Selection]:
-    """Tables, all that was added to them, and what of it stays.
-
-    All of it, if even that does not bring the mean squared validation error below `enough`.
     """
     refused = list(refused)
-    start = shop if upright else ((turned(shop, ()) if tilted else far_tilt(shop)) or shop)
-    found, accepted = _added(start, refused, upright=upright, barred=barred)
-    if _unseen_error(found, accepted) >= enough:
-        return found, accepted, Selection.of(found, accepted, refused)
+    start = shop if upright else ((turned(shop, ()) if instead_of else far_tilt(shop)) or shop)
+    found, accepted = _added(start, refused, upright=upright, barred=instead_of)
     tilts = []
     if found.is_turned:
         tilt = accepted_tilt(found, shop)
@@ -89,9 +47,8 @@ def _searched(
             tilts = [tilt]
         else:
             refused.append(refusal(tilt, fault))
-            found, accepted = _added(shop, refused, upright=True, barred=barred)
-    found, selection = _concluded(found, accepted, refused, tilts)
-    return found, accepted, selection
+            found, accepted = _added(shop, refused, upright=True, barred=instead_of)
+    return _concluded(found, accepted, refused, tilts)
 
 
 def with_stand_ins(shop: Workshop, selection: Selection) -> Selection:
@@ -118,8 +75,7 @@ def _added(
 ) -> tuple[Workshop, list[Accepted]]:
     """Named effects, then free-form terms.
 
-    Where a free-form term makes a name superfluous, others that it kept out have their turn; so
-    have names that show only beside what has none.
+    Where a free-form term makes a name superfluous, others that it kept out have their turn.
     """
     state = NameSearch(shop, refused, upright=upright, barred=set(barred))
     given_up = []
@@ -131,14 +87,10 @@ def _added(
         whole = review_names(state.shop, unreviewed, refused)
         names = [a for a in whole if not a.trial.is_free_form]
         fallen = {a.trial.key for a in state.accepted} - {a.trial.key for a in names}
-        if fallen:
-            given_up.append((state.shop, unreviewed))
-            state.give_up(fallen, names)
-            continue
-        late = state.next_beside(whole)
-        if late is None:
+        if not fallen:
             break
-        state.accepted.append(late)
+        given_up.append((state.shop, unreviewed))
+        state.give_up(fallen, names)
     shop, whole = _foretelling_most([(state.shop, whole), *given_up])
     if shop.is_turned:
         shop, whole = turned_beside(shop, whole)

@@ -95,6 +95,22 @@ def test_a_cable_that_goes_slack_is_a_spring_in_stretches(end: float) -> None:
     assert left[3.0] < 0.1 * left[1.0]
 
 
+def test_a_cable_that_is_slack_in_the_middle_is_a_spring_in_finer_stretches() -> None:
+    """To a fiftieth of what a line misses, where coarse stretches leave a tenth and more."""
+    context = context_of(scara(), MOTION)
+    least, largest = context.position_range[1]
+    offset = Q - (least + largest) / 2 - 0.05 * (largest - least)
+    torque = 1.3 * np.sign(offset) * np.maximum(np.abs(offset) - 0.06 * (largest - least), 0.0)
+    left = {}
+    for formula in (1.0, 3.0, 4.0):
+        columns = evaluate(CATALOGUE["joint_spring"].build(context, 1, (formula,)), MOTION, 2)[:, 1]
+        estimates = np.linalg.lstsq(columns, torque, rcond=None)[0]
+        left[formula] = np.sum((torque - columns @ estimates) ** 2)
+    assert CATALOGUE["joint_spring"].plausible(context, 1, (4.0,), estimates) is None
+    assert left[4.0] < 0.02 * left[1.0]
+    assert left[3.0] > 0.1 * left[1.0]
+
+
 def test_a_spring_in_stretches_does_not_push() -> None:
     context = context_of(scara(), MOTION)
     estimates = np.array([2.0, 0.0, -4.0, 4.0, 0.0, 0.1])

@@ -53,8 +53,9 @@ MULTIPLES = {1: (1.0,), 2: (1.0, 2.0), 3: (1.0, 2.0, 3.0), 4: (1.0, 2.0, 0.5)}
 WHOLE_TURNS = (1.0, 2.0, 3.0)
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
 RIPPLE_WAVES = dataclasses.replace(WAVES, upper=float(max(MULTIPLES)))
-# Orders of a spring, by its formula, and stretches of the range that each have their own stiffness.
-ORDERS = {1.0: (LINEAR, 1), 2.0: (PROGRESSIVE, 1), 3.0: (LINEAR, 5)}
+# Orders of a spring, by its formula, and stretches of the range that each have their own stiffness:
+# coarse ones for a cable that goes slack, fine ones for one that is slack in the middle of the range.
+ORDERS = {1.0: (LINEAR, 1), 2.0: (PROGRESSIVE, 1), 3.0: (LINEAR, 5), 4.0: (LINEAR, 15)}
 PLACES = 51  # of the range, at which a spring must pull back harder the further it is stretched
 # Of its largest stiffness, by which a spring in stretches may fall short of that: where a cable goes
 # slack within one of five, the next of the best fit has -0.12 to -0.14 of it.
@@ -261,7 +262,7 @@ JOINT_SPRING = CatalogueEntry(
     page=EffectPage(
         equation="k (q - q_0) = k (q - q_c) + τ_c, q_c the middle of the range; where it tightens, "
         "with k_2 (q - q_c)² + k_3 (q - q_c)³; where it goes slack, with another k in each fifth of the "
-        "range",
+        "range, or each fifteenth",
         source="Wang, Gondokaryono, Munawar, Fischer 2019, IEEE Robotics and Automation Letters "
         "4(4), 3657-3664",
         parameters="k > 0 in N m/rad, 0.1 to 1.2 of Coulomb friction a rad, the slope positive all "
