@@ -102,14 +102,3 @@ def _covered(shop: Workshop, candidate: Score, rival: Score, others: Sequence[Tr
     layout = shop.layout(candidate.trial)
     fit = shop.fit([*others, rival.trial], layout).fit
     return score(candidate.trial, fit).gain < COVERED * candidate.gain
-
-
-def gain_together(
-    shop: Workshop, others: Sequence[Trial], added: Sequence[Trial], joint: int
-) -> float:
-    """Fall of a joint's white squares by some additions at once, beside others."""
-    before, after = (
-        shop.fit(chosen, shop.mean, bend=False).fit.residual[joint]
-        for chosen in (others, [*others, *added])
-    )
-    return float(np.sum(before**2) - np.sum(after**2))

@@ -9,7 +9,6 @@ import numpy as np
 from oed.diagnosis.candidates.accepted import Accepted, Refused
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.ranking import ranked
-from oed.diagnosis.search.free_form_rivals import gain_together
 from oed.diagnosis.search.several import several_at_once
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import inflation_of, none_explains_more, score
@@ -49,7 +48,7 @@ def two_at_once(
     ]
     if not pairs:
         return []
-    gains = np.array([gain_together(shop, others, pair, joint) for pair in pairs])
+    gains = np.array([_gain_together(shop, others, pair, joint) for pair in pairs])
     best = int(np.argmax(gains - [np.log(rows) * sum(t.freedom for t in pair) for pair in pairs]))
     if not _leaves_nothing(shop, others, joint, pairs[best]):
         return []
@@ -75,6 +74,17 @@ def _with_partner(
     partner = ranked(shop, rest, [*others, leader], REFINED)[0].trial
     same = [t for t in own if t.key == leader.key]
     return [ranked(shop, same, [*others, partner], 1)[0].trial, partner]
+
+
+def _gain_together(
+    shop: Workshop, others: Sequence[Trial], added: Sequence[Trial], joint: int
+) -> float:
+    """Fall of a joint's white squares by some additions at once, beside others."""
+    before, after = (
+        shop.fit(chosen, shop.mean, bend=False).fit.residual[joint]
+        for chosen in (others, [*others, *added])
+    )
+    return float(np.sum(before**2) - np.sum(after**2))
 
 
 def _decided(shop: Workshop, others: Sequence[Trial], pair: Sequence[Trial]) -> list[Trial]:

@@ -4,6 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
+from jaxtyping import Float
+from numpy import ndarray
 
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives
 from oed.dynamics.effects.entry import evaluate
@@ -79,6 +81,15 @@ def test_half_a_ripples_wave_is_no_longer_than_a_ripple_may_be_or_little(
     assert (reason is None) is is_ripple
 
 
+def left_by_spring(torque: Float[ndarray, " samples"], formula: float) -> float:
+    """Squares that the best spring of a formula leaves of a torque; none of it has to push."""
+    context, spring = context_of(scara(), MOTION), CATALOGUE["joint_spring"]
+    columns = evaluate(spring.build(context, 1, (formula,)), MOTION, 2)[:, 1]
+    estimates = np.linalg.lstsq(columns, torque, rcond=None)[0]
+    assert spring.plausible(context, 1, (formula,), estimates) is None
+    return float(np.sum((torque - columns @ estimates) ** 2))
+
+
 @pytest.mark.parametrize("end", [-0.7, -0.25, 0.0, 0.4])
 def test_a_cable_that_goes_slack_is_a_spring_in_stretches(end: float) -> None:
     """To a tenth of what a line misses, wherever it goes slack, and none of it has to push."""
@@ -86,13 +97,7 @@ def test_a_cable_that_goes_slack_is_a_spring_in_stretches(end: float) -> None:
     least, largest = context.position_range[1]
     slack = (least + largest) / 2 + end * (largest - least) / 2
     torque = 1.3 * np.maximum(Q - slack, 0.0)
-    left = {}
-    for formula in (1.0, 3.0):
-        columns = evaluate(CATALOGUE["joint_spring"].build(context, 1, (formula,)), MOTION, 2)[:, 1]
-        estimates = np.linalg.lstsq(columns, torque, rcond=None)[0]
-        left[formula] = np.sum((torque - columns @ estimates) ** 2)
-    assert CATALOGUE["joint_spring"].plausible(context, 1, (3.0,), estimates) is None
-    assert left[3.0] < 0.1 * left[1.0]
+    assert left_by_spring(torque, 3.0) < 0.1 * left_by_spring(torque, 1.0)
 
 
 def test_a_cable_that_is_slack_in_the_middle_is_a_spring_in_finer_stretches() -> None:
@@ -101,14 +106,9 @@ def test_a_cable_that_is_slack_in_the_middle_is_a_spring_in_finer_stretches() ->
     least, largest = context.position_range[1]
     offset = Q - (least + largest) / 2 - 0.05 * (largest - least)
     torque = 1.3 * np.sign(offset) * np.maximum(np.abs(offset) - 0.06 * (largest - least), 0.0)
-    left = {}
-    for formula in (1.0, 3.0, 4.0):
-        columns = evaluate(CATALOGUE["joint_spring"].build(context, 1, (formula,)), MOTION, 2)[:, 1]
-        estimates = np.linalg.lstsq(columns, torque, rcond=None)[0]
-        left[formula] = np.sum((torque - columns @ estimates) ** 2)
-    assert CATALOGUE["joint_spring"].plausible(context, 1, (4.0,), estimates) is None
-    assert left[4.0] < 0.02 * left[1.0]
-    assert left[3.0] > 0.1 * left[1.0]
+    line, coarse, fine = (left_by_spring(torque, formula) for formula in (1.0, 3.0, 4.0))
+    assert fine < 0.02 * line
+    assert coarse > 0.1 * line
 
 
 def test_a_spring_in_stretches_does_not_push() -> None:
