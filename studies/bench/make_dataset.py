@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,10 +43,11 @@ COLD_SHARE = 0.5  # of the cases where each recording begins with a cold arm
 
 @dataclass(frozen=True)
 class Hidden:
-    """An arm with all effects of a case, and what they are."""
+    """An arm with all effects of a case, what they are, and arms with one of them each."""
 
     arm: Arm
     truths: tuple[HiddenTruth, ...]
+    alone: tuple[Arm, ...]
 
 
 def make_dataset(case: Case, folder: Path) -> Truth:
@@ -74,17 +77,22 @@ def make_dataset(case: Case, folder: Path) -> Truth:
     runs = bench.repetitions if case.repeated else 1
     recordings, logs = _record(laboratory, references, runs, rng)
     excess = oracle_excess(declared, hidden.arm, logs)
+    alone = [
+        tuple(_excess_alone(arm, plain, noise, references, runs).tolist())
+        for arm in (hidden.alone if len(hidden.alone) > 1 else ())
+    ]
     write_dataset(_dataset(case, declared, recordings), folder, file_format="parquet")
-    return Truth(hidden.truths, noise.std, tuple(excess.tolist()))
+    return Truth(hidden.truths, noise.std, tuple(excess.tolist()), tuple(alone))
 
 
 def hide(case: Case, arm: Arm, rng: np.random.Generator) -> Hidden:
     """Hide the effects of a case, each at a joint of its own where there are enough."""
-    truths: list[HiddenTruth] = []
+    plain, truths, alone = arm, [], []
     taken: set[int] = set()
     for key in case.hidden:
         form = FORMS[key]
         joint = _draw_joint(form, arm.robot.n, taken, rng)
+        alone.append(form.inject(plain, joint, case.size, copy.deepcopy(rng)).arm)
         injected = form.inject(arm, joint, case.size, rng)
         arm = injected.arm
         if not form.whole_arm:
@@ -100,7 +108,7 @@ def hide(case: Case, arm: Arm, rng: np.random.Generator) -> Hidden:
                 dict(injected.in_catalogue),
             )
         )
-    return Hidden(arm, tuple(truths))
+    return Hidden(arm, tuple(truths), tuple(alone))
 
 
 def _draw_joint(form: Form, n: int, taken: set[int], rng: np.random.Generator) -> int:
@@ -126,6 +134,20 @@ def _record(
         if laboratory.arm.session:
             start += runs * (LEAD_IN + len(reference) * PERIOD)
     return recordings, logs
+
+
+def _excess_alone(
+    arm: Arm, plain: Arm, noise: Noise, references: Sequence[Motion], runs: int
+) -> Float[ndarray, " joints"]:
+    """What one effect of several leaves unexplained where it is hidden alone, on the same motions."""
+    rng = np.random.default_rng(0)  # of instruments that are read without noise
+    laboratory = build_laboratory(arm, plain, noise.silent(), 1, rng)
+    logs = []
+    for (name, role), reference in zip(RECORDINGS, references, strict=True):
+        if role == "estimation":
+            log = laboratory.log(reference, rng, runs, 0.0)
+            logs.append((log, laboratory.recording(log, rng, name=name, role=role)[1]))
+    return oracle_excess(plain.robot, arm, logs)
 
 
 def _peaks(arm: Arm, references: list[Motion]) -> tuple[float, ...]:

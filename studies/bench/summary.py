@@ -195,11 +195,19 @@ def form_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int]]:
 def detection(rows: Sequence[BenchRow]) -> list[dict[str, float | int]]:
     """Share right against the size of the effect in units of the noise, one effect hidden."""
     single = [row for row in done(rows) if row["hidden"] and "+" not in row["hidden"]]
-    single = [row for row in single if FORMS[row["hidden"]].name != OUTSIDE]
-    sizes = np.array([float(row["size_in_noise"]) for row in single])
+    return _by_size([row for row in single if FORMS[row["hidden"]].name != OUTSIDE])
+
+
+def pair_detection(rows: Sequence[BenchRow]) -> list[dict[str, float | int]]:
+    """Share of pairs of which both are right against the size of the smaller of the two."""
+    return _by_size([row for row in done(rows) if "+" in row["hidden"]])
+
+
+def _by_size(rows: Sequence[BenchRow]) -> list[dict[str, float | int]]:
+    sizes = np.array([float(row["smaller_in_noise"]) for row in rows])
     table = []
     for low, high in pairwise(SIZE_EDGES):
-        inside = [row for row, s in zip(single, sizes, strict=True) if low <= s < high]
+        inside = [row for row, s in zip(rows, sizes, strict=True) if low <= s < high]
         if not inside:
             continue
         found, noticed = rate(inside, is_class_right), rate(inside, lambda r: not is_quiet(r))
@@ -233,6 +241,10 @@ def _states(rows: Sequence[BenchRow]) -> str:
     return f"{len(counts)} state(s) of the diagnosis' code: {each}" if counts else "none judged yet"
 
 
+def _table(lines: Sequence[Mapping[str, str | int | float]], *, digits: int = 4) -> str:
+    return markdown_table(lines, digits=digits) if lines else "No case yet.\n"
+
+
 def page(rows: Sequence[BenchRow], note: str) -> str:
     """The summary as Markdown."""
     failures = Counter(row["status"] for row in rows if row["status"] != "done")
@@ -248,19 +260,22 @@ def page(rows: Sequence[BenchRow], note: str) -> str:
         ),
         markdown_table(group_table(rows)),
         "\n## Nothing hidden\n",
-        markdown_table(clean_table(rows)) if clean_table(rows) else "No case yet.\n",
+        _table(clean_table(rows)),
         "\n## Test error\n",
         "The largest ratio over the joints, by the diagnosis' own errors and floor.\n",
-        markdown_table(error_table(rows)) if done(rows) else "No case yet.\n",
+        _table(error_table(rows)),
         f"\n95 % intervals that hold the injected value: {coverage(rows)}.\n",
         "\n## By what was hidden\n",
-        markdown_table(form_table(rows)) if form_table(rows) else "No case yet.\n",
+        _table(form_table(rows)),
         "\n## Against size\n",
         (
             "Size: root mean square of what the base model cannot absorb, fitted without noise, "
             "per standard deviation of the noise, at the joint where it is largest.\n"
         ),
-        markdown_table(detection(rows), digits=3) if detection(rows) else "No case yet.\n",
+        _table(detection(rows), digits=3),
+        "\n## Two at once, against the smaller\n",
+        "The size of the smaller of the two, each hidden alone on the same motions.\n",
+        _table(pair_detection(rows), digits=3),
     ]
     if failures:
         lines = "\n".join(f"- {count} × {status}" for status, count in failures.most_common())

@@ -55,16 +55,26 @@ class Truth:
         noise: (n,) standard deviation of the torque noise [N m].
         excess: (n,) root mean square of the torque that rigid body, Coulomb and viscous
             friction leave unexplained when fitted to the signals without noise [N m].
+        alone: (n,) the same for each of several effects, hidden alone [N m]; empty for one.
     """
 
     hidden: tuple[HiddenTruth, ...]
     noise: tuple[float, ...]
     excess: tuple[float, ...]
+    alone: tuple[tuple[float, ...], ...] = ()
 
     @property
     def size_in_noise(self) -> float:
         """The largest ratio of excess to noise over the joints."""
-        return max(e / s for e, s in zip(self.excess, self.noise, strict=True))
+        return self._in_noise(self.excess)
+
+    @property
+    def smaller_in_noise(self) -> float:
+        """The same for the smallest of several effects, each by itself."""
+        return min(map(self._in_noise, self.alone or (self.excess,)))
+
+    def _in_noise(self, excess: tuple[float, ...]) -> float:
+        return max(e / s for e, s in zip(excess, self.noise, strict=True))
 
     def write(self, path: Path) -> None:
         """As JSON."""
@@ -88,7 +98,8 @@ class Truth:
             )
             for h in raw["hidden"]
         )
-        return cls(hidden, tuple(raw["noise"]), tuple(raw["excess"]))
+        alone = tuple(tuple(excess) for excess in raw.get("alone", ()))
+        return cls(hidden, tuple(raw["noise"]), tuple(raw["excess"]), alone)
 
 
 def oracle_excess(

@@ -83,6 +83,24 @@ def test_a_ripple_leaves_its_own_size(short, tmp_path):
     assert 0.7 < share < 1.1
 
 
+def test_each_of_a_pair_has_its_size_by_itself(short, tmp_path):
+    case = Case("pair", "scara", ("ripple", "eccentric_encoder"), 1.0, "coloured", False, 3)
+    truth = make_dataset(case, tmp_path / "data")
+    (wave, _), joint = truth.hidden[0].parameters["wave"], truth.hidden[0].joint
+    ripple, eccentric = truth.alone
+    assert joint is not None
+    assert 0.6 < ripple[joint] / (wave / np.sqrt(2)) < 1.1
+    # The torque of a reading that errs by a few thousandths is lost in noise.
+    assert max(eccentric) < 0.1 * ripple[joint]
+    assert truth.smaller_in_noise < 0.1 < truth.size_in_noise
+    assert Truth.read(_written(truth, tmp_path)) == truth
+
+
+def _written(truth, folder):
+    truth.write(folder / "truth.json")
+    return folder / "truth.json"
+
+
 def test_the_data_set_keeps_its_limits_and_says_nothing_of_what_is_hidden(short, tmp_path):
     case = Case("single", "scara", ("stribeck",), 1.0, "coloured", True, 5)
     make_dataset(case, tmp_path / "data")

@@ -7,7 +7,15 @@ from studies.bench.case import KEY_COLUMNS, Case
 from studies.bench.judge import VALUE_COLUMNS, Judge
 from studies.bench.score import error_ratios, score
 from studies.bench.study import Config, main, run
-from studies.bench.summary import Rate, clean_table, confusion, detection, group_table, page
+from studies.bench.summary import (
+    Rate,
+    clean_table,
+    confusion,
+    detection,
+    group_table,
+    page,
+    pair_detection,
+)
 from studies.bench.truth import HiddenTruth, Truth
 
 STAND_IN = """
@@ -137,7 +145,8 @@ def test_the_interval_of_a_rate_is_that_of_clopper_and_pearson(hits, cases):
 def line(group, form, claims="", verdict="explained", size=1.0, **values):
     row = dict.fromkeys((*KEY_COLUMNS, *VALUE_COLUMNS), "0")
     row |= {"group": group, "hidden": form, "claims": claims, "verdict": verdict}
-    row |= {"status": "done", "coordinates_right": "", "size_in_noise": str(size)}
+    row |= {"status": "done", "coordinates_right": ""}
+    row |= {"size_in_noise": str(size), "smaller_in_noise": str(size)}
     row |= {"noise": "white", "repeated": "yes", "after_to_floor": "1.0", "removed": "0.5"}
     return row | {key: str(value) for key, value in values.items()}
 
@@ -176,6 +185,15 @@ def test_detection_is_counted_by_size():
     small, large = detection(rows)
     assert (small["noticed"], small["right"]) == (0.0, 0.0)
     assert (large["cases"], large["noticed"], large["right"]) == (2, 1.0, 0.5)
+
+
+def test_a_pair_is_counted_by_the_smaller_of_the_two():
+    rows = [
+        line("pair", "spring+ripple", "joint_spring@1", size=2.0, smaller_in_noise=0.02, missed=1),
+        line("pair", "spring+gain", "joint_spring@1 torque_gain@2", size=0.9, found=2),
+    ]
+    assert [(row["from"], row["right"]) for row in pair_detection(rows)] == [(0.0, 0.0), (0.8, 1.0)]
+    assert not detection(rows)
 
 
 def test_a_run_goes_on_where_it_stopped(tmp_path, monkeypatch):
