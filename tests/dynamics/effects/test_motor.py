@@ -39,8 +39,10 @@ def test_torque_sensors_show_no_coupling_of_motors(of_motors: bool, highest: flo
     assert rows.upper == max(rows.grid) == highest
 
 
-@pytest.mark.parametrize(("share", "fits"), [(0.3, True), (-1.0, True), (4.0, False)])
-def test_no_gears_make_a_share_of_several(share: float, fits: bool) -> None:
+@pytest.mark.parametrize(
+    ("share", "fits"), [(0.3, True), (-1.0, True), (4.0, False), (-0.05, False)]
+)
+def test_no_gears_make_a_share_of_several_or_of_next_to_nothing(share: float, fits: bool) -> None:
     reason = ENTRY.plausible(context_with(of_motors=True), (0, 1), WHOLE, np.array([share]))
     assert (reason is None) is fits
 

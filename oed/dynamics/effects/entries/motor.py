@@ -28,7 +28,9 @@ ALIKE = 0.9
 # torques, all that its joint needs in the row of the other.
 BOTH_ROWS, WHOLE_TORQUE = 2.0, 3.0
 MOST_SHARE = 1.5  # of a joint's torque that the motor of another one carries; ratios are up to 1
-LEAST_RATIO = 0.1  # of a motor that two joints turn; a wrist's gears have 0.2 to 1
+# Of a motor that two joints turn; a wrist's gears have 0.2 to 1. A smaller share of another torque
+# may be crosstalk of current sensors as well.
+LEAST_RATIO = 0.1
 
 
 def _rotor(_context: Context, target: Target, _values: tuple[float, ...]) -> RotorInertia:
@@ -97,7 +99,10 @@ def _coupling_plausible(
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
     if _is_mixed(values):
-        return at_most(abs(float(estimates[0])), MOST_SHARE, "the share", "1", "that of any gears")
+        share = abs(float(estimates[0]))
+        if share < LEAST_RATIO:
+            return f"a share of {share:.2g} of another joint's torque is none of gears"
+        return at_most(share, MOST_SHARE, "the share", "1", "that of any gears")
     if abs(values[0]) < ONE_WAY:
         _, other = pair_of(target)
         return finite(estimates) or _both_ways(context, other, estimates)
