@@ -27,7 +27,7 @@ from oed.diagnosis.evidence.lack_of_fit import LackOfFit, lack_of_fit
 from oed.diagnosis.evidence.own_time import in_own_time
 from oed.diagnosis.evidence.proof import RoleProof, prove
 from oed.diagnosis.evidence.taken_up import with_moments_of
-from oed.diagnosis.evidence.unlocated import expected_unseen, unlocated
+from oed.diagnosis.evidence.unlocated import expected_unseen, shown_by_test, unlocated
 from oed.diagnosis.evidence.verdict import (
     FoundEffect,
     Outcome,
@@ -229,6 +229,9 @@ def _conclude(
     riddling = riddles(effects, unexplained)
     unexplained += tuple(unlocated(shop, selection.trials, riddling, left, errors))
     effects, unexplained = withheld(shop, selection, effects, unexplained, errors)
+    unexplained += tuple(
+        shown_by_test(shop, selection.trials, unexplained, errors, by_role["test"])
+    )
     return Diagnosis(
         verdict=decide(effects, unexplained),
         effects=effects,

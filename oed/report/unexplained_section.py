@@ -17,7 +17,8 @@ from oed.report.page import Picture, Table, Text
 LOST = (
     "Where no term describes what is left, a further recording tells more than these: one motion "
     "five times or more, so that noise and what changes with time stand apart, and the same path "
-    "at half the speed, which parts what follows position from what follows speed."
+    "at half the speed, which parts what follows position from what follows speed. What only the "
+    "test recordings show asks for recordings to estimate from that move as they do."
 )
 OWN_TIME = (
     "What keeps its own time is not the same at every repetition: it is part of the noise floor, "

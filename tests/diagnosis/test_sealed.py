@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set, once
 
 
@@ -36,3 +38,21 @@ def test_a_repeated_test_does_not_widen_the_band_of_motions_that_ran_once():
     mixed = tuple(r if r.role == "test" else once(r) for r in recordings)
     one, same = (prepare(own, DiagnosisSettings())[0].band for own in (single, mixed))
     assert one.cutoff == same.cutoff < prepare(recordings, DiagnosisSettings())[0].band.cutoff
+
+
+@pytest.mark.parametrize(("size", "said"), [(0.0, set()), (3.0, {0})])
+def test_what_the_test_recordings_alone_show_is_said_and_has_no_name(size, said):
+    dataset = data_set(1)
+    changed = tuple(
+        dataclasses.replace(r, tau=r.tau + size * np.sin(3 * r.q) * [1, 0])
+        if r.role == "test"
+        else r
+        for r in dataset.recordings
+    )
+    dataset = dataclasses.replace(dataset, recordings=changed)
+    model = TorqueModel.standard(dataset.robot)
+    found = diagnose(dataset, model, DiagnosisSettings().made_smaller())
+    assert not found.effects
+    assert {u.joint for u in found.unexplained} == said
+    assert found.verdict == ("unexplained" if said else "nothing found")
+    assert not any(u.stands_in or u.depends_on for u in found.unexplained)

@@ -10,10 +10,12 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.chance import keeps_step, keeps_step_unseen
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error
 from oed.diagnosis.evidence.verdict import Unexplained
 from oed.diagnosis.evidence.withheld import Errors
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.tables.unseen import Unseen
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -61,6 +63,37 @@ def unlocated(
             or (errors.unseen[j] > CLEAR_UNSEEN and keeps_step_unseen(shop, chosen, j))
         ):
             yield found
+
+
+def shown_by_test(
+    shop: Workshop,
+    chosen: tuple[Trial, ...],
+    located: Sequence[Unexplained],
+    errors: Errors,
+    test: tuple[Prepared, ...],
+) -> Iterator[Unexplained]:
+    """Joints that the test recordings alone show to lack something.
+
+    They may go where no other does, and there is no term to be sought in what must stay unseen. But
+    that nothing is missing, or that all is explained, is not said of an error that no noise makes.
+
+    Args:
+        shop: The laid-out data.
+        chosen: Additions.
+        located: All that is without a name.
+        errors: Of the augmented model.
+        test: The recordings.
+    """
+    if not test:
+        return
+    unseen = Unseen.of(shop.baseline, test, mean=False)
+    foretold = foretold_error(shop.fit(chosen, bend=False).fit, unseen)
+    ratios = errors.after / (np.maximum(errors.seen, 1.0) * foretold)
+    for joint in sorted(set(np.flatnonzero(ratios > NO_FLOOR)) - {u.joint for u in located}):
+        share = 1 - 1 / float(errors.after[joint]) ** 2
+        yield Unexplained(
+            int(joint), (), share, "what only the test recordings show", stands_in=False
+        )
 
 
 def expected_unseen(shop: Workshop, chosen: Sequence[Trial]) -> Float[ndarray, " joints"]:
