@@ -1,5 +1,7 @@
 """Formulas of more terms, where the data ask for them; and curves of no more coordinates than needed."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -14,8 +16,9 @@ from oed.diagnosis.search.two_at_once import two_at_once
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.climbing import refine
 from oed.diagnosis.terms.scores import score
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
-from tests.diagnosis.arm import data_set
+from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
 pytestmark = pytest.mark.whole_search
@@ -194,6 +197,26 @@ def test_a_cable_that_is_slack_in_the_middle_is_a_spring_and_nothing_else():
     found = found_in(slack)
     assert {(e.name, e.joint) for e in found.effects} == {("joint_spring", 0)}
     assert found.verdict == "explained"
+
+
+def test_a_reading_that_ends_at_a_limit_is_a_saturation_and_nothing_else():
+    limit = 20.0  # N m; the joint needs about 25
+
+    def cut(q, dq, ddq):
+        torque = rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq
+        return (np.clip(torque, -limit, limit) - torque) * [1, 0]
+
+    dataset = data_set(3, extra=cut)
+    settings = dataclasses.replace(SETTINGS, candidates=tuple(CATALOGUE))
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert {(e.name, e.joint) for e in found.effects} == {("torque_saturation", 0)}
+    assert found.verdict == "explained"
+    values = {p.name: p.value for p in found.effects[0].parameters}
+    peak = float(found.shop.context.peak_torque[0])
+    assert peak * (1 - 1 / values["exponent"]) == pytest.approx(limit, rel=0.02)
+    # No curve of a power goes on beyond what was fitted as a limit does.
+    test = next(p for p in found.proof if p.role == "test")
+    assert (test.after / found.noise_floor).max() < 1.1
 
 
 def test_a_spring_beside_a_much_larger_ripple_of_its_joint_is_named():

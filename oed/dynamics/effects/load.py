@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
@@ -75,21 +76,23 @@ class TorqueSaturation(Effect):
     (Hendershot and Miller 2010, section 5); a drive that limits falls more abruptly. The
     torque computed from current is then below the model's where that is large. Deep in
     saturation one power is no longer enough: the series of a tanh, or of its inverse where the
-    current is what rises, goes on with the power 2 m - 1.
+    current is what rises, goes on with the power 2 m - 1. What a limit cuts begins at a torque and
+    goes on in proportion: -tau_s (1 + m (|tau/tau_peak| - 1))_+ sgn(tau), as steep at the peak as
+    the power.
 
     Attributes:
         joint: Index of the joint.
         reference: Gives the torque.
         peak: tau_peak [N m], at which tau_s is lost.
         exponent: m.
-        deep: Whether the next term of the series has its own coefficient.
+        form: "power"; "series", whose next term has its own coefficient; or "limit".
     """
 
     joint: int
     reference: ReferenceTorque
     peak: float
     exponent: float = 3.0
-    deep: bool = False
+    form: Literal["power", "series", "limit"] = "power"
     name = "torque_saturation"
 
     def __post_init__(self) -> None:
@@ -99,7 +102,7 @@ class TorqueSaturation(Effect):
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """tau_s, the torque lost at the peak, of every term."""
-        names = ("saturation", "saturation_deep") if self.deep else ("saturation",)
+        names = ("saturation", *(("saturation_deep",) if self.form == "series" else ()))
         return tuple(Parameter(f"{name}_{self.joint + 1}", "N m", self.joint) for name in names)
 
     @property
@@ -108,12 +111,15 @@ class TorqueSaturation(Effect):
         return (f"tau_{self.joint + 1}",)
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """-|tau/tau_peak|^m sgn(tau), and the same of 2 m - 1."""
+        """-|tau/tau_peak|^m sgn(tau), and the same of 2 m - 1; or what lies beyond the limit."""
         torque = self.reference.total(state)[self.joint]
         if is_zero(torque):
             return [{} for _ in self.parameters]
-        powers = series_powers(self.exponent)[: len(self.parameters)]
         share, towards = _magnitude(torque) / self.peak, sign(torque)
+        if self.form == "limit":
+            beyond = 1 + self.exponent * (share - 1)
+            return [{self.joint: -0.5 * (beyond + magnitude(beyond)) * towards}]
+        powers = series_powers(self.exponent)[: len(self.parameters)]
         return [{self.joint: -power(share, m) * towards} for m in powers]
 
 

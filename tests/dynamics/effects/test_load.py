@@ -112,8 +112,8 @@ def test_deep_saturation_follows_the_current_of_a_tanh() -> None:
     limit = peak / 0.75
     added = limit * np.arctanh(TOTAL[:, 0] / limit) - TOTAL[:, 0]
     left = []
-    for deep in (False, True):
-        saturation = TorqueSaturation(0, CONTEXT.reference, peak, 3.0, deep=deep)
+    for form in ("power", "series"):
+        saturation = TorqueSaturation(0, CONTEXT.reference, peak, 3.0, form)
         columns = evaluate(saturation, MOTION, 2)[:, 0]
         sizes = np.linalg.lstsq(columns, added, rcond=None)[0]
         left.append(np.std(added - columns @ sizes) / np.std(added))
@@ -131,6 +131,23 @@ def test_two_terms_of_saturation_may_not_undo_one_another(power, sizes, possible
     entry, peak = CATALOGUE["torque_saturation"], float(CONTEXT.peak_torque[0])
     reason = entry.plausible(CONTEXT, 0, (power, 2.0), peak * np.array(sizes))
     assert (reason is None) == possible
+
+
+def test_a_limit_cuts_what_lies_beyond_it() -> None:
+    peak = float(np.abs(TOTAL[:, 0]).max())
+    cut = np.clip(TOTAL[:, 0], -0.8 * peak, 0.8 * peak) - TOTAL[:, 0]
+    column = evaluate(TorqueSaturation(0, CONTEXT.reference, peak, 5.0, "limit"), MOTION, 2)
+    assert 0.2 * peak * column[:, 0, 0] == pytest.approx(cut, abs=1e-10)
+    assert not column[:, 1].any()
+
+
+@pytest.mark.parametrize(
+    ("lost", "possible"), [(0.2, True), (0.1, True), (0.4, False), (-0.1, False)]
+)
+def test_a_limit_cuts_no_more_than_lies_beyond_it(lost: float, *, possible: bool) -> None:
+    entry, peak = CATALOGUE["torque_saturation"], float(CONTEXT.peak_torque[0])
+    reason = entry.plausible(CONTEXT, 0, (5.0, 3.0), np.array([lost * peak]))
+    assert (reason is None) is possible
 
 
 def test_gain_error_scales_the_joints_whole_torque() -> None:

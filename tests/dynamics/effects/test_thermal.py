@@ -51,3 +51,15 @@ def test_a_clock_that_goes_on_makes_one_session_of_a_single_recording() -> None:
     assert clocks(0.0, MOTION) == (0.0,)
     # Two recordings can tell by themselves which it is.
     assert clocks(60.0, MOTION, second) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(("durations", "possible"), [(0.1, False), (3.0, True)])
+def test_what_a_slow_change_would_come_to_is_no_matter(durations: float, *, possible: bool) -> None:
+    """Within the log friction falls to a seventh, or to three quarters."""
+    model = TorqueModel.standard(scara())
+    context = Context.of(model, parameters_of(model), [MOTION])
+    last = context.friction_at_top_speed(1)
+    entry = CATALOGUE["thermal_drift"]
+    values = (durations * context.duration, 0.0)
+    reason = entry.plausible(context, 1, values, np.array([0.0, 6 * last]))
+    assert (reason is None) is possible

@@ -134,7 +134,7 @@ def _thermal(context: Context, target: Target, values: tuple[float, ...]) -> The
 def _thermal_plausible(
     context: Context,
     target: Target,
-    _values: tuple[float, ...],
+    values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
     joint = joint_of(target)
@@ -144,10 +144,20 @@ def _thermal_plausible(
     warm = context.friction_at_top_speed(joint)
     if warm <= 0:
         return positive(excess, "the excess friction of the cold joint", "N m")
+    # A slow change ends with the log: what it would come to long after, nobody has seen.
+    left = excess * float(np.exp(-_time_seen(context, values[1]) / values[0]))
+    lost, last = excess - left, warm + left
     if excess > 0:
-        return at_most(excess, 3 * warm, "the excess", "N m", "3 times the last friction")
+        return at_most(lost, 3 * last, "the excess", "N m", "3 times the last friction")
     # One that cools, or whose bearings tighten as they expand.
-    return at_most(excess, warm, "what friction lacks at first", "N m", "the last friction")
+    return at_most(lost, last, "what friction lacks at first", "N m", "the last friction")
+
+
+def _time_seen(context: Context, clock: float) -> float:
+    """How long a change was looked at [s]: a recording, or the session."""
+    if start_of(context, clock) is None or context.session is None:
+        return context.duration
+    return context.session[1] - context.session[0]
 
 
 THERMAL_DRIFT = CatalogueEntry(

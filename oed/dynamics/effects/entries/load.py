@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -22,6 +24,9 @@ from oed.dynamics.torque_model import TorqueModel
 # Power from which on a saturation may have two terms: it begins with the third, in between data may
 # say less, and a square less a cube is much like a share of the torque.
 LEAST_OF_SERIES = 2.5
+# Formulas of a saturation, by the number of the shape that counts them.
+FORMS: dict[int, Literal["power", "series", "limit"]] = {1: "power", 2: "series", 3: "limit"}
+MOST_CUT = 1.2  # of what lies beyond a limit, beside a peak that is known by the model alone
 SHARES = 21  # of the peak, at which a saturation of two terms is looked at
 
 
@@ -76,7 +81,7 @@ LOAD_DEPENDENT_FRICTION = CatalogueEntry(
 def _saturation(context: Context, target: Target, values: tuple[float, ...]) -> TorqueSaturation:
     joint, (exponent, terms) = joint_of(target), values
     peak = peak_torque(context, joint)
-    return TorqueSaturation(joint, context.reference, peak, exponent, deep=terms > 1)
+    return TorqueSaturation(joint, context.reference, peak, exponent, FORMS[round(terms)])
 
 
 def _saturation_plausible(
@@ -85,9 +90,22 @@ def _saturation_plausible(
     values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
+    peak = float(context.peak_torque[joint_of(target)])
+    if FORMS[round(values[1])] == "limit":
+        return first_reason(
+            [
+                positive(float(estimates[0]), "what a limit cuts off", "N m"),
+                at_most(
+                    values[0] * float(estimates[0]),
+                    MOST_CUT * peak,
+                    "the cut",
+                    "N m",
+                    "all beyond it",
+                ),
+            ]
+        )
     if len(estimates) > 1 and values[0] < LEAST_OF_SERIES:
         return f"a series from the power {values[0]:.3g} on passes for a gain, not for saturation"
-    peak = float(context.peak_torque[joint_of(target)])
     powers = series_powers(values[0])[: len(estimates)]
     # Of two terms of opposite sign, one may undo at the peak what both do below it.
     lost = np.linspace(0, 1, SHARES)[:, None] ** powers @ estimates
@@ -101,12 +119,13 @@ TORQUE_SATURATION = CatalogueEntry(
     scope="joint",
     shapes=(
         Shape("exponent", "1", 2.0, 50.0, "log", 5, 3.0),
-        Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0),
+        Shape("terms", "1", 1.0, float(max(FORMS)), "formula", 1, 1.0),
     ),
     build=_saturation,
     plausible=_saturation_plausible,
     page=EffectPage(
-        equation="-τ_s |τ/τ_peak|^m sgn τ; deep in saturation, with a further one of 2 m - 1",
+        equation="-τ_s |τ/τ_peak|^m sgn τ; deep in saturation, with a further one of 2 m - 1; where a "
+        "limit cuts (terms 3), -τ_s (1 + m (|τ/τ_peak| - 1)) sgn τ as far as that is no gain",
         source="Hendershot and Miller 2010, Design of Brushless Permanent-Magnet Machines, "
         "section 5",
         parameters="τ_s in N m, 3 to 15 % of the peak: lost there if positive, such as by a sensor "
