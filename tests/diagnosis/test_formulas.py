@@ -219,6 +219,17 @@ def test_a_reading_that_ends_at_a_limit_is_a_saturation_and_nothing_else():
     assert (test.after / found.noise_floor).max() < 1.1
 
 
+def test_a_drag_on_another_joints_speed_is_no_motor_and_depends_on_nothing_else():
+    def drag(q, dq, ddq):
+        return np.stack([0.15 * dq[:, 1], np.zeros(len(q))], axis=1)
+
+    dataset = data_set(4, extra=drag)
+    settings = dataclasses.replace(SETTINGS, candidates=tuple(CATALOGUE))
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert not found.effects
+    assert [(u.joint, u.depends_on) for u in found.unexplained] == [(0, ("dq_2",))]
+
+
 def test_a_spring_beside_a_much_larger_ripple_of_its_joint_is_named():
     """It explains a fiftieth of what the ripple does, and no curve of position does as well."""
     names = ("torque_ripple", "joint_spring")

@@ -35,6 +35,7 @@ PIECES = {1: 36, 2: 10}
 # Distances over which a function of two coordinates ends beyond the region that was visited, in
 # ranges. One of a single coordinate carries on: there is little beyond its edge.
 FADINGS = (0.4, 0.2, 0.1)
+AS_MUCH = 0.99  # share of a gain, but for chance: a curve has many columns for what is a line
 ENDING = 0.95  # ratio of validation errors from which on it is believed to end
 
 
@@ -75,7 +76,8 @@ def _least_left_first(
 
     On one motion many pairs of coordinates trace out much the same curve: what a function of
     the wrong ones explains there, it does not on another. But one of fewer coordinates with as
-    much evidence is preferred in any case: how the other carries on beyond them is an accident.
+    much evidence, or as much of a gain, is preferred in any case: how the other carries on beyond
+    them is an accident.
     """
     if not candidates:
         return []
@@ -90,7 +92,14 @@ def _least_left_first(
     rivals = [
         c
         for c in rivals
-        if not any(_is_within(r, c) and r.evidence(rows) >= c.evidence(rows) for r in rivals)
+        if not any(
+            _is_within(r, c)
+            and (
+                r.evidence(rows) >= c.evidence(rows)
+                or r.gain >= AS_MUCH * c.gain - shop.settings.decisive
+            )
+            for r in rivals
+        )
     ]
     bench = _Bench(shop, standing, best.trial)
 

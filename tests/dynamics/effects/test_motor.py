@@ -47,6 +47,17 @@ def test_no_gears_make_a_share_of_several_or_of_next_to_nothing(share: float, fi
     assert (reason is None) is fits
 
 
+@pytest.mark.parametrize("ratio", [0.0, 1.0])
+@pytest.mark.parametrize(
+    ("inertia", "viscous", "coulomb", "fits"),
+    [(0.0, 1.0, 0.01, False), (0.0, 1.0, 0.5, True), (0.2, 1.0, 0.0, True)],
+)
+def test_a_motor_is_more_than_a_drag(ratio, inertia, viscous, coulomb, fits) -> None:
+    estimates = np.array([inertia, viscous, coulomb])
+    reason = ENTRY.plausible(context_with(of_motors=True), (0, 1), (ratio, 2.0), estimates)
+    assert (reason is None) is fits
+
+
 def test_rows_of_an_inertia_stay_what_they_were() -> None:
     context = context_with(of_motors=True)
     for rows, mutual in ((1.0, False), (2.0, True)):

@@ -103,27 +103,38 @@ def _coupling_plausible(
         if share < LEAST_RATIO:
             return f"a share of {share:.2g} of another joint's torque is none of gears"
         return at_most(share, MOST_SHARE, "the share", "1", "that of any gears")
-    if abs(values[0]) < ONE_WAY:
-        _, other = pair_of(target)
-        return finite(estimates) or _both_ways(context, other, estimates)
-    if abs(values[0]) < LEAST_RATIO:
-        return f"at a ratio of {values[0]:.2g} the motor does not turn with the joint"
-    inertia, viscous, coulomb = (float(x) for x in estimates)
     joint, other = pair_of(target)
+    one_way = abs(values[0]) < ONE_WAY
+    if not one_way and abs(values[0]) < LEAST_RATIO:
+        return f"at a ratio of {values[0]:.2g} the motor does not turn with the joint"
     speed, acceleration = (
-        float(top[other] + abs(values[0]) * top[joint])
+        float(top[other] + (0.0 if one_way else abs(values[0])) * top[joint])
         for top in (context.top_speed, context.top_acceleration)
     )
+    if reason := finite(estimates) or _mere_drag(estimates, speed, acceleration):
+        return reason
+    if one_way:
+        return _both_ways(context, other, estimates)
+    inertia, viscous, coulomb = (float(x) for x in estimates)
     friction = viscous * speed + coulomb
     # Beside friction that does much more, an inertia may be noise.
     small = abs(inertia) * acceleration < SMALL * friction
     return first_reason(
         [
-            finite(estimates),
             None if small else positive(inertia, "the motor's inertia", "kg m^2"),
             positive(friction, "the motor's friction at top speed", "N m"),
         ]
     )
+
+
+def _mere_drag(
+    estimates: Float[ndarray, " columns"], speed: float, acceleration: float
+) -> str | None:
+    """Why a drag on another joint's speed is no motor: that has inertia, and friction at rest."""
+    inertia, viscous, coulomb = (abs(float(x)) for x in estimates)
+    if max(inertia * acceleration, coulomb) >= SMALL * viscous * speed:
+        return None
+    return f"nothing but a drag of {viscous * speed:.3g} N m at top speed: no motor has that alone"
 
 
 def _both_ways(context: Context, other: int, estimates: Float[ndarray, " columns"]) -> str | None:
