@@ -1,13 +1,19 @@
 """A joint that stops: friction holds it anywhere between its two heights, and stays there."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from oed.diagnosis.candidates.standstill import acts_at_standstill
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit.rows import weigh
 from oed.diagnosis.fit.whitening import Autoregression
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.experiment.dataset import DataSet
 from oed.experiment.recording import Recording
+from oed.robot.builtin import imi_scara
+from tests.diagnosis.shop import shop_of, trial_of
 
 RATE, MOVE, STOPS = 500.0, 1.0, 8
 COULOMB, NOISE = 2.0, 0.1  # [N m]
@@ -47,3 +53,17 @@ def test_a_turn_on_the_way_is_no_stop():
     # In doubt are the two samples between which it turns: in the band, a share of its friction.
     doubtful = COULOMB / np.sqrt(3) * 2 * prepared[0].band.taps.max()
     assert weights.min() == pytest.approx(NOISE / np.hypot(NOISE, doubtful), rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("speed", "joint", "is_told"), [(0.005, 0, False), (0.6, 0, True), (0.005, 1, True)]
+)
+def test_what_acts_where_a_joint_sticks_alone_is_told_by_nothing(speed, joint, is_told):
+    whole = recording(0.6)
+    friction = COULOMB * np.sign(np.gradient(whole.q, axis=0).round(5))
+    tau = friction + NOISE * np.random.default_rng(1).normal(size=friction.shape)
+    told = (dataclasses.replace(whole, tau=tau),)
+    dataset = DataSet("stops", "test", "none", imi_scara(), "measured", recordings=told)
+    shop = shop_of(dataset, held=False)
+    trial = trial_of(shop, "stribeck", joint, (speed,))
+    assert (acts_at_standstill(shop, trial, np.array([1.5])) is None) == is_told

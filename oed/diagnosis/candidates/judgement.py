@@ -12,6 +12,7 @@ from oed.diagnosis.candidates.accepted import Accepted, Refused, refusal
 from oed.diagnosis.candidates.chance import p_value_of
 from oed.diagnosis.candidates.leftovers import is_own, too_little
 from oed.diagnosis.candidates.open_shapes import shapes_beside
+from oed.diagnosis.candidates.standstill import acts_at_standstill
 from oed.diagnosis.candidates.within import comes_at_once, differs_alone
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.settings import DiagnosisSettings
@@ -54,6 +55,7 @@ def judge(
     others = [*(a.trial for a in accepted), *partners]
     reason = too_little(shop, candidate, accepted, partners) or implausible(candidate, shop.context)
     reason = reason or no_body(shop, others, candidate)
+    reason = reason or acts_at_standstill(shop, candidate.trial, candidate.coefficients)
     if early_and_late([*others, candidate.trial]) and not early_and_late(others):
         reason = reason or EARLY_AND_LATE
     if reason is None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from oed.diagnosis.candidates.judgement import EARLY_AND_LATE, WORSE
 from oed.diagnosis.candidates.paying import validation_gain
+from oed.diagnosis.candidates.standstill import acts_at_standstill
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.candidates.usual import plainer
 from oed.diagnosis.data.prepared import Prepared
@@ -126,6 +127,8 @@ def _doubt(shop: Workshop, selection: Selection, found: Augmented) -> _Doubt | N
         return _Doubt(trial, "no body has such inertial parameters")
     if (trial := told_by_a_sign(shop, found)) is not None:
         return _Doubt(trial, "a sign that turns faster tells as much")
+    if (doubt := _standing_still(shop, found)) is not None:
+        return doubt
     if (doubt := _implausible(shop, selection, found)) is not None:
         others = [t for t in selection.trials if t.key != doubt.trial.key]
         return dataclasses.replace(doubt, instead=plainer(shop, others, doubt.trial))
@@ -133,6 +136,15 @@ def _doubt(shop: Workshop, selection: Selection, found: Augmented) -> _Doubt | N
         return _Doubt(trial, EARLY_AND_LATE)
     if (trial := _harmful(shop, selection.trials)) is not None:
         return _Doubt(trial, "beside all other additions it raises the validation error")
+    return None
+
+
+def _standing_still(shop: Workshop, found: Augmented) -> _Doubt | None:
+    """A name that by now acts only where its joint sticks."""
+    for trial, coefficients in zip(found.chosen, found.coefficients, strict=True):
+        reason = None if trial.is_free_form else acts_at_standstill(shop, trial, coefficients)
+        if reason is not None:
+            return _Doubt(trial, reason)
     return None
 
 
