@@ -9,7 +9,13 @@ import pytest
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.turning import HEAVIER, moment_fault
 from oed.diagnosis.evidence.doubt import doubtful_name
-from oed.diagnosis.evidence.final_model import fit_final, install, lost_when_repeated
+from oed.diagnosis.evidence.final_model import (
+    _white_squares,
+    final_with,
+    fit_final,
+    install,
+    lost_when_repeated,
+)
 from oed.diagnosis.search.review import drop_needless, review_names
 from oed.diagnosis.search.standing_in import next_free_form
 from oed.diagnosis.tables.workbench import Augmented
@@ -258,4 +264,20 @@ def test_a_coupling_is_held_against_the_repetitions_of_both_its_joints():
     found = shop.fit([trial_of(shop, "motor_coupling", (0, 1), (0.0, 2.0))])
     model = install(shop.baseline, found, shop.context)
     final = fit_final(shop.baseline, shop.mean, model)
+    assert lost_when_repeated(shop, found, final) is None
+
+
+def test_a_curve_of_its_joint_is_no_reason_why_repetitions_lose_a_name():
+    """Friction that grows with the square of speed one way: the curve follows that, the name most of it."""
+
+    def one_way(q, dq, ddq):
+        return np.stack([0.5 * dq[:, 0] ** 2, np.zeros(len(q))], axis=1)
+
+    shop = shop_of(data_set(6, extra=one_way))
+    name = trial_of(shop, "asymmetric_viscous", 0)
+    curve = next(t for t in shop.smooth if t.key == ("f(dq_1)", 0))
+    found = shop.fit([name, curve])
+    final = final_with(shop, found)
+    alone = final_with(shop, shop.fit([curve]))
+    assert _white_squares(shop, alone)[0] <= _white_squares(shop, final)[0] + 1.0
     assert lost_when_repeated(shop, found, final) is None

@@ -94,7 +94,8 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
 
     A disturbance of one repetition moves the arm a little: in the mean of several, friction turns
     its sign more gradually than in any. What explains that is no part of the arm. A sensor that is
-    late is so with the disturbance too, which single repetitions hold: nothing is asked of it.
+    late is so with the disturbance too, which single repetitions hold: nothing is asked of it. A
+    free-form term of its joint, which may follow anything, is no reason against a name.
 
     Args:
         shop: The laid-out data.
@@ -103,16 +104,24 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
     """
     if shop.mean is shop.full or not found.chosen:
         return None
-    whole, joints = _white_squares(shop, final), range(shop.baseline.model.robot.n)
+    every, joints = _white_squares(shop, final), range(shop.baseline.model.robot.n)
     for trial in found.chosen:
         if lags_of([trial]) or (trial.name == GRAVITY and shop.is_turned):
             continue
-        others = [t for t in found.chosen if t is not trial]
+        rest = [t for t in found.chosen if t is not trial]
+        others = [t for t in rest if trial.is_free_form or not _may_follow(t, trial)]
+        whole = every
+        if len(others) < len(rest):
+            whole = _white_squares(shop, final_with(shop, shop.fit([*others, trial])))
         without = _white_squares(shop, final_with(shop, shop.fit(others)))
         acting = [j for j in joints if j in trial.places or None in trial.places]
         if np.sum((without - whole)[acting]) <= 0:
             return trial
     return None
+
+
+def _may_follow(other: Trial, trial: Trial) -> bool:
+    return other.is_free_form and other.joint in trial.group
 
 
 def _white_squares(shop: Workshop, final: FinalModel) -> Float[ndarray, " joints"]:
