@@ -109,7 +109,7 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
         if lags_of([trial]) or (trial.name == GRAVITY and shop.is_turned):
             continue
         rest = [t for t in found.chosen if t is not trial]
-        others = [t for t in rest if trial.is_free_form or not _may_follow(t, trial)]
+        others = [t for t in rest if trial.is_free_form or not t.may_follow(trial)]
         whole = every
         if len(others) < len(rest):
             whole = _white_squares(shop, final_with(shop, shop.fit([*others, trial])))
@@ -118,10 +118,6 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
         if np.sum((without - whole)[acting]) <= 0:
             return trial
     return None
-
-
-def _may_follow(other: Trial, trial: Trial) -> bool:
-    return other.is_free_form and other.joint in trial.group
 
 
 def _white_squares(shop: Workshop, final: FinalModel) -> Float[ndarray, " joints"]:

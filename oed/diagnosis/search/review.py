@@ -107,11 +107,7 @@ def drop_superfluous(
         if item.trial.is_free_form:
             continue
         layout = shop.layout(item.trial)
-        standing = [
-            a
-            for a in kept
-            if a.stands_in and not (a.trial.is_free_form and a.trial.joint in item.trial.group)
-        ]
+        standing = [a for a in kept if a.stands_in and not a.trial.may_follow(item.trial)]
         whole, without = (
             shop.fit([a.trial for a in standing if a is not left_out], layout)
             for left_out in (None, item)
@@ -134,7 +130,7 @@ def drop_superfluous(
             reason = f"gains {needed:.3g} beside the other additions"
         elif predicts is not None and predicts <= least:
             reason = f"beside the other additions it lowers the validation error by {predicts:.1%}"
-        elif any(a.trial.is_free_form and a.trial.joint in item.trial.group for a in kept):
+        elif any(a.trial.may_follow(item.trial) for a in kept):
             reason = _better_name(shop, [a.trial for a in kept if a is not item], item)
         if reason is not None:
             kept = [a for a in kept if a is not item]

@@ -87,6 +87,10 @@ class Trial:
         """Whether it claims no physics."""
         return self.name == FREE_FORM
 
+    def may_follow(self, other: Trial) -> bool:
+        """Whether it is a free-form term of a joint on which another acts, and may do its part."""
+        return self.is_free_form and self.joint in other.group
+
     @property
     def is_share(self) -> bool:
         """Whether it is a share of another joint's torque."""
