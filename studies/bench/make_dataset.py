@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -122,18 +123,24 @@ def _record(
 ) -> tuple[list[Recording], list[tuple[Log, Float[ndarray, "rows joints"]]]]:
     """All recordings; and of those for estimation the log and the torque without noise."""
     recordings, logs = [], []
-    start = 0.0
     undisturbed = dataclasses.replace(laboratory, decimation=1, noise=laboratory.noise.silent())
-    for (name, role), reference in zip(RECORDINGS, references, strict=True):
+    starts = _starts(laboratory.arm, references, runs)
+    for (name, role), reference, start in zip(RECORDINGS, references, starts, strict=True):
         log = laboratory.log(reference, rng, runs, start)
         recordings.append(laboratory.recording(log, rng, name=name, role=role)[0])
         if role == "estimation":
             if laboratory.noise.felt is not None:
                 log = undisturbed.log(reference, rng, runs, start)
             logs.append((log, undisturbed.recording(log, rng, name=name, role=role)[1]))
-        if laboratory.arm.session:
-            start += runs * (LEAD_IN + len(reference) * PERIOD)
     return recordings, logs
+
+
+def _starts(arm: Arm, references: Sequence[Motion], runs: int) -> list[float]:
+    """Time since the arm was cold at which each recording begins [s]."""
+    if not arm.session:
+        return [0.0 for _ in references]
+    lengths = [runs * (LEAD_IN + len(reference) * PERIOD) for reference in references]
+    return [0.0, *itertools.accumulate(lengths[:-1])]
 
 
 def _excess_alone(
@@ -143,9 +150,10 @@ def _excess_alone(
     rng = np.random.default_rng(0)  # of instruments that are read without noise
     laboratory = build_laboratory(arm, plain, noise.silent(), 1, rng)
     logs = []
-    for (name, role), reference in zip(RECORDINGS, references, strict=True):
+    starts = _starts(arm, references, runs)
+    for (name, role), reference, start in zip(RECORDINGS, references, starts, strict=True):
         if role == "estimation":
-            log = laboratory.log(reference, rng, runs, 0.0)
+            log = laboratory.log(reference, rng, runs, start)
             logs.append((log, laboratory.recording(log, rng, name=name, role=role)[1]))
     return oracle_excess(plain.robot, arm, logs)
 

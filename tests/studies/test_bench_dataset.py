@@ -96,6 +96,16 @@ def test_each_of_a_pair_has_its_size_by_itself(short, tmp_path):
     assert Truth.read(_written(truth, tmp_path)) == truth
 
 
+def test_alone_an_effect_goes_by_the_clock_of_the_whole_session(short, tmp_path, monkeypatch):
+    monkeypatch.setattr("studies.bench.make_dataset.COLD_SHARE", 0.0)
+    case = Case("pair", "scara", ("cooling_start", "eccentric_encoder"), 1.0, "white", True, 3)
+    truth = make_dataset(case, tmp_path / "data")
+    joint, drift = truth.hidden[0].joint, truth.alone[0]
+    assert joint is not None
+    # The encoder's torque is a few hundredths of the drift's.
+    np.testing.assert_allclose(drift[joint], truth.excess[joint], rtol=0.1)
+
+
 def _written(truth, folder):
     truth.write(folder / "truth.json")
     return folder / "truth.json"
