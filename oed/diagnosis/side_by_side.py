@@ -67,6 +67,18 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> list[
     return [made[k] for k in range(len(items))]
 
 
+def one_by_one(work: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+    """The same for one who may stop at any: as many at once as there are processes.
+
+    Args:
+        work: Changes nothing, and makes something that can be pickled.
+        items: Taken in their order.
+    """
+    at_once = processes()
+    for start in range(0, len(items), at_once):
+        yield from side_by_side(work, items[start : start + at_once])
+
+
 def _taken(
     work: Callable[[Item], Result], items: Sequence[Item], todo: int
 ) -> Iterator[tuple[int, Result]]:

@@ -14,6 +14,7 @@ from oed.diagnosis.evidence.contributions import Contribution, ContributionMap
 from oed.diagnosis.evidence.dependence import Dependence
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.side_by_side import side_by_side
 from oed.report.diagnosis_page import diagnosis_page
 from oed.report.diagnosis_plots import (
     Curve,
@@ -70,10 +71,9 @@ def write_diagnosis(
         )
     )
     out.mkdir(parents=True, exist_ok=True)
-    pictures = {
-        name: save_figure(figure, out / name, ("png",))[0]
-        for name, figure in draw_figures(found, joints).items()
-    }
+    figures = draw_figures(found, joints)
+    files = side_by_side(lambda name: save_figure(figures[name], out / name, ("png",)), [*figures])
+    pictures = {name: file for name, (file,) in zip(figures, files, strict=True)}
     if following is not None:
         write_next(following, joints, out / NEXT)
     page = diagnosis_page(

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from oed.diagnosis.side_by_side import PROCESSES, processes, side_by_side
+from oed.diagnosis.side_by_side import PROCESSES, one_by_one, processes, side_by_side
 from oed.errors import DataSetError
 
 
@@ -20,6 +20,18 @@ def test_results_stand_in_the_order_of_the_items():
 
 def test_nothing_is_made_of_nothing():
     assert side_by_side(lambda x: x, []) == []
+
+
+def test_one_who_stops_has_no_more_made_than_the_processes_make_at_once(tmp_path):
+    made = one_by_one(lambda x: (tmp_path / str(x)).touch() or x**2, list(range(40)))
+    assert [next(made) for _ in range(4)] == [0, 1, 4, 9]
+    started = sorted(int(file.name) for file in tmp_path.iterdir())
+    at_once = processes()
+    assert started == list(range(-(-4 // at_once) * at_once))
+
+
+def test_one_by_one_all_are_made_in_their_order():
+    assert list(one_by_one(lambda x: x**2, list(range(7)))) == [x**2 for x in range(7)]
 
 
 def test_what_one_item_raises_is_raised():

@@ -25,12 +25,12 @@ from oed.diagnosis.baseline.sign_width import (
     widths_of,
     with_fitted_sign,
     with_signs,
+    with_uncertain_sign,
 )
 from oed.diagnosis.data.direction import certainty, trusted_samples
 from oed.diagnosis.data.encoder_steps import fine_encoder_torque
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
-from oed.diagnosis.fit.model_columns import with_uncertain_sign
 from oed.diagnosis.fit.rows import Rows, weigh
 from oed.diagnosis.fit.whitening import Autoregression
 from oed.dynamics.effects import Coulomb, with_columns

@@ -18,9 +18,10 @@ from numpy import ndarray
 from scipy.linalg import block_diag
 
 from oed.diagnosis.baseline.colour import Colour, Stretches
+from oed.diagnosis.baseline.sign_width import WIDTH_PER_SIGMA
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.fit.model_columns import WIDTH_PER_SIGMA, effect_columns
+from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import PIECES_FINE, coordinate, loop, terms_together
 
@@ -33,7 +34,7 @@ MOST_FURTHER = 4
 PIECES_SLOW, SLOW = 12, 0.01
 LEAST_WIDTH = 1e-9  # [rad/s] of a sign, where encoders have no noise
 NEW = 1e-9  # squared share of a unit column outside a span, below which it adds nothing to it
-REMEMBERED = 16  # joints whose further columns are kept
+REMEMBERED = 16  # joints whose columns are kept
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,8 @@ def rich_fit(
     rows = int(trusted.sum())
     stretches = Stretches((0, *np.cumsum([p.rows for p in prepared]).tolist()), trusted)
     most = max(10, rows // ROWS_PER_FREE_COLUMN - len(fit.columns) // fit.model.robot.n)
-    first = [own, _filtered(_first_terms(fit, prepared, joint, most), prepared, joint)]
+    terms = _first_terms(prepared, joint, most)
+    first = [own, _first(tuple(terms), tuple(prepared), joint)]
     span = _basis(np.concatenate(first, axis=1)[trusted], np.zeros((rows, 0)))
     left = torque[trusted] - span @ (span.T @ torque[trusted])
     taken = stretches.taken_by(span)
@@ -140,6 +142,14 @@ def _sum(
     return [x + y for x, y in zip(one, other, strict=True)]
 
 
+@lru_cache(maxsize=REMEMBERED)
+def _first(
+    terms: tuple[FreeForm, ...], prepared: tuple[Prepared, ...], joint: int
+) -> Float[ndarray, "rows columns"]:
+    """Filtered columns of the first terms, mostly the same for every fit of a data set."""
+    return _filtered(terms, prepared, joint)
+
+
 def _filtered(
     terms: Sequence[FreeForm], prepared: Sequence[Prepared], joint: int
 ) -> Float[ndarray, "rows columns"]:
@@ -166,9 +176,7 @@ def _sign_widths(prepared: Sequence[Prepared]) -> Float[ndarray, " joints"]:
     return np.maximum(WIDTH_PER_SIGMA * prepared[0].sign_noise, LEAST_WIDTH)
 
 
-def _first_terms(
-    fit: LinearFit, prepared: Sequence[Prepared], joint: int, most: int
-) -> list[FreeForm]:
+def _first_terms(prepared: Sequence[Prepared], joint: int, most: int) -> list[FreeForm]:
     """Splines in the joint's own coordinates and in the others' positions and velocities."""
     terms = [
         FreeForm(joint, (coordinate(prepared, "dq", joint, 10),)),
@@ -176,7 +184,7 @@ def _first_terms(
         FreeForm(joint, (coordinate(prepared, "q", joint, 6),), direction=joint),
         FreeForm(joint, (coordinate(prepared, "ddq", joint, 6),)),
     ]
-    for other in range(fit.model.robot.n):
+    for other in range(prepared[0].torque.shape[1]):
         if other != joint:
             terms.append(FreeForm(joint, (coordinate(prepared, "dq", other, 5),)))
             terms.append(FreeForm(joint, (coordinate(prepared, "q", other, 5),)))

@@ -27,6 +27,8 @@ from oed.diagnosis.fit.rows import Rows
 from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.torque_model import TorqueModel
 
+# tanh(v / width) is closest to the expected sign of a Gaussian velocity at this many sigmas.
+WIDTH_PER_SIGMA = 1.25
 LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
 # The same where more is missing of the joint: a wide sign may stand in for nearly anything.
 MODEST_WIDTH = 0.05
@@ -95,6 +97,19 @@ def _coulomb_terms(model: TorqueModel) -> list[Coulomb]:
 def signs_of(model: TorqueModel) -> dict[int, Coulomb]:
     """The Coulomb term of each joint that has one."""
     return {effect.joint: effect for effect in _coulomb_terms(model)}
+
+
+def with_uncertain_sign(model: TorqueModel, sign_noise: Float[ndarray, " joints"]) -> TorqueModel:
+    """The model whose Coulomb friction is the expectation over an uncertain velocity sign.
+
+    Only the sign's own noise enters: a velocity shrunk like a regressor would shift it.
+    """
+    least = WIDTH_PER_SIGMA * sign_noise
+    blurred = (
+        dataclasses.replace(sign, width=max(sign.width, float(least[sign.joint])))
+        for sign in _coulomb_terms(model)
+    )
+    return with_signs(model, {sign.joint: sign for sign in blurred})
 
 
 def with_signs(model: TorqueModel, signs: Mapping[int, Coulomb]) -> TorqueModel:

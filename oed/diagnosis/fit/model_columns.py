@@ -2,35 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
-from oed.dynamics.effects import Coulomb, Effect, State
+from oed.dynamics.effects import Effect, State
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-
-# tanh(v / width) is closest to the expected sign of a Gaussian velocity at this many sigmas.
-WIDTH_PER_SIGMA = 1.25
-
-
-def with_uncertain_sign(model: TorqueModel, sign_noise: Float[ndarray, " joints"]) -> TorqueModel:
-    """The model whose Coulomb friction is the expectation over an uncertain velocity sign.
-
-    Only the sign's own noise enters: a velocity shrunk like a regressor would shift it.
-    """
-    effects = tuple(
-        dataclasses.replace(
-            effect, width=max(effect.width, WIDTH_PER_SIGMA * float(sign_noise[effect.joint]))
-        )
-        if isinstance(effect, Coulomb)
-        else effect
-        for effect in model.effects
-    )
-    return dataclasses.replace(model, effects=effects)
 
 
 def filtered_columns(

@@ -13,7 +13,7 @@ from oed.diagnosis.candidates.chance import chance_of_slow_noise
 from oed.diagnosis.candidates.judgement import held_out_fault, judge
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import RIVAL_SHARE
-from oed.diagnosis.side_by_side import side_by_side
+from oed.diagnosis.side_by_side import one_by_one, side_by_side
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.coordinates import Coordinate, Factor
@@ -51,8 +51,14 @@ def next_free_form(
         for c in ranked(shop, pool, others, shop.settings.refined)
         if c.evidence(shop.full.rows.count) > shop.settings.free_form_margin
     ]
-    for candidate in _least_left_first(shop, candidates, others, standing):
-        passed = judge(shop, candidate, accepted, pool, refused)
+
+    def judged(candidate: Score) -> tuple[Accepted | None, list[Refused]]:
+        reasons: list[Refused] = []
+        return judge(shop, candidate, accepted, pool, reasons), reasons
+
+    order = _least_left_first(shop, candidates, others, standing)
+    for candidate, (passed, reasons) in zip(order, one_by_one(judged, order), strict=True):
+        refused += reasons
         if passed is None:
             continue
         found, ratio = _standing_in(shop, passed, standing)
@@ -136,10 +142,10 @@ def _standing_in(shop: Workshop, item: Accepted, others: Sequence[Trial]) -> tup
     tried = bench.tried(
         _with_fine_pieces(shop, [item.trial, *_alike(shop, item.trial)]), ending=True
     )
-    for choice in tried:
-        if choice.ratio >= BETTER:
-            break
-        if held_out_fault(shop, others, choice.trial) is None:
+    better = [choice for choice in tried if choice.ratio < BETTER]
+    faults = one_by_one(lambda choice: held_out_fault(shop, others, choice.trial), better)
+    for choice, fault in zip(better, faults, strict=True):
+        if fault is None:
             return dataclasses.replace(item, trial=choice.trial, stands_in=True), choice.ratio
     return dataclasses.replace(item, stands_in=False), 1.0
 
@@ -178,12 +184,13 @@ class _Bench:
             terms: With all their combinations.
             ending: Whether they may also end beyond the visited region.
         """
-        choices = [
-            choice
-            for whole in terms
-            for trial in restrained(whole, self._fit.fit)
-            for choice in self._judged(trial, FADINGS if ending else ())
-        ]
+        fadings = FADINGS if ending else ()
+
+        def judged(whole: Trial) -> list[_Choice]:
+            own = restrained(whole, self._fit.fit)
+            return [choice for trial in own for choice in self._judged(trial, fadings)]
+
+        choices = [choice for found in side_by_side(judged, terms) for choice in found]
         return sorted(choices, key=lambda c: c.ratio)
 
     def _judged(self, trial: Trial, fadings: Sequence[float]) -> Iterator[_Choice]:

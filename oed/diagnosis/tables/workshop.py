@@ -15,6 +15,7 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.predict import prediction_errors, rms
 from oed.diagnosis.tables.unseen import Unseen
 from oed.diagnosis.tables.workbench import (
@@ -227,8 +228,9 @@ class Workshop:
     def physical(self) -> tuple[Trial, ...]:
         """Every candidate of the catalogue, everywhere, over the grid of its shapes."""
         names = (name for name in CATALOGUE if name in self.settings.candidates)
-        targets = ((name, t) for name in names for t in CATALOGUE[name].targets(self.context))
-        return tuple(trial for key in targets for trial in self.candidates(*key))
+        places = [(name, t) for name in names for t in CATALOGUE[name].targets(self.context)]
+        found = side_by_side(lambda place: list(self.candidates(*place)), places)
+        return tuple(trial for own in found for trial in own)
 
     def candidates(self, name: str, target: Target) -> Iterator[Trial]:
         """The same of one effect at one place."""
