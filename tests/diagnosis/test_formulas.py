@@ -139,6 +139,25 @@ def test_a_curve_that_nothing_asks_for_any_more_is_dropped():
     assert [r.name for r in refused] == ["f(q_1)"]
 
 
+def wrong_by_waves(recording, size, waves):
+    """The same where the first encoder reads so that q + size sin(waves q) is the true angle."""
+    q, true = recording.q.copy(), recording.q[:, 0]
+    for _ in range(20):
+        q[:, 0] = true - size * np.sin(waves * q[:, 0])
+    return dataclasses.replace(recording, q=q)
+
+
+def test_an_encoder_that_errs_six_times_a_turn_is_named():
+    dataset = data_set(5)
+    recordings = tuple(wrong_by_waves(r, 4e-3, 6) for r in dataset.recordings)
+    wrong = dataclasses.replace(dataset, recordings=recordings)
+    (found,) = diagnose(wrong, TorqueModel.standard(wrong.robot), SETTINGS).effects
+    values = {p.name: p for p in found.parameters}
+    assert (found.name, found.joint) == ("encoder_eccentricity", 0)
+    wave = values["encoder6_sin_1"]
+    assert wave.value == pytest.approx(4e-3, abs=4 * wave.std)
+
+
 def test_one_candidate_is_no_pair():
     shop = shop_of(data_set(5, extra=on_first(lambda q: 2.0 * q)), held=False)
     assert two_at_once(shop, [], [trial_of(shop, "joint_spring", 0)], 0, []) == []

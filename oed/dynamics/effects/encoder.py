@@ -21,8 +21,8 @@ STEP = 1e-4  # [rad]
 class EncoderEccentricity(MeasurementEffect):
     """True position q + sum over n of a_n sin(n q) + b_n cos(n q).
 
-    n = 1 for a disc off centre, 2 for a tilted one or two poles of unequal gain (Hanselman
-    1990 for resolvers).
+    n = 1 for a disc off centre, 2 for a tilted one or two poles of unequal gain, more for more
+    poles (Hanselman 1990 for resolvers).
 
     Attributes:
         joint: Index of the joint.
