@@ -61,8 +61,6 @@ def test_a_torque_that_comes_first_is_not_late_as_well():
     offset = next(t for t in shop.physical if t.name == "torque_offset")
     assert early_and_late([early, offset, lag]) == [early, lag]
     assert early_and_late([late, lag]) == []
-    filtered = trial_of(shop, "filter_lag", None, (-5e-3, 0.5))
-    assert early_and_late([late, filtered]) == [late, filtered]
     assert early_and_late([early, offset]) == []
 
 

@@ -116,7 +116,7 @@ def _variance(late: Trial) -> float:
     filtering = effect.measurement if isinstance(effect, TorqueChange) else None
     if not isinstance(filtering, FilterLag):
         return 0.0
-    return filtering.late_by * abs(filtering.late_by) * (1 - 2 * filtering.curvature)
+    return filtering.time_constant**2 * (1 - 2 * filtering.curvature)
 
 
 def _apart(trials: tuple[Trial, Trial], tables: Sequence[Rows]) -> float:

@@ -29,7 +29,7 @@ from oed.diagnosis.candidates.margin import (
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.rivals.drawn import Drawn, best_of_shapes, noise_beside
-from oed.diagnosis.rivals.favourite import Pair, best_imitation, context_beside, torque_beside
+from oed.diagnosis.rivals.favourite import Pair, best_imitations, context_beside, torque_beside
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import score
 
@@ -79,7 +79,7 @@ def confusion(
     # What explains the favourite's torque best is not what explains the measured one best, and a
     # shape that misses it by a step of the grid may lose more than noise could make up for.
     context = context_beside(shop, further)
-    imitations = [best_imitation(context, pair[2], f).trial for f in fits]
+    imitations = [found.trial for found in best_imitations(context, pair[2], fits)]
     own, other = (
         best_of_shapes(context, trials, fit, drawn, count)
         for trials in ([p[0] for p in pairs], imitations)

@@ -24,8 +24,9 @@ from oed.diagnosis.candidates.margin import of_smoothing
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.rivals.confusion import confusion
-from oed.diagnosis.rivals.favourite import Pair, best_imitation, context_beside, torque_beside
+from oed.diagnosis.rivals.favourite import Pair, best_imitations, context_beside, torque_beside
 from oed.diagnosis.rivals.motions import as_prepared, random_motions
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.secants import shape_derivatives
@@ -86,14 +87,20 @@ def design_discriminating(
     """
     pattern = shop.mean.rows.prepared[0]
     motions, notes = random_motions(shop.baseline.model.robot, pattern, rng, candidates)
-    tried: list[tuple[float, Motion]] = []
-    for motion in motions:
+
+    def promised(motion: Motion) -> float:
         further = as_prepared(pattern, motion)
-        tried.append((min(_slope_clear(shop, pair, further) for pair in pairs), motion))
-    leading = sorted(tried, key=lambda item: -item[0])[:REFITTED]
-    gains = [[_gains(shop, p, as_prepared(pattern, m)) for p in pairs] for _, m in leading]
+        return min(_slope_clear(shop, pair, further) for pair in pairs)
+
+    def refitted(motion: Motion) -> list[tuple[float, float]]:
+        further = as_prepared(pattern, motion)
+        return [_gains(shop, pair, further) for pair in pairs]
+
+    order = np.argsort([-clear for clear in side_by_side(promised, motions)], kind="stable")
+    leading = [motions[k] for k in order[:REFITTED]]
+    gains = side_by_side(refitted, leading)
     best = max(range(len(leading)), key=lambda k: min(map(_clear, pairs, gains[k])))
-    motion = leading[best][1]
+    motion = leading[best]
     further = as_prepared(pattern, motion)
     foreseen = [confusion(shop, pair, rng, further) for pair in pairs]
     return NextExperiment(
@@ -146,7 +153,8 @@ def separation(
 def _gains(shop: Workshop, pair: Pair, further: Prepared | None) -> tuple[float, float]:
     """White squares of the favourite's torque, and what the rival's best shape explains of them."""
     fit = torque_beside(shop, pair, further)
-    return fit.squares, best_imitation(context_beside(shop, further), pair[2], fit).gain
+    (imitated,) = best_imitations(context_beside(shop, further), pair[2], [fit])
+    return fit.squares, imitated.gain
 
 
 def _clear(pair: Pair, gains: tuple[float, float]) -> float:

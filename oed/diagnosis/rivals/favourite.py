@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -11,6 +12,7 @@ from numpy import ndarray
 from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workbench import Layout, fit_layout, layout_of
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine
@@ -51,22 +53,26 @@ def context_beside(shop: Workshop, further: Prepared | None) -> Context:
     return shop.context if further is None else shop.context.covering(further.motion)
 
 
-def best_imitation(context: Context, rival: Trial, fit: LinearFit) -> Score:
-    """The rival with the shape that explains a favourite's torque best, of their whole range.
+def best_imitations(context: Context, rival: Trial, fits: Sequence[LinearFit]) -> list[Score]:
+    """The rival with the shape that explains each favourite's torque best, of their whole range.
 
     Args:
         context: Of `context_beside`.
         rival: With the shape that explains the data.
-        fit: Of the favourite's torque, by `torque_beside`.
+        fits: Of the favourites' torques, on the same rows, by `torque_beside`.
     """
     entry = CATALOGUE[rival.name]
     shapes = entry.shapes_for(context, rival.target)
     values = [rival.values, *grid_of(shapes)] if shapes else [rival.values]
-    tried = (catalogue_trial(entry, context, rival.target, v, fit.rows) for v in values)
-    scores = [score(trial, fit) for trial in tried]
-    # From where the rival stands, and from the best of the grid: there is more than one valley.
-    starts = {s.trial.values: s for s in (scores[0], max(scores, key=lambda s: s.gain))}
-    return max((refine(s, fit, context) for s in starts.values()), key=lambda s: s.gain)
+    tried = [catalogue_trial(entry, context, rival.target, v, fits[0].rows) for v in values]
+
+    def best(fit: LinearFit) -> Score:
+        scores = [score(trial, fit) for trial in tried]
+        # From where the rival stands, and from the best of the grid: there is more than one valley.
+        starts = {s.trial.values: s for s in (scores[0], max(scores, key=lambda s: s.gain))}
+        return max((refine(s, fit, context) for s in starts.values()), key=lambda s: s.gain)
+
+    return side_by_side(best, fits)
 
 
 def with_further(shop: Workshop, layout: Layout, further: Prepared | None) -> Layout:

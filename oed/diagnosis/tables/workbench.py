@@ -28,7 +28,7 @@ from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense
 from oed.dynamics.effects import Effect, MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives
-from oed.dynamics.effects.delay import Late, TimeDelay
+from oed.dynamics.effects.delay import TimeDelay
 from oed.dynamics.effects.payload import PayloadChange, PickUp
 from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
@@ -231,7 +231,7 @@ def early_and_late(chosen: Sequence[Trial]) -> list[Trial]:
 def comes_first(trial: Trial) -> bool:
     """Whether an addition is a torque that comes before what it does."""
     lag = _lag_of(trial)
-    return isinstance(lag, Late) and lag.late_by < 0
+    return isinstance(lag, TimeDelay) and lag.delay < 0
 
 
 def is_pure_delay(trial: Trial) -> bool:

@@ -1,4 +1,4 @@
-"""Torque that is recorded late, or early: a pure delay, or the lag of a filter."""
+"""Torque that is recorded late: a pure delay, or the lag of a filter."""
 
 from __future__ import annotations
 
@@ -19,11 +19,6 @@ from oed.dynamics.motion import Motion
 
 class Late(MeasurementEffect):
     """Torque that is recorded late, through a linear filter that does not change with time."""
-
-    @property
-    @abstractmethod
-    def late_by(self) -> float:
-        """Delay at low frequency [s]; negative if the torque comes first."""
 
     @abstractmethod
     def response(
@@ -46,11 +41,6 @@ class TimeDelay(Late):
 
     delay: float
     name = "time_delay"
-
-    @property
-    def late_by(self) -> float:
-        """The delay."""
-        return self.delay
 
     def through(
         self,
@@ -85,12 +75,10 @@ class FilterLag(Late):
     """Recorded torque is the model's torque through 1 / (1 + T s + kappa T^2 s^2).
 
     kappa = 0 is the first-order lag, 1/4 two equal ones, 1/2 a Butterworth filter; all have
-    the same delay T at low frequency. Below zero T is that of the positions: they went through
-    1 / (1 + |T| s + kappa T^2 s^2), and the torque comes first, as that of a drive that follows
-    its command does too.
+    the same delay T at low frequency.
 
     Attributes:
-        time_constant: T [s]; negative if the position is the late one.
+        time_constant: T [s].
         curvature: kappa.
     """
 
@@ -99,13 +87,10 @@ class FilterLag(Late):
     name = "filter_lag"
 
     def __post_init__(self) -> None:
-        if self.curvature < 0:
-            raise ValueError(f"{self.curvature=} must be at least 0")
-
-    @property
-    def late_by(self) -> float:
-        """T."""
-        return self.time_constant
+        if self.time_constant <= 0 or self.curvature < 0:
+            raise ValueError(
+                f"{self.time_constant=} must be positive and {self.curvature=} at least 0"
+            )
 
     def through(
         self,
@@ -114,18 +99,15 @@ class FilterLag(Late):
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns through the filter."""
         T = self.time_constant
-        if T <= 0:
-            return columns(unfiltered(motion, -T, self.curvature))
         second_order = [self.curvature * T**2] if self.curvature > 0 else []
         return respond(motion.t, columns(motion), [1.0], [*second_order, T, 1.0])
 
     def response(
         self, frequency: Float[ndarray, " frequencies"]
     ) -> Complex[ndarray, " frequencies"]:
-        """1 / (1 + T s + kappa T^2 s^2), or what undoes it."""
-        delayed_by = 2j * np.pi * frequency * abs(self.time_constant)
-        polynomial = 1 + delayed_by + self.curvature * delayed_by**2
-        return polynomial if self.time_constant < 0 else 1 / polynomial
+        """1 / (1 + T s + kappa T^2 s^2)."""
+        delayed_by = 2j * np.pi * frequency * self.time_constant
+        return 1 / (1 + delayed_by + self.curvature * delayed_by**2)
 
 
 def delayed(motion: Motion, delay: float) -> Motion:
@@ -137,24 +119,6 @@ def delayed(motion: Motion, delay: float) -> Motion:
     """
     instants = earlier(motion, delay)
     q, dq, ddq = (curve(instants) for curve in motion.curves)
-    return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
-
-
-def unfiltered(motion: Motion, time_constant: float, curvature: float) -> Motion:
-    """The motion of which another is what a filter 1 / (1 + T s + kappa T^2 s^2) leaves.
-
-    Args:
-        motion: Filtered, smooth between samples: cubic in acceleration.
-        time_constant: T [s].
-        curvature: kappa.
-    """
-    acceleration = make_interp_spline(motion.t, motion.ddq, k=3)
-    jerk, snap = (acceleration(motion.t, order) for order in (1, 2))
-    states = (motion.q, motion.dq, motion.ddq, jerk, snap)
-    q, dq, ddq = (
-        value + time_constant * rate + curvature * time_constant**2 * bend
-        for value, rate, bend in zip(states, states[1:], states[2:], strict=False)
-    )
     return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
 
 

@@ -84,7 +84,7 @@ FILTER_LAG = CatalogueEntry(
     families=("lag",),
     scope="arm",
     shapes=(
-        Shape("time_constant", "s", -0.05, 0.05, "signed log", 16, 3e-3, linear_below=3e-4),
+        Shape("time_constant", "s", 2e-4, 0.05, "log", 12, 3e-3),
         Shape("curvature", "1", 0.0, 0.5, "linear", 2, 0.0, plain=True),
     ),
     build=_lag,
@@ -93,11 +93,10 @@ FILTER_LAG = CatalogueEntry(
     unit_coefficient=True,
     equivalent=("time_delay of the same size, to first order in frequency",),
     page=EffectPage(
-        equation="τ_recorded = τ / (1 + T s + κ T² s²), or, T < 0, q_recorded = q / (1 + |T| s + κ T² s²)",
+        equation="τ_recorded = τ / (1 + T s + κ T² s²)",
         source="Ljung 1999, System Identification, section 4.2",
-        parameters="T 0.3 to 15 ms, one for all joints, below zero where the positions are "
-        "filtered or a drive follows its command; κ 0 (first order), 1/4 (two equal lags), 1/2 "
-        "(Butterworth)",
+        parameters="T 0.3 to 15 ms, one for all joints; κ 0 (first order), 1/4 (two equal lags), "
+        "1/2 (Butterworth)",
         signature="residual like the torque's derivative, edges rounded",
         confused_with=("time_delay", "presliding_hysteresis", "stribeck"),
         exposed_by="motions of 8 to 15 harmonics, reversals of unequal size",
@@ -105,10 +104,17 @@ FILTER_LAG = CatalogueEntry(
 )
 
 
-MOST_WAVES = 12  # of an angle's error in a turn
-# They by its formula: of a disc off centre, of a tilted one, of the first and one that is shorter.
-WAVES = {1.0: (1.0,), 2.0: (2.0,)} | {n + 1.0: (1.0, float(n)) for n in range(2, MOST_WAVES + 1)}
-SCANNED = (2.0, 5.0, 7.0, 9.0)  # formulas of a first scan besides the first
+# Waves of an angle's error, by its formula: a disc off centre, a tilted one, both; the first with
+# one of several poles, or of signals whose interpolation errs.
+WAVES = {
+    1.0: (1.0,),
+    2.0: (2.0,),
+    3.0: (1.0, 2.0),
+    4.0: (1.0, 4.0),
+    5.0: (1.0, 6.0),
+    6.0: (1.0, 8.0),
+}
+SCANNED = (2.0, 4.0, 5.0, 6.0)  # formulas of a first scan besides the first
 
 
 def _eccentricity(
@@ -149,7 +155,7 @@ ENCODER_ECCENTRICITY = CatalogueEntry(
         equation="H at q + a sin q + b cos q; at 2 q, or with a wave of n q, where the data ask for it",
         source="Hanselman 1990, IEEE Trans. Industrial Electronics 37(6), 556-561",
         parameters="a, b in rad, amplitude 1e-4 to 1e-3: once a turn of a disc off centre, twice "
-        "of a tilted one, n up to 12 of poles, or of signals whose interpolation errs",
+        "of a tilted one, n = 4, 6 or 8 of poles, or of signals whose interpolation errs",
         signature="a wave in position whose size grows with the square of velocity",
         confused_with=("torque_ripple", "position_dependent_friction", "gravity_direction"),
         exposed_by="the same positions at two speeds",
