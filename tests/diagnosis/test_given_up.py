@@ -1,4 +1,4 @@
-"""A name that falls takes with it what settled beside it."""
+"""A name that falls takes with it what settled beside it, and a tilt all that was found under it."""
 
 import dataclasses
 
@@ -25,13 +25,17 @@ def state():
         )
     ]
     home, aside, offset = names
-    found = NameSearch(shop, [], upright=False, accepted=[aside, offset])
-    found.history = [(shop, []), (shop, [home]), (shop, [aside, offset])]
-    return found
+    return with_history(NameSearch(shop, [], False, [aside, offset]), [], [home], [aside, offset])
+
+
+def with_history(search, *steps):
+    """A search that came by these names, on the tables that it has."""
+    search.history = [NameSearch(search.shop, [], False, step) for step in steps]
+    return search
 
 
 def test_the_others_are_as_they_were_before_it_came(state):
-    _, (_, (home,)), _ = state.history
+    (home,) = state.history[1].accepted
     aside, offset = state.accepted
     state.give_up({offset.trial.key}, [aside])
     assert state.accepted == [home]
@@ -40,7 +44,7 @@ def test_the_others_are_as_they_were_before_it_came(state):
 
 def test_names_that_never_stood_alone_stay_as_they_are(state):
     aside, offset = state.accepted
-    state.history = [(state.shop, []), (state.shop, [offset])]
+    with_history(state, [], [offset])
     state.give_up({offset.trial.key}, [aside])
     assert state.accepted == [aside]
 
@@ -51,3 +55,21 @@ def test_tables_come_back_with_the_names(state):
     aside, offset = state.accepted
     state.give_up({offset.trial.key}, [aside])
     assert state.shop is first
+
+
+def test_without_a_tilt_the_search_goes_on_from_where_it_was_named(state):
+    level, (home,) = state.shop, state.history[1].accepted
+    aside, offset = state.accepted
+    state.history[1].barred, state.history[1].paired = {("backlash", 1)}, {0}
+    state.shop = level.on(dataclasses.replace(level.baseline))
+    state.shop.declared = level.baseline
+    state.history[2].shop = state.shop
+    goes_on = state.before_tilt()
+    assert goes_on is not None
+    assert goes_on.upright
+    assert goes_on.shop is level
+    assert goes_on.accepted == [home]
+    assert (goes_on.barred, goes_on.paired) == ({("backlash", 1)}, {0})
+    goes_on.accepted.append(offset)  # what it does is not what was
+    assert state.history[1].accepted == [home]
+    assert with_history(state, [], [aside]).before_tilt() is None  # turned from the start

@@ -10,7 +10,8 @@ from scipy.stats import chi2
 from oed.diagnosis.candidates.surrogates import NullSearch, flipped, moved_in_time, undiminished
 from oed.diagnosis.fit.addition import NormalEquations
 from oed.diagnosis.tables.workbench import fit_layout
-from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, score
+from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, score, scores
+from oed.diagnosis.terms.trials import dense
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of
 
@@ -96,3 +97,32 @@ def test_one_column_is_solved_as_one_of_several():
     assert alone.rank == beside_nothing.rank == 1
     assert alone.gain == pytest.approx(beside_nothing.gain)
     assert alone.coefficients[0] == pytest.approx(beside_nothing.coefficients[0])
+
+
+def test_each_of_many_gains_what_a_least_squares_fit_with_it_leaves_less():
+    shop = shop_of(data_set(5))
+    layout = shop.mean
+    trials = [t for t in shop.physical if not t.between_repetitions]
+    chosen = {t.key: t for t in trials}.values()  # the last shape of each
+    fit = shop.fit([], layout).fit
+    flat = np.concatenate([layout.regressor, layout.nuisances], axis=2).reshape(
+        fit.residual.size, -1
+    )
+    flat = flat / np.where(norms := np.linalg.norm(flat, axis=0), norms, 1.0)
+
+    def left(columns, target):
+        return target - columns @ np.linalg.lstsq(columns, target, rcond=1e-7)[0]
+
+    before = np.sum(left(flat, layout.torque.ravel()) ** 2)
+    kinds = set()
+    for own in scores(list(chosen), fit):
+        whole = dense(own.trial, *fit.residual.shape).reshape(len(flat), -1)
+        if own.freedom < whole.shape[1] and not own.trial.fixed:
+            continue  # part of it is the model's, up to a tolerance that is not this fit's
+        target, columns = layout.torque.ravel(), np.hstack([flat, whole])
+        if own.trial.fixed:
+            target, columns = target - whole.sum(axis=1), flat
+        expected = before - np.sum(left(columns, target) ** 2)
+        assert own.gain == pytest.approx(expected, rel=1e-5, abs=1e-6 * before), own.trial.key
+        kinds.add((own.trial.fixed, whole.shape[1] > 1))
+    assert kinds == {(True, False), (False, False), (False, True)}

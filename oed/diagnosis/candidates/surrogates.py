@@ -80,13 +80,14 @@ class NullSearch:
 
     fit: LinearFit
     trials: Sequence[Trial]
-    equations: Sequence[NormalEquations]
+    equations: Sequence[tuple[list[int], NormalEquations]]
 
     @classmethod
     def beside(cls, fit: LinearFit, trials: Sequence[Trial]) -> NullSearch:
         """Lay trials out beside a model."""
-        groups = [t.group for t in trials]
-        return cls(fit, trials, normal_equations_of_all(fit.projection, fit.residual, groups))
+        groups, grams = [t.group for t in trials], [t.gram for t in trials]
+        found = normal_equations_of_all(fit.projection, fit.residual, groups, grams)
+        return cls(fit, trials, found)
 
     def largest_surprises(
         self, residuals: Float[ndarray, "joints rows count"]
@@ -99,26 +100,33 @@ class NullSearch:
         inflation = inflation_of(self.fit)
         most: dict[int, Float[ndarray, " count"]] = {}
         moments = moments_of_all([t.group for t in self.trials], residuals)
-        for trial, own, along in zip(self.trials, self.equations, moments, strict=True):
-            freedom, gains = self._gains(trial, own, along - own.inside.T @ inside)
-            gains = gains / inflation[list(trial.group)].mean()
-            most[freedom] = np.maximum(most.get(freedom, 0.0), gains)
+        for places, equations in self.equations:
+            own = [self.trials[k] for k in places]
+            outside = np.stack([moments[k] for k in places]) - (
+                equations.inside.swapaxes(-1, -2) @ inside
+            )
+            noise = np.array([inflation[list(t.group)].mean() for t in own])
+            gains = _gains(own, equations, outside) / noise[:, None]
+            for trial, rank, gain in zip(own, equations.directions.rank, gains, strict=True):
+                freedom = max(trial.shapes + (0 if trial.fixed else int(rank)), 1)
+                most[freedom] = np.maximum(most.get(freedom, 0.0), gain)
         # Of as many parameters, what gains most surprises most.
         largest = [minus_log_chance(gains, freedom) for freedom, gains in most.items()]
         return np.max([np.zeros(residuals.shape[2]), *largest], axis=0)
 
-    @staticmethod
-    def _gains(
-        trial: Trial, equations: NormalEquations, moments: Float[ndarray, "columns count"]
-    ) -> tuple[int, Float[ndarray, " count"]]:
-        """Parameters that a trial costs, and its gain by its moments with each of many residuals."""
-        directions = equations.directions
-        if not directions.rank:
-            return 1, np.zeros(moments.shape[1])
-        if trial.fixed:
-            gains = np.maximum(2 * moments.sum(axis=0) - equations.gram.sum(), 0.0)
-            return max(trial.shapes, 1), gains
-        return directions.rank + trial.shapes, directions.gains(moments, ridge_of(trial))
+
+def _gains(
+    trials: Sequence[Trial],
+    equations: NormalEquations,
+    moments: Float[ndarray, "trials columns count"],
+) -> Float[ndarray, "trials count"]:
+    """What each trial gains by its moments with each of many residuals."""
+    directions = equations.directions
+    gains = directions.gains(moments, np.array([ridge_of(t) for t in trials]))
+    fixed = [k for k, trial in enumerate(trials) if trial.fixed and directions.rank[k]]
+    sizes = equations.gram[fixed].sum(axis=(1, 2))
+    gains[fixed] = np.maximum(2 * moments[fixed].sum(axis=1) - sizes[:, None], 0.0)
+    return gains
 
 
 def family_p_value(surprise: float, surrogates: Float[ndarray, " count"]) -> float:

@@ -98,7 +98,7 @@ def _judged(
     gains, coefficients = directions.gains(moments), directions.coefficients(moments)
     own = sum(np.sum((b @ coefficients) ** 2, axis=0) for b in trial.group.values())
     cancelled = np.maximum(own / np.maximum(gains, 1e-300), 1.0)
-    freedom = directions.rank + trial.shapes
+    freedom = int(directions.rank) + trial.shapes
     charged = freedom * np.log(count) + len(coefficients) * np.log(cancelled)
     return np.stack([gains, gains - charged, freedom * ones, cancelled])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -37,7 +38,7 @@ class NameSearch:
         paired: Joints in which two names were tried at once.
         shown: Keys of names that were found in the validation recordings.
         beside: Free-form terms beside which signs are read off.
-        history: Tables and names before each addition.
+        history: The search before each addition.
     """
 
     shop: Workshop
@@ -49,14 +50,14 @@ class NameSearch:
     paired: set[int] = field(default_factory=set)
     shown: set[tuple[str, object]] = field(default_factory=set)
     beside: tuple[Trial, ...] = ()
-    history: list[tuple[Workshop, list[Accepted]]] = field(default_factory=list)
+    history: list[NameSearch] = field(default_factory=list)
 
     def add_names(self) -> None:
         """Add, exchange and drop names until none passes all tests."""
-        most, seen = self.shop.most_effects, [self._names()]
+        most, seen = self.shop.most_effects, [self.names]
         while len(self.accepted) + self.shop.is_turned < most:
             room = most - len(self.accepted) - self.shop.is_turned
-            self.history.append((self.shop, [*self.accepted]))
+            self.history.append(self.as_it_is())
             fresh = self._next_ones(room)
             pick = fresh[0] if fresh else None
             if pick is None:
@@ -76,10 +77,10 @@ class NameSearch:
             self._settle(fresh)
             self.turn_again()
             self._sharpen(fresh)
-            if pick is not None and self._names() in seen:
+            if pick is not None and self.names in seen:
                 # They fell beside the others, or change places for ever.
                 self.barred |= {a.trial.key for a in fresh}
-            seen.append(self._names())
+            seen.append(self.names)
 
     def give_up(self, fallen: set[tuple[str, object]], names: list[Accepted]) -> None:
         """Go on without names that fell, as if they had not been found where the others were before.
@@ -92,13 +93,24 @@ class NameSearch:
         """
         self.barred |= fallen
         self.accepted = names
-        left = {a.trial.key for a in names}
-        for shop, before in reversed(self.history):
-            if {a.trial.key for a in before} == left and shop.is_turned == self.shop.is_turned:
-                self.shop, self.accepted = shop, [*before]
-                shop.update_context(shop.fit([a.trial for a in before], bend=False))
+        left = self.names
+        for before in reversed(self.history):
+            if before.names == left:
+                self.shop, self.accepted = before.shop, [*before.accepted]
+                self.renew_context()
                 break
         self.turn_again()
+
+    def before_tilt(self) -> NameSearch | None:
+        """A search that goes on from before the tables were turned, and turns them no more.
+
+        None if they were turned from the start.
+        """
+        for before in reversed(self.history):
+            if not before.shop.is_turned:
+                before.renew_context()
+                return dataclasses.replace(before.as_it_is(), upright=True)
+        return None
 
     def sharpen(self, whole: Sequence[Accepted]) -> bool:
         """Whether signs are other ones beside what has no name; once, and the tables with them.
@@ -146,7 +158,26 @@ class NameSearch:
             self.shop = turned(self.shop, [a.trial for a in self.accepted])
             self._settle()
 
-    def _names(self) -> tuple[bool, set[tuple[str, object]]]:
+    def as_it_is(self) -> NameSearch:
+        """The search as it is now; what was turned down is told to both."""
+        return dataclasses.replace(
+            self,
+            accepted=[*self.accepted],
+            barred={*self.barred},
+            grouped={*self.grouped},
+            paired={*self.paired},
+            shown={*self.shown},
+            history=[*self.history],
+        )
+
+    def renew_context(self) -> None:
+        """The torque that others refer to, as it was beside the names: later ones have moved it."""
+        names = [a.trial for a in self.accepted]
+        self.shop.update_context(self.shop.fit(names, bend=False))
+
+    @property
+    def names(self) -> tuple[bool, set[tuple[str, object]]]:
+        """Keys of the names, and whether a tilt is one of them."""
         return self.shop.is_turned, {a.trial.key for a in self.accepted}
 
     def _next_behind_noise(self) -> Accepted | None:

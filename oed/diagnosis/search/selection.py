@@ -38,7 +38,8 @@ def search(
     """
     refused = list(refused)
     start = shop if upright else ((turned(shop, ()) if instead_of else far_tilt(shop)) or shop)
-    found, accepted = _added(start, refused, upright=upright, barred=instead_of)
+    names = NameSearch(start, refused, upright=upright, barred=set(instead_of))
+    found, accepted = _added(names)
     tilts = []
     if found.is_turned:
         tilt = accepted_tilt(found, shop)
@@ -47,7 +48,8 @@ def search(
             tilts = [tilt]
         else:
             refused.append(refusal(tilt, fault))
-            found, accepted = _added(shop, refused, upright=True, barred=instead_of)
+            anew = NameSearch(shop, refused, upright=True, barred=set(instead_of))
+            found, accepted = _added(names.before_tilt() or anew)
     return _concluded(found, accepted, refused, tilts)
 
 
@@ -66,19 +68,12 @@ def with_stand_ins(shop: Workshop, selection: Selection) -> Selection:
     return Selection.of(shop, whole, refused)
 
 
-def _added(
-    shop: Workshop,
-    refused: list[Refused],
-    *,
-    upright: bool,
-    barred: frozenset[tuple[str, object]],
-) -> tuple[Workshop, list[Accepted]]:
+def _added(state: NameSearch) -> tuple[Workshop, list[Accepted]]:
     """Named effects, then free-form terms.
 
     Where a free-form term makes a name superfluous, others that it kept out have their turn.
     """
-    state = NameSearch(shop, refused, upright=upright, barred=set(barred))
-    given_up = []
+    refused, given_up = state.refused, []
     while True:
         state.add_names()
         unreviewed = _with_free_forms(state.shop, state.accepted, refused)

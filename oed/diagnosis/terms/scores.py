@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,30 +79,57 @@ def inflation_of(fit: LinearFit) -> Float[ndarray, " joints"]:
 
 def score(trial: Trial, fit: LinearFit) -> Score:
     """Judge one trial beside a model."""
-    return _scored(trial, normal_equations(fit.projection, fit.residual, trial.group))
+    normal = normal_equations(fit.projection, fit.residual, trial.group)
+    return _scored([trial], normal.in_a_row())[0]
 
 
 def scores(trials: Sequence[Trial], fit: LinearFit) -> list[Score]:
     """The same of many, at a fraction of the time."""
-    groups = [trial.group for trial in trials]
-    normals = normal_equations_of_all(fit.projection, fit.residual, groups)
-    return [_scored(trial, normal) for trial, normal in zip(trials, normals, strict=True)]
+    groups, grams = [t.group for t in trials], [t.gram for t in trials]
+    found: dict[int, Score] = {}
+    for places, normal in normal_equations_of_all(fit.projection, fit.residual, groups, grams):
+        found |= zip(places, _scored([trials[k] for k in places], normal), strict=True)
+    return [found[k] for k in range(len(trials))]
 
 
-def _scored(trial: Trial, normal: NormalEquations) -> Score:
-    if trial.fixed:
-        towards, size = float(normal.moment.sum()), float(normal.gram.sum())
-        ones = np.ones(len(normal.lengths))
-        if np.trace(normal.gram) < 1e-6 * normal.lengths.sum():  # the model has it all
-            return Score(trial, 0.0, trial.shapes, ones)
-        promise = max(towards, 0.0) ** 2 / size
-        return Score(trial, 2 * towards - size, trial.shapes, ones, promise=promise)
-    found = normal.solved(ridge_of(trial))
-    freedom = found.rank + trial.shapes if found.rank else 0
-    own = normal.squares(found.coefficients)
-    cancelled = own / found.gain if found.gain > 0 else 1.0
-    # Its size is free as it is.
-    return Score(trial, found.gain, freedom, found.coefficients, cancelled, promise=found.gain)
+def _scored(trials: Sequence[Trial], normal: NormalEquations) -> list[Score]:
+    """Scores of trials of as many columns, by the normal equations of each."""
+    found: dict[int, Score] = {}
+    if fixed := [k for k, trial in enumerate(trials) if trial.fixed]:
+        found |= zip(
+            fixed, _as_they_are([trials[k] for k in fixed], normal.some(fixed)), strict=True
+        )
+    if free := [k for k in range(len(trials)) if k not in found]:
+        own = [trials[k] for k in free]
+        found |= zip(free, _by_free_size(own, normal.some(free)), strict=True)
+    return [found[k] for k in range(len(trials))]
+
+
+def _as_they_are(trials: Sequence[Trial], normal: NormalEquations) -> Iterator[Score]:
+    """Of trials whose coefficients are one."""
+    numbers = zip(
+        normal.moment.sum(axis=1).tolist(),
+        normal.gram.sum(axis=(1, 2)).tolist(),
+        np.trace(normal.gram, axis1=1, axis2=2).tolist(),
+        normal.lengths.sum(axis=1).tolist(),
+        strict=True,
+    )
+    ones = np.ones(normal.lengths.shape[1])
+    for trial, (towards, size, outside, whole) in zip(trials, numbers, strict=True):
+        if outside < 1e-6 * whole:  # the model has it all
+            yield Score(trial, 0.0, trial.shapes, ones)
+        else:
+            promise = max(towards, 0.0) ** 2 / size
+            yield Score(trial, 2 * towards - size, trial.shapes, ones, promise=promise)
+
+
+def _by_free_size(trials: Sequence[Trial], normal: NormalEquations) -> Iterator[Score]:
+    solved = normal.each_solved(np.array([ridge_of(t) for t in trials]))
+    for trial, found in zip(trials, solved, strict=True):
+        freedom = found.rank + trial.shapes if found.rank else 0
+        cancelled = found.squares / found.gain if found.gain > 0 else 1.0
+        # Its size is free as it is.
+        yield Score(trial, found.gain, freedom, found.coefficients, cancelled, promise=found.gain)
 
 
 def none_explains_more(

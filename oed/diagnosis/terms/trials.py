@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -12,6 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.fit.addition import gram_of
 from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.coordinates import OtherTorque
@@ -50,6 +52,11 @@ class Trial:
     shapes: int
     contrast: bool = False
     decided: bool = False
+
+    @cached_property
+    def gram(self) -> Float[ndarray, "columns columns"]:
+        """Products of its white columns with one another."""
+        return gram_of(self.group)
 
     @property
     def key(self) -> tuple[str, object]:
