@@ -42,7 +42,7 @@ def with_own_moments(shop: Workshop, others: Sequence[Trial], found: Score) -> S
         others: Additions that it stands beside.
         found: A candidate of any name.
     """
-    if not _is_load(found.trial):
+    if not is_load(found.trial):
         return found
     if shop.pickups:  # of a load that was given up
         shop.take_up(())
@@ -99,7 +99,7 @@ def _with_moments(shop: Workshop, others: Sequence[Trial], start: Score) -> Scor
 
 def take_up_again(shop: Workshop, chosen: Sequence[Trial]) -> None:
     """Moments of a load read off anew, beside all that is known by now."""
-    if shop.pickups and any(map(_is_load, chosen)):
+    if shop.pickups and any(map(is_load, chosen)):
         whole = shop.fit(chosen, shop.full, bend=False)
         shop.take_up(read_off(shop, whole, (*shop.estimation[1:], *shop.validation)))
 
@@ -117,7 +117,7 @@ def read_off(
     """
     price = _price(shop) * float(inflation_of(whole.fit).mean())
     pairs = list(zip(whole.chosen, whole.coefficients, strict=True))
-    load, coefficients = next(p for p in pairs if _is_load(p[0]))
+    load, coefficients = next(p for p in pairs if is_load(p[0]))
     rest = [(t, c) for t, c in pairs if t is not load]
     bare = dataclasses.replace(
         whole, chosen=tuple(t for t, _ in rest), coefficients=tuple(c for _, c in rest)
@@ -151,7 +151,8 @@ def _with_pickups(load: Trial, pickups: tuple[PickUp, ...]) -> Trial:
     return dataclasses.replace(load, effect=effect)
 
 
-def _is_load(trial: Trial) -> bool:
+def is_load(trial: Trial) -> bool:
+    """Whether an addition is a load that is taken up at some moment."""
     return isinstance(trial.effect, PayloadChange)
 
 

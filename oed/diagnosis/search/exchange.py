@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from functools import partial
 from itertools import combinations
 
 import numpy as np
 
-from oed.diagnosis.candidates.accepted import Accepted
+from oed.diagnosis.candidates.accepted import Accepted, at_home
 from oed.diagnosis.candidates.calming import worth_beside
 from oed.diagnosis.candidates.crests import climbed
 from oed.diagnosis.candidates.judgement import held_out_fault
@@ -20,10 +21,11 @@ from oed.diagnosis.candidates.telling import may_replace, replaces
 from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.free_form_rivals import curves_explain_more
+from oed.diagnosis.side_by_side import one_by_one
 from oed.diagnosis.tables.workbench import Layout, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import AT_REST, MOST_ROUNDS, at_rest
-from oed.diagnosis.terms.scores import Score, implausible, score
+from oed.diagnosis.terms.scores import Score, Worth, implausible, score
 from oed.diagnosis.terms.trials import Trial
 
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
@@ -105,17 +107,41 @@ def settled(
     for _ in range(MOST_EXCHANGES):
         trials = [a.trial for a in accepted]
         shop.update_context(shop.fit(trials, bend=False))
-        changed = False
-        for k in range(len(accepted)):
-            if fresh and len(accepted) > MANY and moved.isdisjoint(accepted[k].trial.group):
-                continue
-            rest = [a for i, a in enumerate(accepted) if i != k]
-            best = _best_in_place(shop, accepted[k], rest, pool)
-            changed |= best.trial.key != accepted[k].trial.key
-            accepted = [*accepted[:k], best, *accepted[k + 1 :]]
-        if not changed:
+        accepted = [at_home(shop, a) for a in accepted]
+        places = [
+            k
+            for k, a in enumerate(accepted)
+            if not fresh or len(accepted) <= MANY or not moved.isdisjoint(a.trial.group)
+        ]
+        accepted = _looked_at(shop, accepted, places, pool)
+        if [a.trial.key for a in accepted] == [t.key for t in trials]:
             break
     return _best_subset(shop, accepted)
+
+
+def _looked_at(
+    shop: Workshop, accepted: list[Accepted], places: list[int], pool: Sequence[Trial]
+) -> list[Accepted]:
+    """The additions, those in some places refined or exchanged one after another.
+
+    As long as none moves, others may be looked at side by side with it.
+    """
+    gains = [a.gain for a in accepted]
+    while places:
+        best_in = partial(_best_in_place, shop, accepted, pool)
+        done = 0
+        for k, best in zip(places, one_by_one(best_in, places), strict=True):
+            done += 1
+            gains[k] = best.gain
+            if not _is_same(best.trial, accepted[k].trial):
+                accepted = [*accepted[:k], best, *accepted[k + 1 :]]
+                break
+        places = places[done:]
+    return [dataclasses.replace(a, gain=g) for a, g in zip(accepted, gains, strict=True)]
+
+
+def _is_same(one: Trial, other: Trial) -> bool:
+    return one.key == other.key and one.values == other.values
 
 
 def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
@@ -145,14 +171,17 @@ def _best_subset(shop: Workshop, accepted: list[Accepted]) -> list[Accepted]:
 
 
 def _best_in_place(
-    shop: Workshop, current: Accepted, rest: list[Accepted], pool: Sequence[Trial]
+    shop: Workshop, accepted: list[Accepted], pool: Sequence[Trial], place: int
 ) -> Accepted:
-    """The addition with its shape refined, or a better one for its place."""
+    """The addition in a place with its shape refined, or a better one for its place."""
+    current, rest = accepted[place], [*accepted[:place], *accepted[place + 1 :]]
     others = [a.trial for a in rest]
     fit = shop.fit(others, shop.layout(current.trial)).fit
     worth = worth_beside(others, fit.rows)
-    here = at_rest(score(shop.renewed(current.trial), fit), fit, shop.context, worth)
-    here = as_usual(shop, others, here, fit)
+    start = score(shop.renewed(current.trial), fit)
+    here = as_usual(shop, others, at_rest(start, fit, shop.context, worth), fit)
+    if _is_at_rest(shop, start, here, worth):
+        here = start
     if not others or current.trial.is_free_form:
         return Accepted(here.trial, here.gain)
     # Of any joint: what is better by far elsewhere may be why this one looked needed.
@@ -173,6 +202,13 @@ def _best_in_place(
         ):
             return Accepted(rival.trial, rival.gain)
     return Accepted(here.trial, here.gain)
+
+
+def _is_at_rest(shop: Workshop, start: Score, here: Score, worth: Worth) -> bool:
+    """Whether the shape of an addition is as good as the one that it would come to."""
+    if start.freedom != here.freedom or implausible(start, shop.context) is not None:
+        return False
+    return 0 <= worth(here) - worth(start) < AT_REST
 
 
 def _plainer_gears(

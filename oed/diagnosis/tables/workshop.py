@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cached_property
 
 import numpy as np
@@ -165,6 +166,15 @@ class Workshop:
         """Have a load taken up at these moments."""
         self.pickups = pickups
         self.context = dataclasses.replace(self.context, pickups=pickups)
+
+    @contextmanager
+    def for_a_while(self) -> Iterator[None]:
+        """What the tables learn within is forgotten."""
+        known = self.context, self.pickups
+        try:
+            yield
+        finally:
+            self.context, self.pickups = known
 
     def layout_for(self, chosen: Sequence[Trial]) -> Layout:
         """Mean repetitions, or all of them if an addition makes them differ."""
