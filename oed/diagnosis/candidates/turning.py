@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.candidates.accepted import Accepted, at_home
 from oed.diagnosis.fit.linear_fit import LinearFit, span_of_model
 from oed.diagnosis.tables.workshop import Workshop
@@ -130,9 +131,10 @@ def _with_moments(shop: Workshop) -> Workshop:
 def _at_best_tilt(shop: Workshop, others: Sequence[Trial], *, bare: bool = False) -> Workshop:
     """Gauss and Newton's steps to the direction that fits best, without further moments if bare.
 
-    A step that explains less is halved: moments that only the tilt shows multiply it.
+    A step that explains less is halved: moments that only the tilt shows multiply it. All are
+    compared in the noise of the tables as they were.
     """
-    own, left = shop.settle(others, shop.mean)
+    start, (own, left) = shop, shop.settle(others, shop.mean)
     for _ in range(MOST_STEPS):
         trial = _gravity_trial(shop)
         coefficients = shop.fit([*own, trial], shop.mean, bend=False).coefficients[-1]
@@ -140,15 +142,20 @@ def _at_best_tilt(shop: Workshop, others: Sequence[Trial], *, bare: bool = False
         length = float(np.linalg.norm(step))
         step = step * min(1.0, LARGEST_STEP / max(length, SETTLED))
         while np.linalg.norm(step) >= SETTLED:
-            there = _rebuilt(shop, _under_tilt(shop.baseline.model, step), bare=bare)
+            model = _under_tilt(shop.baseline.model, step)
+            there = shop.on(_with_columns(shop, model, bare=bare))
             renewed, less = there.settle(own, there.mean)
             if less < left:
                 break
             step = step / 2
         else:
-            return shop
+            break
         shop, own, left = there, renewed, less
-    return shop
+    if shop is start:
+        return shop
+    found = _rebuilt(shop, shop.baseline.model, bare=bare)
+    found.settle(own, found.mean)
+    return found
 
 
 def _smaller_of_mirrored(shop: Workshop) -> Workshop:
@@ -165,10 +172,15 @@ def _smaller_of_mirrored(shop: Workshop) -> Workshop:
 
 
 def _rebuilt(shop: Workshop, model: TorqueModel, *, bare: bool = False) -> Workshop:
-    """The tables of another model, with the declared one's base parameters if bare."""
+    """The tables of another model in the noise that it leaves."""
+    baseline = _with_columns(shop, model, bare=bare).with_model(model, shop.estimation)
+    return shop.on(baseline)
+
+
+def _with_columns(shop: Workshop, model: TorqueModel, *, bare: bool) -> Baseline:
+    """Another model, with the declared one's base parameters if bare, in the noise of the tables."""
     columns = shop.declared.columns if bare else np.sort(base_parameters(model).columns)
-    baseline = dataclasses.replace(shop.baseline, model=model, columns=columns)
-    return shop.on(baseline.with_model(model, shop.estimation))
+    return dataclasses.replace(shop.baseline, model=model, columns=columns)
 
 
 def _under_tilt(model: TorqueModel, tilt: Float[ndarray, " directions"]) -> TorqueModel:
