@@ -178,9 +178,8 @@ def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
     """Each function of a rich fit takes a degree from the rows that were fitted, not from all."""
     every = 6
 
-    def few(recording, _coulomb, _deviation):
-        rows = np.arange(recording.rows) % every == 0
-        return np.repeat(rows[:, None], 2, axis=1)
+    def few(recordings, _joint, _coulomb, _deviation):
+        return np.concatenate([np.arange(r.rows) % every == 0 for r in recordings])
 
     monkeypatch.setattr(baseline, "_trusted_rows", few)
     found, taps = [], np.zeros(0)

@@ -19,7 +19,7 @@ from oed.diagnosis.baseline.noise_floor import (
     repetition_samples,
     repetition_series,
 )
-from oed.diagnosis.baseline.rich_fit import model_columns, rich_fit
+from oed.diagnosis.baseline.rich_fit import RichFit, lay_out, model_columns, rich_fit
 from oed.diagnosis.baseline.sign_width import (
     signs_of,
     widths_of,
@@ -33,6 +33,7 @@ from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
 from oed.diagnosis.fit.rows import Rows, weigh
 from oed.diagnosis.fit.whitening import Autoregression
+from oed.diagnosis.side_by_side import side_by_side
 from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
@@ -186,31 +187,26 @@ def _free_form_floor(
     fit: LinearFit, prepared: tuple[Prepared, ...], known: Sequence[Float[ndarray, "_ joints"]]
 ) -> NoiseFloor:
     """What a rich fit of each joint leaves of the torque less `known`."""
-    joints = fit.model.robot.n
     coulomb = _coulomb_of(fit)
     pairs = zip(prepared, known, strict=True)
     torque = np.concatenate([p.torque - p.band.apply(k) for p, k in pairs])
     own = model_columns(fit, prepared)
     base = len(fit.columns)
     rough = torque - own[:, :, :base] @ fit.parameters[:base]
-    deviation = np.std(rough, axis=0)
-    # A badly timed reversal stands out ever more clearly as the fit improves.
-    for enriched in (False, True):
-        trusted = np.concatenate([_trusted_rows(p, coulomb, deviation) for p in prepared])
-        found = [
-            rich_fit(
-                fit,
-                prepared,
-                j,
-                own=own[:, j],
-                torque=torque[:, j],
-                trusted=trusted[:, j],
-                enriched=enriched,
-            )
-            for j in range(joints)
-        ]
-        residual = np.stack([f.residual for f in found], axis=1)
-        deviation = np.array([np.std(residual[trusted[:, j], j]) for j in range(joints)])
+
+    def of_joint(j: int) -> tuple[RichFit, Bool[ndarray, " rows"]]:
+        rich = partial(rich_fit, fit, prepared, j, own=own[:, j], torque=torque[:, j])
+        trust = partial(_trusted_rows, prepared, j, float(coulomb[j]))
+        trusted = trust(float(np.std(rough[:, j])))
+        first = rich(trusted=trusted, enriched=False)
+        # A badly timed reversal stands out ever more clearly as the fit improves.
+        trusted = trust(float(np.std(first.residual[trusted])))
+        return rich(trusted=trusted), trusted
+
+    lay_out(prepared)
+    found, seen = zip(*side_by_side(of_joint, range(fit.model.robot.n)), strict=True)
+    residual, trusted = (np.stack(x, axis=1) for x in ([f.residual for f in found], seen))
+    deviation = np.array([np.std(f.residual[rows]) for f, rows in zip(found, seen, strict=True)])
     counted = trusted.sum(axis=0)
     for j, (f, rows) in enumerate(zip(found, counted, strict=True)):
         if rows - f.rank < LEAST_FREEDOM:
@@ -229,10 +225,12 @@ def _free_form_floor(
 
 
 def _trusted_rows(
-    recording: Prepared, coulomb: Float[ndarray, " joints"], deviation: Float[ndarray, " joints"]
-) -> Bool[ndarray, "rows joints"]:
-    pairs = zip(coulomb, deviation, strict=True)
-    fine = [trusted_samples(recording, j, c, d) for j, (c, d) in enumerate(pairs)]
-    rows = np.stack(fine, axis=1)[:: recording.band.factor]
-    # Of a joint that hardly leaves its reversals all rows must do.
-    return np.where(rows.mean(axis=0) > LEAST_TRUSTED, rows, True)
+    prepared: Sequence[Prepared], joint: int, coulomb: float, deviation: float
+) -> Bool[ndarray, " rows"]:
+    trusted = []
+    for recording in prepared:
+        fine = trusted_samples(recording, joint, coulomb, deviation)
+        rows = fine[:: recording.band.factor]
+        # Of a joint that hardly leaves its reversals all rows must do.
+        trusted.append(rows if rows.mean() > LEAST_TRUSTED else np.ones_like(rows))
+    return np.concatenate(trusted)

@@ -77,9 +77,10 @@ def rich_fit(
     rows = int(trusted.sum())
     stretches = Stretches((0, *np.cumsum([p.rows for p in prepared]).tolist()), trusted)
     most = max(10, rows // ROWS_PER_FREE_COLUMN - len(fit.columns) // fit.model.robot.n)
-    terms = _first_terms(prepared, joint, most)
-    first = [own, _first(tuple(terms), tuple(prepared), joint)]
-    span = _basis(np.concatenate(first, axis=1)[trusted], np.zeros((rows, 0)))
+    first = list(_first(tuple(prepared), joint))
+    while len(first) > 1 and sum(block.shape[1] for block in first) > most:
+        first.pop()
+    span = _basis(np.concatenate([own, *first], axis=1)[trusted], np.zeros((rows, 0)))
     left = torque[trusted] - span @ (span.T @ torque[trusted])
     taken = stretches.taken_by(span)
     further = _further(tuple(prepared), joint) if enriched else ()
@@ -99,6 +100,13 @@ def rich_fit(
         span = np.concatenate([span, new], axis=1)
         tried = [_basis(basis, new) for basis in tried]
     return RichFit(stretches.whole(left), span.shape[1], Colour.of(left, taken, stretches))
+
+
+def lay_out(prepared: Sequence[Prepared]) -> None:
+    """Work out what all rich fits of some recordings share, for processes that fork to have it."""
+    for joint in range(prepared[0].torque.shape[1]):
+        _first(tuple(prepared), joint)
+        _further(tuple(prepared), joint)
 
 
 def _basis(
@@ -142,32 +150,13 @@ def _sum(
     return [x + y for x, y in zip(one, other, strict=True)]
 
 
-@lru_cache(maxsize=REMEMBERED)
-def _first(
-    terms: tuple[FreeForm, ...], prepared: tuple[Prepared, ...], joint: int
-) -> Float[ndarray, "rows columns"]:
-    """Filtered columns of the first terms, mostly the same for every fit of a data set."""
-    return _filtered(terms, prepared, joint)
-
-
 def _filtered(
-    terms: Sequence[FreeForm], prepared: Sequence[Prepared], joint: int
+    term: FreeForm, prepared: Sequence[Prepared], joint: int
 ) -> Float[ndarray, "rows columns"]:
-    widths = _sign_widths(prepared)
-    own = [0.0 if t.direction is None else float(widths[t.direction]) for t in terms]
+    turned = term.direction
+    width = 0.0 if turned is None else float(_sign_widths(prepared)[turned])
     return np.concatenate(
-        [
-            p.band.apply(
-                np.concatenate(
-                    [
-                        effect_columns(t, p.motion, width)[joint]
-                        for t, width in zip(terms, own, strict=True)
-                    ],
-                    axis=1,
-                )
-            )
-            for p in prepared
-        ]
+        [p.band.apply(effect_columns(term, p.motion, width)[joint]) for p in prepared]
     )
 
 
@@ -176,8 +165,14 @@ def _sign_widths(prepared: Sequence[Prepared]) -> Float[ndarray, " joints"]:
     return np.maximum(WIDTH_PER_SIGMA * prepared[0].sign_noise, LEAST_WIDTH)
 
 
-def _first_terms(prepared: Sequence[Prepared], joint: int, most: int) -> list[FreeForm]:
-    """Splines in the joint's own coordinates and in the others' positions and velocities."""
+@lru_cache(maxsize=REMEMBERED)
+def _first(
+    prepared: tuple[Prepared, ...], joint: int
+) -> tuple[Float[ndarray, "rows columns"], ...]:
+    """Filtered columns of splines in the joint's own coordinates, and in others' positions and velocities.
+
+    The same for every fit of a data set.
+    """
     terms = [
         FreeForm(joint, (coordinate(prepared, "dq", joint, 10),)),
         FreeForm(joint, (coordinate(prepared, "q", joint, 10),)),
@@ -188,9 +183,7 @@ def _first_terms(prepared: Sequence[Prepared], joint: int, most: int) -> list[Fr
         if other != joint:
             terms.append(FreeForm(joint, (coordinate(prepared, "dq", other, 5),)))
             terms.append(FreeForm(joint, (coordinate(prepared, "q", other, 5),)))
-    while len(terms) > 1 and sum(len(t.parameters) for t in terms) > most:
-        terms.pop()
-    return terms
+    return tuple(_filtered(t, prepared, joint) for t in terms)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -217,7 +210,7 @@ def _further(
         *turned,
         *steady,
     ]
-    blocks = tuple(_filtered([t], prepared, joint) for t in terms)
+    blocks = tuple(_filtered(t, prepared, joint) for t in terms)
     return (*blocks, _own_friction(prepared, joint)) if len(prepared) > 1 else blocks
 
 
