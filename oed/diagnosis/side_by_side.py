@@ -1,6 +1,6 @@
 """Independent parts of a diagnosis on all processors, with the results of one after another.
 
-Forked processes share all that has been laid out; what they make comes back through a pipe. What
+Forked processes share all that has been laid out; what they make comes back through a file. What
 they change, such as a generator's state, does not: only work that changes nothing may be given.
 """
 
@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import os
 import pickle
+import select
 import signal
 import struct
-from collections.abc import Callable, Iterator, Sequence
+import tempfile
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
 from typing import BinaryIO, TypeVar
 
 Item = TypeVar("Item")
@@ -19,6 +22,7 @@ Result = TypeVar("Result")
 PROCESSES = "OED_PROCESSES"  # environment variable: how many may be used, all processors by default
 MOST_ITEMS = 512  # whose places a pipe is sure to hold
 PLACE = struct.Struct("i")
+NOTICE = struct.Struct("iqq")
 
 
 def processes() -> int:
@@ -42,77 +46,112 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> list[
         work: Changes nothing, and makes something that can be pickled.
         items: Taken one by one by whichever process is free.
     """
-    helpers = min(processes(), len(items)) - 1
-    if helpers < 1 or len(items) > MOST_ITEMS:
-        return [work(item) for item in items]
-    todo, places = os.pipe()
-    os.write(places, b"".join(PLACE.pack(k) for k in range(len(items))))
-    os.close(places)
-    children = [_fork(work, items, todo) for _ in range(helpers)]
-    made: dict[int, Result] = {}
-    try:
-        made.update(_taken(work, items, todo))
-        for _, results in children:
-            made.update(_received(results))
-        made |= {k: work(items[k]) for k in range(len(items)) if k not in made}
-    except BaseException:
-        for child, _ in children:
-            os.kill(child, signal.SIGKILL)
-        raise
-    finally:
-        os.close(todo)
-        for child, results in children:
-            results.close()
-            os.waitpid(child, 0)
-    return [made[k] for k in range(len(items))]
+    return list(one_by_one(work, items))
 
 
-def one_by_one(work: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-    """The same for one who may stop at any: as many at once as there are processes.
+def one_by_one(
+    work: Callable[[Item], Result], items: Sequence[Item]
+) -> Generator[Result, None, None]:
+    """The same for one who may stop at any: others are begun before it is asked for them.
 
     Args:
         work: Changes nothing, and makes something that can be pickled.
         items: Taken in their order.
     """
-    at_once = processes()
-    for start in range(0, len(items), at_once):
-        yield from side_by_side(work, items[start : start + at_once])
-
-
-def _taken(
-    work: Callable[[Item], Result], items: Sequence[Item], todo: int
-) -> Iterator[tuple[int, Result]]:
-    """The items that are left when this process is free, each with its place."""
-    while place := os.read(todo, PLACE.size):
-        (k,) = PLACE.unpack(place)
-        yield k, work(items[k])
-
-
-def _fork(work: Callable[[Item], Result], items: Sequence[Item], todo: int) -> tuple[int, BinaryIO]:
-    """A process that takes items, and where its results come from."""
-    read, write = os.pipe()
-    child = os.fork()
-    if child:
-        os.close(write)
-        return child, os.fdopen(read, "rb")
-    os.environ[PROCESSES] = "1"
+    helpers = min(processes(), len(items)) - 1
+    if helpers < 1 or len(items) > MOST_ITEMS:
+        yield from map(work, items)
+        return
+    todo, places = os.pipe()
+    os.write(places, b"".join(PLACE.pack(k) for k in range(len(items))))
+    os.close(places)
+    at_work = [_Helper.begin(work, items, todo) for _ in range(helpers)]
+    made: dict[int, Result | BaseException] = {}
     try:
-        outcome = dict(_taken(work, items, todo))
-    except BaseException as error:  # noqa: BLE001 it is raised again where the results are read
-        outcome = error
-    try:
-        with os.fdopen(write, "wb") as results:
-            pickle.dump(outcome, results, protocol=pickle.HIGHEST_PROTOCOL)
+        for k, item in enumerate(items):
+            while k not in made:
+                _receive(made, at_work, wait=False)
+                if k not in made:
+                    place = os.read(todo, PLACE.size)
+                    if place:
+                        (own,) = PLACE.unpack(place)
+                        made[own] = _outcome(work, items[own])
+                    elif at_work:
+                        _receive(made, at_work, wait=True)
+                    else:  # the process that had it was ended, as where memory runs short
+                        made[k] = _outcome(work, item)
+            result = made.pop(k)
+            if isinstance(result, BaseException):
+                raise result
+            yield result
     finally:
-        os._exit(0)  # nothing of the parent's is to be cleaned up, or printed, twice
+        os.close(todo)
+        for helper in at_work:
+            helper.end()
 
 
-def _received(results: BinaryIO) -> dict[int, Result]:
-    """What a process has made; nothing of one that the system ended, as where memory runs short."""
-    written = results.read()
-    if not written:
-        return {}
-    outcome = pickle.loads(written)  # noqa: S301 this program has written it
-    if isinstance(outcome, BaseException):
-        raise outcome
-    return outcome
+@dataclass(frozen=True)
+class _Helper:
+    """A forked process that takes items.
+
+    Attributes:
+        child: Its number.
+        notices: Place, start and length of each outcome that it has written.
+        outcomes: File of these, one after another.
+    """
+
+    child: int
+    notices: int
+    outcomes: BinaryIO
+
+    @classmethod
+    def begin(cls, work: Callable[[Item], Result], items: Sequence[Item], todo: int) -> _Helper:
+        """Fork it."""
+        read, write = os.pipe()
+        outcomes = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115 open while it works
+        child = os.fork()
+        if child:
+            os.close(write)
+            return cls(child, read, outcomes)
+        try:
+            os.environ[PROCESSES] = "1"
+            start = 0
+            while place := os.read(todo, PLACE.size):
+                (k,) = PLACE.unpack(place)
+                told = pickle.dumps(_outcome(work, items[k]), pickle.HIGHEST_PROTOCOL)
+                outcomes.write(told)
+                os.write(write, NOTICE.pack(k, start, len(told)))
+                start += len(told)
+        finally:
+            os._exit(0)  # nothing of the parent's is to be cleaned up, or printed, twice
+
+    def end(self) -> None:
+        """Leave nothing of it behind."""
+        os.kill(self.child, signal.SIGKILL)
+        os.close(self.notices)
+        self.outcomes.close()
+        os.waitpid(self.child, 0)
+
+
+def _outcome(work: Callable[[Item], Result], item: Item) -> Result | BaseException:
+    """What is made of an item, or the error that it raises, for when its turn has come."""
+    try:
+        return work(item)
+    except Exception as error:  # noqa: BLE001 it is raised again
+        return error
+
+
+def _receive(
+    made: dict[int, Result | BaseException], at_work: list[_Helper], *, wait: bool
+) -> None:
+    """Take in what has been made elsewhere; helpers that make no more are let go."""
+    ready, _, _ = select.select([h.notices for h in at_work], [], [], None if wait else 0)
+    for helper in [h for h in at_work if h.notices in ready]:
+        notice = os.read(helper.notices, NOTICE.size)
+        if notice:
+            k, start, length = NOTICE.unpack(notice)
+            # This program has written it.
+            made[k] = pickle.loads(os.pread(helper.outcomes.fileno(), length, start))  # noqa: S301
+        else:
+            at_work.remove(helper)
+            helper.end()
