@@ -21,6 +21,7 @@ from oed.diagnosis.fit.recent import Recent
 from oed.diagnosis.fit.whitening import Autoregression
 
 LEAST_BLOCK = 4  # rows
+RECENT_TRIALS = 32
 REMEMBERED = 4  # results that are made of rows and of one model or another
 HALF = 0.5  # of a row's window, from which on it is one of a stop
 
@@ -60,6 +61,11 @@ class Rows:
     def remembered(self) -> Recent[Any]:
         """What was made of these rows and something else."""
         return Recent(REMEMBERED)
+
+    @cached_property
+    def trials(self) -> Recent[Any]:
+        """Candidates on these rows: a climb begins where another has ended."""
+        return Recent(RECENT_TRIALS)
 
     def alone(self, number: int, prepared: Prepared) -> Rows:
         """The rows of one recording, or of another in its place that has as many."""

@@ -169,20 +169,24 @@ def catalogue_trial(
     contrast: bool = False,
 ) -> Trial:
     """One entry at one place with one shape."""
-    effect = entry.build(context, target, values)
-    return Trial(
-        name=entry.name,
-        target=target,
-        values=values,
-        effect=effect,
-        group=white_group(effect, rows, contrast=contrast),
-        fixed=entry.unit_coefficient,
-        shapes=sum(
-            shape.scale != "formula" and not shape.is_idle(value)
-            for shape, value in zip(entry.shapes, values, strict=True)
-        ),
-        contrast=contrast,
-    )
+
+    def make() -> Trial:
+        effect = entry.build(context, target, values)
+        return Trial(
+            name=entry.name,
+            target=target,
+            values=values,
+            effect=effect,
+            group=white_group(effect, rows, contrast=contrast),
+            fixed=entry.unit_coefficient,
+            shapes=sum(
+                shape.scale != "formula" and not shape.is_idle(value)
+                for shape, value in zip(entry.shapes, values, strict=True)
+            ),
+            contrast=contrast,
+        )
+
+    return rows.trials.get((entry, context), make, (target, values, contrast))
 
 
 def moved(trial: Trial, rows: Rows, context: Context, *, contrast: bool = False) -> Trial:
