@@ -11,6 +11,7 @@ import io
 import multiprocessing
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -127,6 +128,9 @@ class CaseRunner(Generic[CaseT]):
         self.rows.prepare()
         done = self.rows.done()
         missing = [case for case in cases if case.key not in done]
+        if kept := len(cases) - len(missing):
+            there = f"{kept} of {len(cases)} lines are there and stay, whatever code made them"
+            print(f"{self.label}: {there}; another --out begins anew", file=sys.stderr)
         if scheduler is not None:
             finished = _on_cluster(self.work, missing, scheduler)
         elif workers > 1:

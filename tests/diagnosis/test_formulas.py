@@ -147,14 +147,15 @@ def wrong_by_waves(recording, size, waves):
     return dataclasses.replace(recording, q=q)
 
 
-def test_an_encoder_that_errs_six_times_a_turn_is_named():
+@pytest.mark.parametrize("waves", [5, 6])
+def test_an_encoder_that_errs_several_times_a_turn_is_named(waves):
     dataset = data_set(5)
-    recordings = tuple(wrong_by_waves(r, 4e-3, 6) for r in dataset.recordings)
+    recordings = tuple(wrong_by_waves(r, 4e-3, waves) for r in dataset.recordings)
     wrong = dataclasses.replace(dataset, recordings=recordings)
     (found,) = diagnose(wrong, TorqueModel.standard(wrong.robot), SETTINGS).effects
     values = {p.name: p for p in found.parameters}
     assert (found.name, found.joint) == ("encoder_eccentricity", 0)
-    wave = values["encoder6_sin_1"]
+    wave = values[f"encoder{waves}_sin_1"]
     assert wave.value == pytest.approx(4e-3, abs=4 * wave.std)
 
 

@@ -47,11 +47,15 @@ def test_a_failed_case_is_a_row(tmp_path: Path) -> None:
     assert rows["4"] == {"number": "4", "status": "done", "value": "16"}
 
 
-def test_does_only_what_is_missing(tmp_path: Path) -> None:
+def test_does_only_what_is_missing_and_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     work = runner(tmp_path)
     assert work.run(CASES[:4]) == 4
     before = work.rows.path.read_text()
+    assert "stay" not in capsys.readouterr().err
     assert work.run(CASES) == 2
+    assert "squares: 4 of 6 lines are there and stay" in capsys.readouterr().err
     assert work.rows.path.read_text().startswith(before)
     assert work.run(CASES) == 0
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from jaxtyping import Float
 from numpy import ndarray
@@ -11,10 +11,7 @@ from numpy import ndarray
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, with_joint
-from oed.dynamics.scalars import Scalar, cos, mul, sin
-
-# Central differences of the torque: the error is this squared, far above rounding.
-STEP = 1e-4  # [rad]
+from oed.dynamics.scalars import Scalar, add, cos, mul, sin, total
 
 
 @dataclass(frozen=True)
@@ -81,29 +78,24 @@ class EccentricityColumns(Effect):
         return tuple(f"{x}_{self.joint + 1}" for x in ("q", "dq", "ddq"))
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """Central differences in each a and b."""
-        return [self._slope(wave, state) for wave in range(2 * len(self.harmonics))]
-
-    def _slope(self, wave: int, state: State) -> Mapping[int, Scalar]:
-        above, below = (
-            self.reference.total(self._moved(wave, step, state)) for step in (STEP, -STEP)
-        )
-        return {
-            joint: mul(0.5 / STEP, high - low)
-            for joint, (high, low) in enumerate(zip(above, below, strict=True))
-        }
-
-    def _moved(self, wave: int, size: float, state: State) -> State:
-        waves = [0.0] * (2 * len(self.harmonics))
-        waves[wave] = size
-        error = EncoderEccentricity(self.joint, tuple(waves), self.harmonics)
-        j = self.joint
-        true = error.corrected(state.q[j], state.dq[j], state.ddq[j])
-        q, dq, ddq = (
-            [*before[:j], value, *before[j + 1 :]]
-            for before, value in zip((state.q, state.dq, state.ddq), true, strict=True)
-        )
-        return replace(state, q=q, dq=dq, ddq=ddq, sampled=None)
+        """Derivatives by each a and b, by way of the joint's position, velocity and acceleration."""
+        j, columns = self.joint, []
+        own = self.reference.slopes(state, j), self.reference.slopes_beside(state, j)
+        q, dq, ddq = state.q[j], state.dq[j], state.ddq[j]
+        for n in self.harmonics:
+            s, c = sin(n * q), cos(n * q)
+            for shift, slope in ((s, n * c), (c, -n * s)):
+                bend = slope * ddq - n**2 * shift * dq**2
+                column = {}
+                for i, (rigid, beside) in enumerate(zip(*own, strict=True)):
+                    terms = (
+                        mul(add(rigid[0], beside[0]), shift),
+                        mul(add(mul(rigid[1], dq), beside[1]), slope),
+                        mul(add(rigid[2], beside[2]), bend),
+                    )
+                    column[i] = total(terms)
+                columns.append(column)
+        return columns
 
 
 def _times(harmonic: float) -> str:

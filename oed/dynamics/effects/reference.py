@@ -163,6 +163,12 @@ class ReferenceTorque:
         """
         return self._remembered(f"slopes {joint}", state, lambda: self._slopes(state, joint))
 
+    def slopes_beside(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
+        """The same of all other effects, that by dq times dq: friction turns its sign where dq does."""
+        return self._remembered(
+            f"slopes beside {joint}", state, lambda: self._slopes_beside(state, joint)
+        )
+
     def beside_rigid(self, state: State) -> list[Scalar]:
         """Torque of all other effects of every joint [N m]."""
         return self._remembered("rest", state, lambda: self._beside_rigid(state))
@@ -241,6 +247,26 @@ class ReferenceTorque:
         by_q, by_dq = slope(STEP, 0.0), slope(0.0, 1.0)
         return list(zip(by_q, by_dq, self._column(state, joint), strict=True))
 
+    def _slopes_beside(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
+        def moved(q: float, rate: float, ddq: float) -> State:
+            return dataclasses.replace(
+                state,
+                q=_changed(state.q, joint, add(state.q[joint], q)),
+                dq=_changed(state.dq, joint, mul(1.0 + rate, state.dq[joint])),
+                ddq=_changed(state.ddq, joint, add(state.ddq[joint], ddq)),
+                sampled=None,
+            )
+
+        def slope(q: float, rate: float, ddq: float) -> list[Scalar]:
+            high, low = (
+                self._beside_rigid(moved(way * q, way * rate, way * ddq)) for way in (1.0, -1.0)
+            )
+            half = 0.5 / (q + rate + ddq)
+            return [mul(half, sub(x, y)) for x, y in zip(high, low, strict=True)]
+
+        by_each = (slope(STEP, 0.0, 0.0), slope(0.0, STEP, 0.0), slope(0.0, 0.0, 1.0))
+        return list(zip(*by_each, strict=True))
+
     def _beside_rigid(self, state: State) -> list[Scalar]:
         torque: list[Scalar] = [0.0] * self.robot.n
         columns = (entry for effect in self.others for entry in effect.entries(state))
@@ -272,3 +298,7 @@ class ReferenceTorque:
         if len(self._memory) > REMEMBERED:
             self._memory.popitem(last=False)
         return self._memory[key]
+
+
+def _changed(components: Sequence[Scalar], joint: int, value: Scalar) -> list[Scalar]:
+    return [*components[:joint], value, *components[joint + 1 :]]

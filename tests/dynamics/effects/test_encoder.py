@@ -27,7 +27,12 @@ def test_amplitude_and_phase() -> None:
 
 @pytest.mark.parametrize(
     ("waves", "sizes"),
-    [(1.0, (3e-4, -2e-4)), (2.0, (3e-4, -2e-4)), (3.0, (3e-4, -2e-4, 1e-4, 2e-4))],
+    [
+        (1.0, (3e-4, -2e-4)),
+        (2.0, (3e-4, -2e-4)),
+        (3.0, (3e-4, -2e-4, 1e-4, 2e-4)),
+        (6.0, (3e-4, -2e-4, 3e-5, 2e-5)),
+    ],
 )
 @pytest.mark.parametrize("arm", [vertical_arm, panda])
 def test_columns_give_the_exact_change_for_small_errors(arm, waves, sizes) -> None:

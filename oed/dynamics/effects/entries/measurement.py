@@ -104,17 +104,11 @@ FILTER_LAG = CatalogueEntry(
 )
 
 
-# Waves of an angle's error, by its formula: a disc off centre, a tilted one, both; the first with
-# one of several poles, or of signals whose interpolation errs.
-WAVES = {
-    1.0: (1.0,),
-    2.0: (2.0,),
-    3.0: (1.0, 2.0),
-    4.0: (1.0, 4.0),
-    5.0: (1.0, 6.0),
-    6.0: (1.0, 8.0),
-}
-SCANNED = (2.0, 4.0, 5.0, 6.0)  # formulas of a first scan besides the first
+# Waves of an angle's error, by its formula: a disc off centre, a tilted one, and from the third on
+# both, or the first with one of several poles or of signals whose interpolation errs.
+MOST_WAVES = 12  # periods a turn
+WAVES = {1.0: (1.0,), 2.0: (2.0,)} | {n + 1.0: (1.0, float(n)) for n in range(2, MOST_WAVES + 1)}
+SCANNED = tuple(formula for formula in WAVES if formula > 1)  # in a first scan besides the first
 
 
 def _eccentricity(
@@ -147,15 +141,16 @@ def _with_eccentricity(
 ENCODER_ECCENTRICITY = CatalogueEntry(
     name="encoder_eccentricity",
     scope="joint",
-    shapes=(Shape("waves", "1", 1.0, max(WAVES), "formula", 1, 1.0, also=SCANNED),),
+    shapes=(Shape("formula", "1", 1.0, max(WAVES), "formula", 1, 1.0, also=SCANNED),),
     build=_eccentricity,
     plausible=_eccentricity_plausible,
     install=_with_eccentricity,
     page=EffectPage(
-        equation="H at q + a sin q + b cos q; at 2 q, or with a wave of n q, where the data ask for it",
+        equation="H at q + a sin q + b cos q (formula 1), of 2 q instead (2), or beside another "
+        "wave of n q (n + 1), where the data ask for it",
         source="Hanselman 1990, IEEE Trans. Industrial Electronics 37(6), 556-561",
         parameters="a, b in rad, amplitude 1e-4 to 1e-3: once a turn of a disc off centre, twice "
-        "of a tilted one, n = 4, 6 or 8 of poles, or of signals whose interpolation errs",
+        "of a tilted one, n = 2 to 12 of poles, or of signals whose interpolation errs",
         signature="a wave in position whose size grows with the square of velocity",
         confused_with=("torque_ripple", "position_dependent_friction", "gravity_direction"),
         exposed_by="the same positions at two speeds",
