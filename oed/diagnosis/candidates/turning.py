@@ -18,6 +18,7 @@ from numpy import ndarray
 from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.candidates.accepted import Accepted, at_home
 from oed.diagnosis.fit.linear_fit import LinearFit, span_of_model
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
 from oed.dynamics.effects import RigidBody
@@ -51,16 +52,15 @@ def far_turned(shop: Workshop) -> Workshop | None:
     axes = len(tilt_directions(declared)[0])
     if axes != 2 or all(t.name != GRAVITY for t in shop.physical):
         return None
-    squares = {}
-    for angle, heading in product(FAR, np.arange(4) * np.pi / 2):
-        tilt = angle * np.array([np.cos(heading), np.sin(heading)])
-        squares[tuple(tilt)] = squares_under(shop, _under_tilt(shop.baseline.model, tilt))
-    best = min(squares, key=lambda tilt: squares[tilt])
+    models = [
+        _under_tilt(shop.baseline.model, angle * np.array([np.cos(heading), np.sin(heading)]))
+        for angle, heading in product(FAR, np.arange(4) * np.pi / 2)
+    ]
+    squares = side_by_side(lambda model: squares_under(shop, model), models)
+    best = int(np.argmin(squares))
     if squares[best] > CLEARLY_BETTER * shop.before.fit.squares:
         return None
-    found = _smaller_of_mirrored(
-        turned(_rebuilt(shop, _under_tilt(shop.baseline.model, np.array(best))), ())
-    )
+    found = _smaller_of_mirrored(turned(_rebuilt(shop, models[best]), ()))
     old, new = shop.validation_rms(shop.before), found.validation_rms(found.before)
     if old is not None and new is not None and np.mean((new / old) ** 2) >= 1:
         return None

@@ -81,6 +81,15 @@ class State:
             signs[key] = mean_sign(velocity, width)
         return signs[key]
 
+    def with_joint(self, joint: int, q: Scalar, dq: Scalar, ddq: Scalar) -> State:
+        """The state with other coordinates of one joint."""
+
+        def changed(own: Sequence[Scalar], new: Scalar) -> list[Scalar]:
+            return [*own[:joint], new, *own[joint + 1 :]]
+
+        there = (changed(self.q, q), changed(self.dq, dq), changed(self.ddq, ddq))
+        return State(self.t, *there, self.sign_width, self.averaged)
+
     @cached_property
     def fingerprint(self) -> bytes | None:
         """What tells one sampled motion from another; None for symbols and single instants."""

@@ -230,42 +230,22 @@ class ReferenceTorque:
         return [*expected(signals, 1 / float(np.median(np.diff(motion.t))), noise)]
 
     def _slopes(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
-        def slope(q: float, dq: float) -> list[Scalar]:
-            high, low = (
-                inverse_dynamics(
-                    self.robot,
-                    [add(x, way * q) if j == joint else x for j, x in enumerate(state.q)],
-                    [add(x, way * dq) if j == joint else x for j, x in enumerate(state.dq)],
-                    state.ddq,
-                )
-                for way in (1.0, -1.0)
-            )
-            half = 0.5 / (q + dq)
-            return [mul(half, sub(x, y)) for x, y in zip(high, low, strict=True)]
+        def rigid(there: State) -> list[Scalar]:
+            return inverse_dynamics(self.robot, there.q, there.dq, there.ddq)
 
+        by_q = _slope(rigid, state, joint, STEP, (1.0, 0.0, 0.0))
         # Quadratic in dq: a step of one is exact.
-        by_q, by_dq = slope(STEP, 0.0), slope(0.0, 1.0)
+        by_dq = _slope(rigid, state, joint, 1.0, (0.0, 1.0, 0.0))
         return list(zip(by_q, by_dq, self._column(state, joint), strict=True))
 
     def _slopes_beside(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
-        def moved(q: float, rate: float, ddq: float) -> State:
-            return dataclasses.replace(
-                state,
-                q=_changed(state.q, joint, add(state.q[joint], q)),
-                dq=_changed(state.dq, joint, mul(1.0 + rate, state.dq[joint])),
-                ddq=_changed(state.ddq, joint, add(state.ddq[joint], ddq)),
-                sampled=None,
-            )
-
-        def slope(q: float, rate: float, ddq: float) -> list[Scalar]:
-            high, low = (
-                self._beside_rigid(moved(way * q, way * rate, way * ddq)) for way in (1.0, -1.0)
-            )
-            half = 0.5 / (q + rate + ddq)
-            return [mul(half, sub(x, y)) for x, y in zip(high, low, strict=True)]
-
-        by_each = (slope(STEP, 0.0, 0.0), slope(0.0, STEP, 0.0), slope(0.0, 0.0, 1.0))
-        return list(zip(*by_each, strict=True))
+        ways = (
+            (STEP, (1.0, 0.0, 0.0)),
+            (STEP, (0.0, state.dq[joint], 0.0)),
+            (1.0, (0.0, 0.0, 1.0)),
+        )
+        found = [_slope(self._beside_rigid, state, joint, step, way) for step, way in ways]
+        return list(zip(*found, strict=True))
 
     def _beside_rigid(self, state: State) -> list[Scalar]:
         torque: list[Scalar] = [0.0] * self.robot.n
@@ -300,5 +280,17 @@ class ReferenceTorque:
         return self._memory[key]
 
 
-def _changed(components: Sequence[Scalar], joint: int, value: Scalar) -> list[Scalar]:
-    return [*components[:joint], value, *components[joint + 1 :]]
+def _slope(
+    torque: Callable[[State], list[Scalar]],
+    state: State,
+    joint: int,
+    step: float,
+    way: tuple[Scalar, Scalar, Scalar],
+) -> list[Scalar]:
+    """Central difference of every joint's torque along a change of one joint's q, dq and ddq."""
+    own = (state.q[joint], state.dq[joint], state.ddq[joint])
+    high, low = (
+        torque(state.with_joint(joint, *(add(x, mul(h, d)) for x, d in zip(own, way, strict=True))))
+        for h in (step, -step)
+    )
+    return [mul(0.5 / step, sub(x, y)) for x, y in zip(high, low, strict=True)]
