@@ -127,7 +127,7 @@ class NormalEquations:
         coefficients = found.coefficients(moments, ridges)
         outside = np.sum(coefficients * (self.gram @ coefficients), axis=(1, 2))
         inside = np.sum((self.inside @ coefficients) ** 2, axis=(1, 2))
-        gains = found.gains(moments, ridges)[:, 0]
+        gains = np.sum(moments * coefficients, axis=(1, 2))
         numbers = (gains.tolist(), found.rank.tolist(), (outside + inside).tolist())
         return [
             Addition(gain, own, rank, squares)
@@ -185,7 +185,7 @@ def normal_equations_of_all(
     vectors = np.concatenate([projection.basis, residual[:, :, None]], axis=2)
     moments = moments_of_all(groups, vectors)
     found = []
-    for places in of_one_width(groups):
+    for places in _of_one_width(groups):
         own = np.stack([moments[k] for k in places])
         inside = np.ascontiguousarray(own[..., :-1].swapaxes(-1, -2))
         gram = np.stack([grams[k] for k in places])
@@ -193,7 +193,7 @@ def normal_equations_of_all(
     return found
 
 
-def of_one_width(groups: Groups) -> list[list[int]]:
+def _of_one_width(groups: Groups) -> list[list[int]]:
     """Places of the groups, those of as many columns together."""
     by_width: dict[int, list[int]] = {}
     for place, group in enumerate(groups):
