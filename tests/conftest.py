@@ -6,16 +6,15 @@ from pathlib import Path
 # Read once, when a numerical library loads: so before any import that may load one.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import jaxtyping
 import matplotlib as mpl
 import pytest
 from hypothesis import settings
-from jaxtyping import install_import_hook
+
+from tests.shape_checks import begin_anew, check_first_calls
 
 mpl.use("Agg")
 
-# Every shape and type annotation of the package is enforced while the tests run, but for those of
-# scalars, which may be anything: their algebra is called by the million.
+# Of scalars, which may be anything, nothing is checked: their algebra is called by the million.
 UNCHECKED = "oed.dynamics.scalars"
 ROOT = Path(__file__).resolve().parents[1]
 modules = {
@@ -23,18 +22,13 @@ modules = {
     for path in (ROOT / "oed").rglob("*.py")
     if path.stem != "__init__"
 }
-install_import_hook(sorted(modules - {UNCHECKED}), "beartype.beartype")
+check_first_calls(sorted(modules - {UNCHECKED}))
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Shapes are checked but in whole searches, which would spend most of their time on that.
-
-    They call the same functions a hundred thousand times: the tests of these, and one whole search
-    in `studies/test_close_loop.py`, check all that there is to check.
-    """
-    unchecked = item.get_closest_marker("whole_search") is not None
-    jaxtyping.config.update("jaxtyping_disable", unchecked)
+@pytest.fixture(scope="module", autouse=True)
+def _checks() -> None:
+    """Shapes are checked at the first calls in every file of tests."""
+    begin_anew()
 
 
 # The same examples in every run: a failure seen once can be seen again. No deadline: the

@@ -11,8 +11,6 @@ from oed.dynamics.effects.entries.payload import SWING
 from tests.diagnosis.arm import RATE, data_set, once, rigid
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 LOAD = (0.0, 0.12, 0.02, 0.05)  # base parameters that a load adds to the arm's
 TAKEN_UP = 9.0  # [s]
 NAMES = ("payload_change", "thermal_drift", "torque_offset", "stribeck", "torque_ripple")

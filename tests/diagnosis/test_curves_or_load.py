@@ -8,8 +8,6 @@ from oed.diagnosis.search.free_form_rivals import curves_explain_more
 from tests.diagnosis.arm import PERIOD, data_set
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 REPEATED, SINGLE = 3, 1
 ROLES = (*4 * ("estimation",), "validation")
 

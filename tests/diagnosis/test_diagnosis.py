@@ -16,8 +16,6 @@ from oed.errors import OedError
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 HUM = 2.347  # [Hz], no multiple of the motion's own frequency
 EARLY = 2e-3  # [s], as a commanded torque comes before what it does
 SEALED = ("validation", "test")

@@ -14,8 +14,6 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import COULOMB, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 WAVE = "position_dependent_friction"
 
 

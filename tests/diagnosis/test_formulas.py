@@ -21,8 +21,6 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 RIVALS = (
     "joint_spring",
     "position_dependent_friction",

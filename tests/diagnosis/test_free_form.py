@@ -10,6 +10,7 @@ from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
 from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.scores import score
+from oed.diagnosis.terms.visited import Visited
 from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
@@ -50,6 +51,23 @@ def _left(term, motion, torque):
     columns = effect_columns(term, motion, 0.0)[1]
     found = np.linalg.lstsq(columns, torque, rcond=None)[0]
     return float(np.std(torque - columns @ found) / np.std(torque))
+
+
+@pytest.mark.parametrize("direction", [None, 1])
+def test_a_torque_is_the_sum_of_its_columns(motion, direction):
+    rng = np.random.default_rng(5)
+    pair = (Coordinate("q", 0, -0.5, 0.5, 4), Coordinate("dq", 1, -1.0, 1.0, 6))
+    reached = Visited.of(np.stack([motion.q[:200, 0], motion.dq[:200, 1]], axis=1), 0.1)
+    for term in (
+        FreeForm(1, pair[:1], direction=direction),
+        FreeForm(1, pair, direction=direction),
+        FreeForm(1, pair, direction=direction, mixing=rng.normal(size=(63, 3)), visited=reached),
+    ):
+        sizes = rng.normal(size=len(term.parameters))
+        (joint, torque), *more = term.torque(State.along(motion), sizes).items()
+        assert joint == 1
+        assert not more
+        assert torque == pytest.approx(effect_columns(term, motion, 0.0)[1] @ sizes, abs=1e-12)
 
 
 @pytest.mark.parametrize("reach", [0.05, 0.2])

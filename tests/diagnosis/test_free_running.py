@@ -9,8 +9,6 @@ from oed.diagnosis.evidence.differing import Differing
 from oed.diagnosis.evidence.free_running import find_lines
 from tests.diagnosis.noise import coloured
 
-pytestmark = pytest.mark.whole_search
-
 RATE = 40.0  # [Hz]
 SAMPLES = 1200
 PERIOD = 400  # samples

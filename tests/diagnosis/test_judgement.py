@@ -20,8 +20,6 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, RATE, VISCOUS, data_set, rigid, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 FLOOR = np.array([0.5, 0.1])
 OLD = np.array([1.0, 0.2])
 ROWS = np.full(2, 300.0)

@@ -11,8 +11,6 @@ from oed.dynamics.effects.payload import PayloadChange, PickUp
 from tests.diagnosis.arm import PERIOD, data_set
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 
 def white_anew(effect, rows, *, contrast):
     """White columns by their definition: gate, take the mean off, filter, whiten."""

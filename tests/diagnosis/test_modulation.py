@@ -7,8 +7,6 @@ from oed.diagnosis.evidence.differing import Differing
 from oed.diagnosis.evidence.modulation import find_modulations
 from tests.diagnosis.noise import coloured
 
-pytestmark = pytest.mark.whole_search
-
 RATE = 40.0  # [Hz]
 SAMPLES = 3200
 PERIOD = 400  # samples

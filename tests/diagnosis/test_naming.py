@@ -14,8 +14,6 @@ from oed.diagnosis.terms.scores import score
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 
 def biased(*sizes):
     """A constant torque on each joint [N m]."""

@@ -11,8 +11,6 @@ from oed.diagnosis.terms.scores import inflation_of, score
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 WRONG = (0.5, 4.0, 0.0)  # speed, exponent and tail far from those of the data
 
 

@@ -12,8 +12,6 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 AMPLITUDE, WAVES, PHASE, UNEVENNESS = 3.0, 12.0, 1.4, 0.4  # [N m], a turn, [rad], [rad]
 
 

@@ -16,8 +16,6 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import LENGTH, PERIOD, RATE, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
 SETTINGS = DiagnosisSettings(
     surrogates=39, bootstrap=40, candidates=("payload_change", "thermal_drift", "joint_spring")

@@ -26,8 +26,6 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 THINNED = 0.2  # [rad/s] at which grease thins
 
 

@@ -27,8 +27,6 @@ from tests.diagnosis.shop import trial_of
 from tests.dynamics.effects.arms import smooth_motion
 from tests.dynamics.effects.two_mass import Gear, two_mass_torque
 
-pytestmark = pytest.mark.whole_search
-
 SPRING = Gear(frequency=6.0, damping=0.08, rotor=0.15)
 COULOMB, VISCOUS, NOISE = np.array([2.6, 1.5]), np.array([7.3, 0.8]), np.array([0.1, 0.02])
 WIDTH = 0.01  # [rad/s]

@@ -23,8 +23,6 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, LENGTH, PERIOD, RATE, VISCOUS, data_set, once, rigid
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 MASS, REACH = 1.5, 0.25  # [kg], [m] from the second joint
 TAKEN_UP = 17.0  # [s] in the second recording
 WARM = 8.0  # [s] in which cold friction falls to a third

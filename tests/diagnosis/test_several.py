@@ -16,8 +16,6 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 OFFSETS = np.array([0.8, -0.3])  # [N m]
 
 

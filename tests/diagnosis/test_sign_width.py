@@ -9,8 +9,6 @@ from oed.dynamics.effects import Coulomb, State
 from tests.diagnosis.arm import COULOMB, data_set
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 
 def at_once(speed, width):
     return np.tanh(speed / width)

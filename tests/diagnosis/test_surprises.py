@@ -15,8 +15,6 @@ from oed.diagnosis.terms.trials import dense
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 
 def test_all_trials_at_once_are_each_by_itself():
     shop = shop_of(data_set(5))

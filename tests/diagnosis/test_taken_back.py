@@ -12,8 +12,6 @@ from oed.diagnosis.search.selected import Selection
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 FALL = stribeck(1.0, joint=1)
 BUMP = 1.0  # [N m]
 

@@ -18,8 +18,6 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, RATE, data_set
 from tests.diagnosis.shop import shop_of
 
-pytestmark = pytest.mark.whole_search
-
 OFFSET = 0.8  # [N m] in every recording
 RIPPLE, HARMONIC = 1.5, 5.0  # [N m] in those that are fitted alone, and waves a turn
 SPRING = 1.0  # [N m/rad]

@@ -21,8 +21,6 @@ from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, INERTIA, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 RIVALS = ("gravity_direction", "joint_spring", "torque_offset", "torque_gain", "torque_ripple")
 SETTINGS = DiagnosisSettings(surrogates=39, bootstrap=40, refined=4, candidates=RIVALS)
 FIRST_LINK = 2.4  # [kg m] first moment of both links about the first axis, seen by no level arm

@@ -1,7 +1,6 @@
 """Two effects of one joint, tried together against what free-form terms make of both."""
 
 import numpy as np
-import pytest
 
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.judgement import judge
@@ -10,8 +9,6 @@ from oed.diagnosis.terms.climbing import refine
 from oed.diagnosis.terms.scores import score
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
-
-pytestmark = pytest.mark.whole_search
 
 
 def on_second_joint(torque):

@@ -25,8 +25,6 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
-pytestmark = pytest.mark.whole_search
-
 SETTINGS = DiagnosisSettings()
 SURE = 1e-9  # chance of a lack of fit that no one doubts
 

@@ -3,7 +3,6 @@
 import dataclasses
 
 import numpy as np
-import pytest
 
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.final_model import errors_of
@@ -15,8 +14,6 @@ from oed.diagnosis.terms.visited import CELL, Visited
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from tests.diagnosis.arm import data_set
-
-pytestmark = pytest.mark.whole_search
 
 FADING = 0.2
 

@@ -21,8 +21,6 @@ from oed.report.effect_words import known_parameters
 from oed.report.provenance import Provenance
 from tests.diagnosis.arm import data_set, stribeck
 
-pytestmark = pytest.mark.whole_search
-
 JOINTS = ("<b>shoulder</b>", "elbow & wrist")
 # Few surrogates and names: it is the page that is looked at.
 SETTINGS = DiagnosisSettings(

@@ -9,7 +9,6 @@ from oed.dynamics.motion import Motion
 from studies import loop
 
 
-@pytest.mark.whole_search
 def test_the_loop_finds_friction_that_its_first_motion_does_not_show(tmp_path):
     """What falls below 0.1 rad/s is crossed in no time by the motion that tells inertias best."""
     out = tmp_path / "out"

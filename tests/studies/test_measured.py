@@ -8,8 +8,6 @@ from oed.report.table import read_csv
 from studies import measured
 from tests.diagnosis.arm import data_set, stribeck
 
-pytestmark = pytest.mark.whole_search
-
 
 def test_what_each_data_set_lacks_stands_side_by_side(tmp_path, capsys):
     data, out, reports = (tmp_path / name for name in ("data", "out", "reports"))

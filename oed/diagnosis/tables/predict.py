@@ -9,9 +9,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.terms.trials import Trial
+from oed.dynamics.effects import State
 
 
 def prediction_errors(
@@ -43,8 +43,9 @@ def fine_torque(
     """Torque of one addition on a recording's fine grid [N m]."""
     joints = recording.torque.shape[1]
     fine = np.zeros((len(recording.motion), joints))
-    for joint, block in effect_columns(trial.effect, recording.motion, 0.0).items():
-        fine[:, joint] = block @ coefficients
+    state = State.along(recording.motion)
+    for joint, torque in trial.effect.torque(state, coefficients).items():
+        fine[:, joint] = torque
     return fine
 
 

@@ -77,7 +77,8 @@ class Coordinate:
         inside = np.clip(values, self.lower, self.upper)
         lower, upper = self._knots[[0, -1]]
         stretched = np.clip(self._stretched(inside), lower, upper)
-        return BSpline.design_matrix(stretched, self._knots, DEGREE).toarray()
+        # None lies beyond the knots; to have that checked takes longer than all else.
+        return BSpline.design_matrix(stretched, self._knots, DEGREE, extrapolate=True).toarray()
 
     def slopes(self, state: State) -> Float[ndarray, "samples functions"]:
         """Derivatives of the B-splines, even ones; zero beyond the covered range."""

@@ -86,14 +86,29 @@ class FreeForm(Effect):
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Products of the coordinates' basis functions."""
-        # One function a row, each contiguous: there are many, and all else is a column's.
-        product, *others = (np.ascontiguousarray(c.basis(state).T) for c in self.coordinates)
+        product, *others = self._bases(state)
         for other in others:
             product = (product[:, None] * other).reshape(-1, product.shape[1])
-        if self.direction is not None:
-            product = product * state.sign(state.dq[self.direction])
         if self.mixing is not None:
             product = self.mixing.T @ product
-        if self.visited is not None:
-            product = product * self.visited.weight(self.places(state))
-        return [{self.joint: column} for column in product]
+        return [{self.joint: column} for column in product * self._weight(state)]
+
+    def torque(
+        self, state: State, coefficients: Float[ndarray, " columns"]
+    ) -> Mapping[int, Scalar]:
+        """Summed up one coordinate after another: the products are many."""
+        *others, last = self._bases(state)
+        sizes = coefficients if self.mixing is None else self.mixing @ coefficients
+        total = sizes.reshape(-1, len(last)) @ last
+        for other in reversed(others):
+            total = np.sum(total.reshape(-1, *other.shape) * other, axis=1)
+        return {self.joint: total[0] * self._weight(state)}
+
+    def _bases(self, state: State) -> list[Float[ndarray, "functions samples"]]:
+        """Basis functions of each coordinate, each contiguous: all else is done to one of them."""
+        return [np.ascontiguousarray(c.basis(state).T) for c in self.coordinates]
+
+    def _weight(self, state: State) -> Scalar:
+        """By which all columns are multiplied."""
+        turn = 1.0 if self.direction is None else state.sign(state.dq[self.direction])
+        return turn if self.visited is None else turn * self.visited.weight(self.places(state))

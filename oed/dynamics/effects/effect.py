@@ -144,6 +144,16 @@ class Effect(ABC):
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Torque per unit of each parameter: for each column, joint -> entry."""
 
+    def torque(
+        self, state: State, coefficients: Float[ndarray, " columns"]
+    ) -> Mapping[int, Scalar]:
+        """Torque with these parameters, one a column: joint -> torque."""
+        result: dict[int, Scalar] = {}
+        for size, entry in zip(coefficients.tolist(), self.entries(state), strict=True):
+            for joint, column in entry.items():
+                result[joint] = result.get(joint, 0.0) + size * column
+        return result
+
 
 def with_columns(effects: Iterable[Effect]) -> Iterator[tuple[Effect, slice]]:
     """Effects, each with where its columns stand among those of all."""

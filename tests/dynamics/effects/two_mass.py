@@ -1,6 +1,7 @@
 """An arm with a spring or a loose gear in a joint, its full nonlinear equations integrated."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi
 import numpy as np
@@ -38,9 +39,9 @@ class Gear:
     width: float = 1.0
     viscous: float = 0.0
 
-    def rub(self, speed: float) -> float:
+    def rub(self, speed: casadi.SX | float) -> casadi.SX | float:
         """The bearing's friction [N m]."""
-        return self.coulomb * float(np.tanh(speed / self.width)) + self.viscous * speed
+        return self.coulomb * casadi.tanh(speed / self.width) + self.viscous * speed
 
 
 def two_mass_torque(robot: Robot, motion: Motion, joint: int, gear: Gear) -> ndarray:
@@ -58,29 +59,42 @@ def two_mass_torque(robot: Robot, motion: Motion, joint: int, gear: Gear) -> nda
     stiffness, damper = omega**2 * links, 2 * gear.damping * omega * links
     rotor = np.zeros_like(robot.parameters)
     rotor[10 * joint + IZZ] = gear.rotor * whole
-    torque_of = _torque(robot.with_parameters(robot.parameters - rotor))
-    rotor_of = _torque(robot.with_parameters(rotor))
-    motor = CubicSpline(motion.t, np.stack([motion.q, motion.dq, motion.ddq], axis=1))
+    q, dq, ddq = (casadi.SX.sym(x, robot.n) for x in ("q", "dq", "ddq"))
+    bend, rate = casadi.SX.sym("bend"), casadi.SX.sym("rate")
+    own = casadi.SX.zeros(robot.n)
+    own[joint] = 1
 
-    def push(bend: float, rate: float) -> float:
-        beyond = bend - float(np.clip(bend, -gear.gap / 2, gear.gap / 2))
-        touching = gear.gap == 0 or abs(bend) > gear.gap / 2
-        return stiffness * beyond + damper * rate * touching
+    def links_need(second: float) -> casadi.SX:
+        states = (q - bend * own, dq - rate * own, ddq - second * own)
+        torque = _torque(robot.with_parameters(robot.parameters - rotor), *states)
+        return torque + gear.rub(states[1][joint]) * own
 
-    def links_need(t: float, bend: float, rate: float, second: float) -> ndarray:
-        states = motor(t).copy()
-        states[:, joint] -= (bend, rate, second)
-        torque = np.array(torque_of(*states))[:, 0]
-        torque[joint] += gear.rub(states[1, joint])
-        return torque
+    without = links_need(0.0)
+    beyond = casadi.sign(bend) * casadi.fmax(casadi.fabs(bend) - gear.gap / 2, 0.0)
+    touching = 1 if gear.gap == 0 else casadi.fabs(bend) > gear.gap / 2
+    push = stiffness * beyond + damper * rate * touching
+    inertia_of_links = without[joint] - links_need(1.0)[joint]
+    second = (without[joint] - push) / inertia_of_links
+    # Links that are less accelerated by the bend ask for as much less.
+    need = without + second * (links_need(1.0) - without)
+    whole_need = need + _torque(robot.with_parameters(rotor), q, dq, ddq)
+    state = casadi.vertcat(q, dq, ddq, bend, rate)
+    gears = casadi.Function("gears", [state], [casadi.vertcat(second, without[joint], whole_need)])
+
+    motor = CubicSpline(motion.t, np.concatenate([motion.q, motion.dq, motion.ddq], axis=1))
+    now, answer = np.zeros(3 * robot.n + 2), np.zeros(robot.n + 2)
+    buffers: Any = gears.buffer()
+    buffer, evaluate = buffers
+    buffer.set_arg(0, now.data)
+    buffer.set_res(0, answer.data)
 
     def rates(t: float, y: ndarray) -> list[float]:
-        without = links_need(t, y[0], y[1], 0.0)[joint]
-        inertia_of_links = without - links_need(t, y[0], y[1], 1.0)[joint]
-        return [y[1], (without - push(y[0], y[1])) / inertia_of_links]
+        now[:-2], now[-2:] = motor(t), y
+        evaluate()
+        return [y[1], answer[0]]
 
-    need = links_need(motion.t[0], 0.0, 0.0, 0.0)[joint]
-    start = [need / stiffness + np.sign(need) * gear.gap / 2, 0.0]
+    rates(motion.t[0], np.zeros(2))
+    start = [answer[1] / stiffness + np.sign(answer[1]) * gear.gap / 2, 0.0]
     found = solve_ivp(
         rates,
         motion.t[[0, -1]],
@@ -91,17 +105,12 @@ def two_mass_torque(robot: Robot, motion: Motion, joint: int, gear: Gear) -> nda
         atol=1e-9,
         max_step=LONGEST_STEP if gear.gap > 0 else np.inf,
     )
-    torque = np.zeros_like(motion.q)
-    for k, (t, y) in enumerate(zip(motion.t, found.y.T, strict=True)):
-        torque[k] = links_need(t, y[0], y[1], rates(t, y)[1])
-        torque[k] += np.array(rotor_of(*motor(t)))[:, 0]
-    return torque
+    return np.array(gears(np.vstack([motor(motion.t).T, found.y])))[2:].T
 
 
-def _torque(robot: Robot) -> casadi.Function:
-    q, dq, ddq = (casadi.SX.sym(x, robot.n) for x in ("q", "dq", "ddq"))
+def _torque(robot: Robot, q: casadi.SX, dq: casadi.SX, ddq: casadi.SX) -> casadi.SX:
     torque = inverse_dynamics(robot, *(casadi.vertsplit(x) for x in (q, dq, ddq)))
-    return casadi.Function("torque", [q, dq, ddq], [casadi.vertcat(*torque)])
+    return casadi.vertcat(*torque)
 
 
 def _inertia(robot: Robot, motion: Motion, joint: int) -> float:
