@@ -1,8 +1,5 @@
 """What is left, of no term that was tried: said for a joint, or small enough to pass."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -70,9 +67,8 @@ def test_error_of_another_motion_is_foretold_from_noise_alone():
     expected = np.sqrt(np.mean(errors**2)) / deviation
     assert expected > 1.5
     white = [x[None, :, None] / deviation / np.sqrt(together) for x in (seen, other)]
-    fit: Any = SimpleNamespace(projection=project(white[0]))
-    unseen: Any = SimpleNamespace(white=white[1], counted=np.full(1, len(other) / together))
-    assert foretold_error(fit, unseen) == pytest.approx([expected], rel=0.05)
+    inverse, counted = project(white[0]).inverse, np.full(1, len(other) / together)
+    assert foretold_error(inverse, white[1], counted) == pytest.approx([expected], rel=0.05)
 
 
 def test_a_joint_that_a_term_names_is_not_named_again():

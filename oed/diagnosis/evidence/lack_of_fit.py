@@ -10,7 +10,6 @@ from numpy import ndarray
 from scipy.stats import f as f_distribution
 
 from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.tables.unseen import Unseen
 
 
 @dataclass(frozen=True)
@@ -42,15 +41,19 @@ def lack_of_fit(fit: LinearFit, noise_freedom: Float[ndarray, " joints"]) -> Lac
     return LackOfFit(np.sqrt(mean_square), p_value)
 
 
-def foretold_error(fit: LinearFit, unseen: Unseen) -> Float[ndarray, " joints"]:
+def foretold_error(
+    inverse: Float[ndarray, "parameters rank"],
+    white: Float[ndarray, "joints rows base"],
+    counted: Float[ndarray, " joints"],
+) -> Float[ndarray, " joints"]:
     """Root of mean squared error that noise lets expect of another motion, in noise floors.
 
     Its own noise, and what the noise of the fitted motion made of the base parameters.
 
     Args:
-        fit: Its first parameters are the base model's.
-        unseen: The other motion.
+        inverse: Of the fit's projection; its first parameters are the base model's.
+        white: White base columns of the other motion.
+        counted: (n,) its rows that count.
     """
-    white = unseen.white
-    spread = np.sum((white @ fit.projection.inverse[: white.shape[2]]) ** 2, axis=(1, 2))
-    return np.sqrt(1 + spread / unseen.counted)
+    spread = np.sum((white @ inverse[: white.shape[2]]) ** 2, axis=(1, 2))
+    return np.sqrt(1 + spread / counted)

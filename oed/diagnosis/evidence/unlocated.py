@@ -87,7 +87,7 @@ def shown_by_test(
     if not test:
         return
     unseen = Unseen.of(shop.baseline, test, mean=False)
-    foretold = foretold_error(shop.fit(chosen, bend=False).fit, unseen)
+    foretold = _foretold(shop, chosen, unseen)
     ratios = errors.after / (np.maximum(errors.seen, 1.0) * foretold)
     for joint in sorted(set(np.flatnonzero(ratios > NO_FLOOR)) - {u.joint for u in located}):
         share = 1 - 1 / float(errors.after[joint]) ** 2
@@ -98,7 +98,12 @@ def shown_by_test(
 
 def expected_unseen(shop: Workshop, chosen: Sequence[Trial]) -> Float[ndarray, " joints"]:
     """(n,) validation error that noise and parameters it leaves uncertain let expect, in floors."""
-    return foretold_error(shop.fit(chosen, bend=False).fit, shop.unseen_full)
+    return _foretold(shop, chosen, shop.unseen_full)
+
+
+def _foretold(shop: Workshop, chosen: Sequence[Trial], unseen: Unseen) -> Float[ndarray, " joints"]:
+    inverse = shop.fit(chosen, bend=False).fit.projection.inverse
+    return foretold_error(inverse, unseen.white, unseen.counted)
 
 
 def describe_unlocated(
