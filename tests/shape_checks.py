@@ -15,7 +15,7 @@ from typing import Any
 
 import jaxtyping
 
-CALLS = 50  # of a function that are checked in a file of tests
+CALLS = 25  # of a function that are checked in a file of tests
 WRAPPING = (
     20  # calls that it counts for to wrap a function within another, which takes milliseconds
 )
