@@ -23,7 +23,8 @@ from oed.report.style import save_figure
 from studies.bench.case import KEY_COLUMNS, Case
 from studies.bench.judge import VALUE_COLUMNS, Judge
 from studies.bench.plan import GROUPS, plan, smoke
-from studies.bench.summary import BenchRow, confusion, detection, done, page
+from studies.bench.rates import BenchRow, done
+from studies.bench.summary import confusion, detection, page
 from studies.case_runner import CaseRunner, RowFile
 from studies.whole_numbers import from_one, from_zero
 

@@ -3,86 +3,32 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy import stats
 
 from oed.report.table import markdown_table
 from studies.bench.forms import FORMS, OUTSIDE
-from studies.bench.plan import GROUPS
+from studies.bench.plan import GROUPS, MANY_JOINTS, TWO_JOINTS
+from studies.bench.rates import (
+    BenchRow,
+    Rate,
+    done,
+    is_alarm,
+    is_class_right,
+    is_exact,
+    is_found,
+    is_quiet,
+    rate,
+)
 from studies.bench.score import AMBIGUOUS, NOTHING
 
-BenchRow = Mapping[str, str]
 NOTHING_NAMED = "nothing"
 FREE_TERM = "no name claimed"
 SIZE_EDGES = (0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, np.inf)
-LEVEL = 0.95
-
-
-@dataclass(frozen=True)
-class Rate:
-    """A share with its interval (Clopper and Pearson 1934).
-
-    Attributes:
-        hits: Cases that count.
-        cases: All.
-    """
-
-    hits: int
-    cases: int
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Of 95 %."""
-        tail = (1 - LEVEL) / 2
-        k, n = self.hits, self.cases
-        low = float(stats.beta.ppf(tail, k, n - k + 1)) if k > 0 else 0.0
-        high = float(stats.beta.ppf(1 - tail, k + 1, n - k)) if k < n else 1.0
-        return low, high
-
-    def __str__(self) -> str:
-        if not self.cases:
-            return "–"
-        low, high = self.interval
-        return f"{self.hits} of {self.cases} ({100 * low:.0f}–{100 * high:.0f} %)"
-
-
-def done(rows: Sequence[BenchRow]) -> list[BenchRow]:
-    """The cases that ended with a diagnosis."""
-    return [row for row in rows if row["status"] == "done"]
-
-
-def rate(rows: Sequence[BenchRow], holds: Callable[[BenchRow], bool]) -> Rate:
-    """How often something holds."""
-    return Rate(sum(map(holds, rows)), len(rows))
-
-
-def is_exact(row: BenchRow) -> bool:
-    """Whether all that is hidden is named, or traced, and nothing else is named."""
-    return is_found(row) and row["extra"] == "0"
-
-
-def is_found(row: BenchRow) -> bool:
-    """Whether all that is hidden is named at its joint, or traced to its coordinates."""
-    return row["missed"] == "0" and row["nearly"] == "0" and row["coordinates_right"] != "no"
-
-
-def is_class_right(row: BenchRow) -> bool:
-    """Whether all that is hidden is named, its equal or as one of several rivals."""
-    return row["missed"] == "0" and row["coordinates_right"] != "no"
-
-
-def is_alarm(row: BenchRow) -> bool:
-    """Whether anything is named."""
-    return bool(row["claims"])
-
-
-def is_quiet(row: BenchRow) -> bool:
-    """Whether nothing is said to be missing."""
-    return row["verdict"] == NOTHING and not is_alarm(row)
+# What a diagnosis may take, two at a time on two cores, each on one [s].
+PATIENCE = (("two", TWO_JOINTS, 30.0), ("six or seven", MANY_JOINTS, 300.0))
 
 
 def group_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int]]:
@@ -134,6 +80,29 @@ def error_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int | float]]:
                 "seconds, median": float(np.median([float(row["seconds"]) for row in judged])),
             }
         )
+    return table
+
+
+def time_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int | float]]:
+    """How long a diagnosis took, by the state of its code and the joints of the arm."""
+    table = []
+    for code in dict.fromkeys(row["code"] for row in done(rows)):
+        for joints, robots, limit in PATIENCE:
+            own = [r for r in done(rows) if r["code"] == code and r["robot"] in robots]
+            if not own:
+                continue
+            seconds = np.array([float(row["seconds"]) for row in own])
+            table.append(
+                {
+                    "state": f"`{code}`",
+                    "joints": joints,
+                    "cases": len(own),
+                    "median [s]": float(np.median(seconds)),
+                    "longest [s]": float(seconds.max()),
+                    "up to [s]": limit,
+                    "in time": str(Rate(int((seconds <= limit).sum()), len(own))),
+                }
+            )
     return table
 
 
@@ -264,6 +233,12 @@ def page(rows: Sequence[BenchRow], note: str) -> str:
         "\n## Test error\n",
         "The largest ratio over the joints, by the diagnosis' own errors and floor.\n",
         _table(error_table(rows)),
+        "\n## Time\n",
+        (
+            "Of a whole diagnosis on one core while another ran on the other; recordings of 10,000 "
+            "to 15,000 samples. Each state ran on the machine of its day.\n"
+        ),
+        _table(time_table(rows)),
         f"\n95 % intervals that hold the injected value: {coverage(rows)}.\n",
         "\n## By what was hidden\n",
         _table(form_table(rows)),

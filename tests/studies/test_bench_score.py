@@ -5,16 +5,17 @@ from scipy.stats import binomtest
 from studies.bench import judge as judge_module
 from studies.bench.case import KEY_COLUMNS, Case
 from studies.bench.judge import VALUE_COLUMNS, Judge
+from studies.bench.rates import Rate
 from studies.bench.score import error_ratios, score
 from studies.bench.study import Config, main, run
 from studies.bench.summary import (
-    Rate,
     clean_table,
     confusion,
     detection,
     group_table,
     page,
     pair_detection,
+    time_table,
 )
 from studies.bench.truth import HiddenTruth, Truth
 
@@ -167,6 +168,24 @@ def test_what_was_hidden_is_counted_against_what_was_said():
     assert str(table["single"]["right"]).startswith("1 of 1")
     assert str(table["single"]["right, nothing else"]).startswith("0 of 1")
     assert str(clean_table(rows)[-1]["something named"]).startswith("1 of 2")
+
+
+def test_what_a_diagnosis_takes_is_told_by_state_and_joints():
+    rows = [
+        line("single", "spring", robot=robot, code=code, seconds=seconds)
+        for robot, code, seconds in (
+            ("scara", "old", 50.0),
+            ("scara", "new", 30.0),
+            ("vertical", "new", 31.0),
+            ("panda", "new", 299.0),
+            ("ur5", "new", 301.0),
+        )
+    ]
+    table = {(row["state"], row["joints"]): row for row in time_table(rows)}
+    assert list(table) == [("`old`", "two"), ("`new`", "two"), ("`new`", "six or seven")]
+    assert [row["longest [s]"] for row in table.values()] == [50.0, 31.0, 301.0]
+    in_time = [str(row["in time"])[:6] for row in table.values()]
+    assert in_time == ["0 of 1", "1 of 2", "1 of 2"]
 
 
 def test_a_failed_case_is_a_line_and_no_rate():
