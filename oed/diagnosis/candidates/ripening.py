@@ -17,6 +17,7 @@ from scipy.optimize import differential_evolution
 
 from oed.diagnosis.candidates.calming import worth_beside
 from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workbench import lags_of
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine, score_at
@@ -62,10 +63,10 @@ def ripened(
     """
     if is_late(scores[0].trial):
         return _late_at_rest(shop, max(scores, key=lambda s: s.gain), others, fit)
-    refined = (refine(s, fit, shop.context) for s in starts(scores))
+    refined = side_by_side(lambda s: refine(s, fit, shop.context), starts(scores))
     tried = sorted(refined, key=lambda s: -s.gain)[:KEPT]
-    best = max((_on_what_it_leaves(shop, s, others, fit) for s in tried), key=lambda s: s.gain)
-    return _followed(shop, best, others, fit)
+    evaluated = side_by_side(lambda s: _on_what_it_leaves(shop, s, others, fit), tried)
+    return _followed(shop, max(evaluated, key=lambda s: s.gain), others, fit)
 
 
 def where_it_ended(

@@ -26,9 +26,10 @@ from oed.diagnosis.baseline.sign_width import (
     with_signs,
 )
 from oed.diagnosis.fit.linear_fit import whitened_regressor
+from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workbench import Layout, fit_with
 from oed.diagnosis.terms.climbing import climb
-from oed.diagnosis.terms.scores import score
+from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
@@ -142,8 +143,11 @@ class _Together:
         context = dataclasses.replace(self.context, model=model)
         # From the shape that is best so far, too: each alone may lie on the wrong side of a crest.
         starts = [self.trial] if self.best is None else [self.trial, self.best]
-        climbed = (climb(score(moved(t, fit.rows, context), fit), fit, context) for t in starts)
-        found = max(climbed, key=lambda s: s.gain)
+
+        def climbed(start: Trial) -> Score:
+            return climb(score(moved(start, fit.rows, context), fit), fit, context)
+
+        found = max(side_by_side(climbed, starts), key=lambda s: s.gain)
         left = fit.squares - found.gain
         if left < self.least:
             self.least, self.best = left, found.trial
