@@ -1,4 +1,4 @@
-"""Shape and type annotations of the package, enforced while tests run, at the first calls of each function.
+"""Shape and type annotations of the package, enforced at each function's first calls.
 
 A search calls the same functions a hundred thousand times, and to check all of that would take
 longer than the search. So a function is checked at its first calls in every file of tests.
@@ -16,9 +16,7 @@ from typing import Any
 import jaxtyping
 
 CALLS = 25  # of a function that are checked in a file of tests
-WRAPPING = (
-    20  # calls that it counts for to wrap a function within another, which takes milliseconds
-)
+WRAPPING = 20  # of these that it takes to wrap a function within another: milliseconds
 
 wrap = jaxtyping.jaxtyped
 checked: Counter[int] = Counter()

@@ -85,10 +85,10 @@ def error_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int | float]]:
 
 def time_table(rows: Sequence[BenchRow]) -> list[dict[str, str | int | float]]:
     """How long a diagnosis took, by the state of its code and the joints of the arm."""
-    table = []
-    for code in dict.fromkeys(row["code"] for row in done(rows)):
+    table, judged = [], done(rows)
+    for code in dict.fromkeys(row["code"] for row in judged):
         for joints, robots, limit in PATIENCE:
-            own = [r for r in done(rows) if r["code"] == code and r["robot"] in robots]
+            own = [r for r in judged if r["code"] == code and r["robot"] in robots]
             if not own:
                 continue
             seconds = np.array([float(row["seconds"]) for row in own])
@@ -233,13 +233,13 @@ def page(rows: Sequence[BenchRow], note: str) -> str:
         "\n## Test error\n",
         "The largest ratio over the joints, by the diagnosis' own errors and floor.\n",
         _table(error_table(rows)),
+        f"\n95 % intervals that hold the injected value: {coverage(rows)}.\n",
         "\n## Time\n",
         (
             "Of a whole diagnosis on one core while another ran on the other; recordings of 10,000 "
             "to 15,000 samples. Each state ran on the machine of its day.\n"
         ),
         _table(time_table(rows)),
-        f"\n95 % intervals that hold the injected value: {coverage(rows)}.\n",
         "\n## By what was hidden\n",
         _table(form_table(rows)),
         "\n## Against size\n",

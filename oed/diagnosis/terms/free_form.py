@@ -91,7 +91,7 @@ class FreeForm(Effect):
             product = (product[:, None] * other).reshape(-1, product.shape[1])
         if self.mixing is not None:
             product = self.mixing.T @ product
-        return [{self.joint: column} for column in product * self._weight(state)]
+        return [{self.joint: column} for column in self._directed(product, state)]
 
     def torque(
         self, state: State, coefficients: Float[ndarray, " columns"]
@@ -102,13 +102,18 @@ class FreeForm(Effect):
         total = sizes.reshape(-1, len(last)) @ last
         for other in reversed(others):
             total = np.sum(total.reshape(-1, *other.shape) * other, axis=1)
-        return {self.joint: total[0] * self._weight(state)}
+        return {self.joint: self._directed(total, state)[0]}
 
     def _bases(self, state: State) -> list[Float[ndarray, "functions samples"]]:
         """Basis functions of each coordinate, each contiguous: all else is done to one of them."""
         return [np.ascontiguousarray(c.basis(state).T) for c in self.coordinates]
 
-    def _weight(self, state: State) -> Scalar:
-        """By which all columns are multiplied."""
-        turn = 1.0 if self.direction is None else state.sign(state.dq[self.direction])
-        return turn if self.visited is None else turn * self.visited.weight(self.places(state))
+    def _directed(
+        self, columns: Float[ndarray, "columns samples"], state: State
+    ) -> Float[ndarray, "columns samples"]:
+        """Columns by the direction of motion, ended where no motion has been."""
+        if self.direction is not None:
+            columns = columns * state.sign(state.dq[self.direction])
+        if self.visited is not None:
+            columns = columns * self.visited.weight(self.places(state))
+        return columns

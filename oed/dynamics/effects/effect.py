@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
-from oed.dynamics.scalars import Scalar, mean_sign, sign, tanh
+from oed.dynamics.scalars import Scalar, add, mean_sign, mul, sign, tanh
 
 REMEMBERED = 32  # signs of a motion's velocities, each with some width
 
@@ -151,7 +151,7 @@ class Effect(ABC):
         result: dict[int, Scalar] = {}
         for size, entry in zip(coefficients.tolist(), self.entries(state), strict=True):
             for joint, column in entry.items():
-                result[joint] = result.get(joint, 0.0) + size * column
+                result[joint] = add(result.get(joint, 0.0), mul(size, column))
         return result
 
 

@@ -249,10 +249,10 @@ class ReferenceTorque:
 
     def _beside_rigid(self, state: State) -> list[Scalar]:
         torque: list[Scalar] = [0.0] * self.robot.n
-        columns = (entry for effect in self.others for entry in effect.entries(state))
-        for coefficient, by_joint in zip(self.coefficients, columns, strict=True):
-            for joint, entry in by_joint.items():
-                torque[joint] = add(torque[joint], mul(coefficient, entry))
+        sizes = np.array(self.coefficients)
+        for effect, place in with_columns(self.others):
+            for joint, own in effect.torque(state, sizes[place]).items():
+                torque[joint] = add(torque[joint], own)
         return torque
 
     def __getstate__(self) -> dict[str, object]:

@@ -39,7 +39,7 @@ class Gear:
     width: float = 1.0
     viscous: float = 0.0
 
-    def rub(self, speed: casadi.SX | float) -> casadi.SX | float:
+    def rub(self, speed: casadi.SX) -> casadi.SX:
         """The bearing's friction [N m]."""
         return self.coulomb * casadi.tanh(speed / self.width) + self.viscous * speed
 
@@ -69,17 +69,16 @@ def two_mass_torque(robot: Robot, motion: Motion, joint: int, gear: Gear) -> nda
         torque = _torque(robot.with_parameters(robot.parameters - rotor), *states)
         return torque + gear.rub(states[1][joint]) * own
 
+    # Links that are less accelerated by the bend ask for as much less.
     without = links_need(0.0)
+    less = without - links_need(1.0)
     beyond = casadi.sign(bend) * casadi.fmax(casadi.fabs(bend) - gear.gap / 2, 0.0)
     touching = 1 if gear.gap == 0 else casadi.fabs(bend) > gear.gap / 2
     push = stiffness * beyond + damper * rate * touching
-    inertia_of_links = without[joint] - links_need(1.0)[joint]
-    second = (without[joint] - push) / inertia_of_links
-    # Links that are less accelerated by the bend ask for as much less.
-    need = without + second * (links_need(1.0) - without)
-    whole_need = need + _torque(robot.with_parameters(rotor), q, dq, ddq)
+    second = (without[joint] - push) / less[joint]
+    torque = without - second * less + _torque(robot.with_parameters(rotor), q, dq, ddq)
     state = casadi.vertcat(q, dq, ddq, bend, rate)
-    gears = casadi.Function("gears", [state], [casadi.vertcat(second, without[joint], whole_need)])
+    gears = casadi.Function("gears", [state], [casadi.vertcat(second, without[joint], torque)])
 
     motor = CubicSpline(motion.t, np.concatenate([motion.q, motion.dq, motion.ddq], axis=1))
     now, answer = np.zeros(3 * robot.n + 2), np.zeros(robot.n + 2)
