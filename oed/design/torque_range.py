@@ -108,8 +108,10 @@ def _torque_on(model: TorqueModel, parameters: ndarray, state: State) -> tuple[n
 
 
 def _entries(effect: Effect, state: State) -> Sequence[Mapping[int, Scalar]]:
-    if "time" in effect.depends_on:  # since the start of a recording, which a state has not
-        raise _not_bounded(effect, "it depends on time")
+    # Time since the start of a recording, and temperature, which a state has not.
+    for coordinate in effect.depends_on:
+        if coordinate == "time" or coordinate.startswith("temperature"):
+            raise _not_bounded(effect, f"it depends on {coordinate}")
     try:
         return effect.entries(state)
     # NotImplementedError where a function has no interval version, the others where an effect

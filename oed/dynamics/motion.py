@@ -43,6 +43,8 @@ class Motion:
             velocity that changes its sign between two samples then does so in part at both.
         noise: One-sided spectral density of each joint's position noise, white [rad^2/Hz]; None
             of a motion that was not measured.
+        temperature: (N, n) of each joint or its motor [degrees Celsius]; None where none was
+            measured.
     """
 
     t: Float[ndarray, " samples"]
@@ -51,9 +53,12 @@ class Motion:
     ddq: Float[ndarray, "samples joints"]
     averaged: bool = field(default=False, kw_only=True)
     noise: tuple[float, ...] | None = field(default=None, kw_only=True)
+    temperature: Float[ndarray, "samples joints"] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         shapes = {"q": self.q.shape, "dq": self.dq.shape, "ddq": self.ddq.shape}
+        if self.temperature is not None:
+            shapes["temperature"] = self.temperature.shape
         if len(set(shapes.values())) != 1 or len(self.t) != len(self.q):
             raise ValueError(f"shapes disagree: t {self.t.shape}, {shapes}")
 
@@ -87,7 +92,8 @@ class Motion:
         Every few samples, since motions that differ do so nearly everywhere.
         """
         digest = blake2b(repr((self.averaged, self.noise)).encode(), digest_size=16)
-        for component in (self.t, *chain(*self.components)):
+        warmth = () if self.temperature is None else self.temperature.T
+        for component in (self.t, *chain(*self.components), *warmth):
             digest.update(component[::STRIDE].tobytes())
             digest.update(component[-1:].tobytes())
         return digest.digest()
@@ -99,6 +105,7 @@ class Motion:
             q=self.q[samples],
             dq=self.dq[samples],
             ddq=self.ddq[samples],
+            temperature=None if self.temperature is None else self.temperature[samples],
         )
 
     @classmethod

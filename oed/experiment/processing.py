@@ -27,6 +27,7 @@ from oed.experiment.signals.resampling import (
     resample,
     uniform_grid,
 )
+from oed.experiment.temperature import joint_temperature
 
 VelocitySource = Literal["differentiated", "logged"]
 
@@ -243,7 +244,7 @@ def process(recording: Recording, settings: ProcessingSettings) -> ProcessedReco
     else:
         dq = smooth(logged)
         ddq = spline_derivative(dq, settings.rate)
-    whole = Motion(grid, q, dq, ddq)
+    whole = Motion(grid, q, dq, ddq, temperature=joint_temperature(recording, grid))
     # The torque is smoothed too: what is linear in the motion then sees one and the same filter.
     tau = lowpass(smooth(recording.tau), settings.rate, settings.cutoff, settings.order)
     fine = whole[:: settings.fine_step]

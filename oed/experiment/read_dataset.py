@@ -30,6 +30,7 @@ from oed.experiment.recording_checks import (
 )
 from oed.experiment.recording_file import read_columns
 from oed.experiment.state_clock import in_state_time
+from oed.experiment.temperature import thermometer_notes
 from oed.experiment.toml_table import nearest
 from oed.experiment.torque_faults import torque_fault_notes
 from oed.robot import Robot, load_robot
@@ -157,9 +158,11 @@ def _read_recording(
     factor = manifest.drive.current_to_torque
     tau = fields.stacked("tau") * (1.0 if factor is None else factor)
     is_bare_current = manifest.torque == "current" and factor is None
+    temperature = fields.stacked("temperature") if "temperature" in names.fields else None
     notes = (
         *torque_notes(tau, robot, file, read.first_row, is_bare_current=is_bare_current),
         *torque_fault_notes(t, q, tau, file, read.first_row),
+        *(() if temperature is None else thermometer_notes(temperature, robot.n, file)),
     )
     recording = Recording(
         name=entry.name,
@@ -170,7 +173,7 @@ def _read_recording(
         dq=dq,
         ddq=fields.stacked("ddq") if "ddq" in names.fields else None,
         repetition=repetition,
-        temperature=fields.stacked("temperature") if "temperature" in names.fields else None,
+        temperature=temperature,
         period=entry.period,
         source=file,
         unused_columns=read.others,
@@ -227,9 +230,12 @@ def _standing(
 
 
 def _select(recording: Recording, kept: Sequence[int]) -> Recording:
-    columns = list(kept)
+    columns, temperature = list(kept), recording.temperature
+    if temperature is not None and temperature.shape[1] == recording.n:
+        temperature = temperature[:, columns]
     return dataclasses.replace(
         recording,
+        temperature=temperature,
         q=recording.q[:, columns],
         tau=recording.tau[:, columns],
         dq=None if recording.dq is None else recording.dq[:, columns],

@@ -13,11 +13,13 @@ from oed.dynamics.effects.catalogue import CATALOGUE, Context, Shape
 from oed.dynamics.effects.effect import Effect
 from oed.dynamics.effects.entries.payload import visible_load
 from oed.dynamics.effects.payload import PayloadChange
+from oed.dynamics.effects.thermal import WarmFriction
 from oed.robot.robot import Joint
 
 WHOLE_RANGE = 0.999  # of the spread of a uniform distribution: the data say no more than the range
 ROUNDING = 1e-9  # of a shape's range: what moves nothing is no estimate
 AT_BOUND = 1e-3  # of the range
+CHOSEN = "chosen, not estimated"
 
 
 @dataclass(frozen=True)
@@ -74,10 +76,14 @@ def known_parameters(
         for p, shape in zip(effect.parameters[coefficients:], shapes, strict=True)
     ]
     sums = _sums(trial.effect, coefficients) + [None] * len(trial.values)
-    return [
+    known = [
         KnownParameter(p.name, p.value, p.std, _unit(p.unit, effect.joint, joints), note, whole)
         for p, note, whole in zip(effect.parameters, notes, sums, strict=True)
     ]
+    if isinstance(trial.effect, WarmFriction):  # has neither time constant nor clock
+        at = KnownParameter("reference", trial.effect.reference, 0.0, "°C", CHOSEN)
+        known = [*known[:coefficients], at]
+    return known
 
 
 def _size_note(size: Estimated) -> str | None:
@@ -103,7 +109,7 @@ def _shape_note(value: float, std: float, shape: Shape) -> str | None:
     if shape.is_idle(value):
         return "for good"
     if not shape.is_estimated or width <= 0 or std <= ROUNDING * width:
-        return "chosen, not estimated"
+        return CHOSEN
     if std < WHOLE_RANGE * width / np.sqrt(12):
         place = shape.place_of(value)
         if min(place, 1 - place) >= AT_BOUND:

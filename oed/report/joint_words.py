@@ -16,6 +16,7 @@ COORDINATES = {
     "dq": ("velocity", "rad/s"),
     "ddq": ("acceleration", "rad/s²"),
     "tau": ("torque", "N m"),
+    "temperature": ("temperature", "°C"),
 }
 
 

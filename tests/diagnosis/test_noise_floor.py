@@ -178,7 +178,7 @@ def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
     """Each function of a rich fit takes a degree from the rows that were fitted, not from all."""
     every = 6
 
-    def few(recordings, _joint, _coulomb, _deviation):
+    def few(recordings, _joint, _coulomb, _deviation, **_):
         return np.concatenate([np.arange(r.rows) % every == 0 for r in recordings])
 
     monkeypatch.setattr(baseline, "_trusted_rows", few)
@@ -192,6 +192,21 @@ def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
     true = NOISE * np.sqrt(taps @ taps)
     # 12 times some 45 degrees of freedom: the deviation is known within 3 %.
     assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx(true, rel=0.09)
+
+
+def test_reversals_are_left_out_unless_a_short_log_has_little_else():
+    (whole,) = data_set(0, roles=("estimation",), repetitions=2).recordings
+    prepared = prepare((once(whole),), DiagnosisSettings())
+    # As if the direction were known as badly as from a coarse encoder.
+    blurred = tuple(dataclasses.replace(p, sign_noise=np.full(2, 0.05)) for p in prepared)
+
+    def trusted(least):
+        return baseline._trusted_rows(blurred, 0, COULOMB[0], NOISE[0] / 10, least=least)
+
+    kept = int(trusted(0).sum())
+    assert 0 < kept < prepared[0].rows
+    assert trusted(kept).sum() == kept
+    assert trusted(kept + 1).all()
 
 
 def test_a_load_is_known_by_the_repetitions_that_it_makes_differ():

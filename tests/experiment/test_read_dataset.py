@@ -190,6 +190,7 @@ def with_still_joint(folder: Path, position: float) -> Path:
                 position if j == 1 else 0
             )
         frame[["tau_1", "tau_2", "tau_3"]] = np.arange(120.0).reshape(40, 3)
+        frame[["temperature_1", "temperature_2", "temperature_3"]] = (21.0, 22.0, 23.0)
         write_files(folder, files)
         files[name] = frame.to_csv(index=False).encode()
     return write_files(folder, files)
@@ -201,6 +202,8 @@ def test_chosen_joints_come_in_the_order_chosen_and_the_others_are_locked(tmp_pa
     assert dataset.robot.joint_names == ("joint_3", "joint_1")
     assert dataset.robot.locked == ("joint_2",)
     assert dataset.estimation[0].tau[1].tolist() == [5.0, 3.0]
+    assert dataset.estimation[0].temperature is not None
+    assert dataset.estimation[0].temperature[1].tolist() == [23.0, 21.0]
     # The third joint is carried by the first through a link bent by the locked angle.
     third = dataset.robot.joints[0]
     assert third.parent == 1

@@ -196,7 +196,8 @@ def _free_form_floor(
 
     def of_joint(j: int) -> tuple[RichFit, Bool[ndarray, " rows"]]:
         rich = partial(rich_fit, fit, prepared, j, own=own[:, j], torque=torque[:, j])
-        trust = partial(_trusted_rows, prepared, j, float(coulomb[j]))
+        least = own.shape[2] + LEAST_FREEDOM
+        trust = partial(_trusted_rows, prepared, j, float(coulomb[j]), least=least)
         trusted = trust(float(np.std(rough[:, j])))
         first = rich(trusted=trusted, enriched=False)
         # A badly timed reversal stands out ever more clearly as the fit improves.
@@ -225,12 +226,14 @@ def _free_form_floor(
 
 
 def _trusted_rows(
-    prepared: Sequence[Prepared], joint: int, coulomb: float, deviation: float
+    prepared: Sequence[Prepared], joint: int, coulomb: float, deviation: float, *, least: int
 ) -> Bool[ndarray, " rows"]:
+    """Rows away from a joint's reversals; all of them where that leaves fewer than the least."""
     trusted = []
     for recording in prepared:
         fine = trusted_samples(recording, joint, coulomb, deviation)
         rows = fine[:: recording.band.factor]
         # Of a joint that hardly leaves its reversals all rows must do.
         trusted.append(rows if rows.mean() > LEAST_TRUSTED else np.ones_like(rows))
-    return np.concatenate(trusted)
+    found = np.concatenate(trusted)
+    return found if found.sum() >= least else np.ones_like(found)

@@ -17,10 +17,12 @@ from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import inflation_of
 from oed.diagnosis.terms.trials import Trial, white_group
 from oed.dynamics.effects import Effect
+from oed.dynamics.effects.entries.history import start_of
 from oed.dynamics.effects.payload import PayloadChange
-from oed.dynamics.effects.thermal import FrictionJump, ThermalDrift, since
+from oed.dynamics.effects.thermal import FrictionJump, ThermalDrift, WarmFriction, since
 
 NEARLY_ALL = 0.8  # share of what recordings differ by
+LEAST_RECORDINGS = 4  # of which a thermometer is believed that foretells how they differ
 MOMENTS = 50  # over a session, at which friction may jump
 
 
@@ -56,6 +58,10 @@ def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
         return None
     if isinstance(trial.effect, PayloadChange) and _is_what_differs(layout, fit, trial, noise):
         return None
+    if isinstance(trial.effect, WarmFriction) and len(layout.rows.prepared) >= LEAST_RECORDINGS:
+        alone = normal_equations(fit.projection, fit.residual, trial.group).solved()
+        if alone.gain > NEARLY_ALL * (apart.gain - apart.rank * noise):
+            return None
     return "recordings of no known order differ, and none of them shows the change"
 
 
@@ -68,13 +74,14 @@ def comes_at_once(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
         trial: What would be added.
     """
     drift = trial.effect
-    if not isinstance(drift, ThermalDrift):
+    if not isinstance(drift, ThermalDrift | WarmFriction):
         return None
     layout = shop.layout(trial)
     fit = shop.fit(others, layout).fit
-    t = np.concatenate([since(p.motion.t, drift.start) for p in shop.estimation])
+    start = drift.start if isinstance(drift, ThermalDrift) else start_of(shop.context, 1.0)
+    t = np.concatenate([since(p.motion.t, start) for p in shop.estimation])
     moments = np.linspace(t.min(), t.max(), MOMENTS + 2)[1:-1]
-    jumps = (FrictionJump(drift.joint, float(m), drift.start, drift.width) for m in moments)
+    jumps = (FrictionJump(drift.joint, float(m), start, drift.width) for m in moments)
     groups = (trial.group, *(white_group(j, layout.rows, contrast=trial.contrast) for j in jumps))
     warm, *jumped = (normal_equations(fit.projection, fit.residual, g).solved() for g in groups)
     noise = float(inflation_of(shop.fit([*others, trial], layout).fit)[drift.joint])
@@ -105,6 +112,8 @@ def _steady(effect: Effect) -> Effect | None:
         return dataclasses.replace(effect, moment=-np.inf, pickups=(), held_for=np.inf)
     if isinstance(effect, ThermalDrift) and effect.start is not None:
         return dataclasses.replace(effect, time_constant=np.inf)
+    if isinstance(effect, WarmFriction):
+        return ThermalDrift(effect.joint, np.inf, start=0.0, width=effect.width)
     return None
 
 

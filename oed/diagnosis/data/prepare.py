@@ -21,6 +21,7 @@ from oed.experiment.recording import Recording
 from oed.experiment.signals.gaps import find_gaps
 from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample, uniform_grid
+from oed.experiment.temperature import joint_temperature
 
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
@@ -148,7 +149,13 @@ def _prepare_one(
         name=recording.name,
         role=recording.role,
         motion=Motion(
-            t + shift, smooth, dq, ddq, averaged=True, noise=tuple(noise.density.tolist())
+            t + shift,
+            smooth,
+            dq,
+            ddq,
+            averaged=True,
+            noise=tuple(noise.density.tolist()),
+            temperature=joint_temperature(recording, t),
         )[inner],
         fine_torque=tau[inner],
         torque=band.apply(tau[inner]),

@@ -14,6 +14,7 @@ from oed.diagnosis.data.band import BLOCK
 from oed.diagnosis.data.prepared import Prepared
 
 BINS = 24
+OF_ITS_OWN = ("ddq", "temperature")  # that say something of their own joint alone
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Dependence:
 
     Attributes:
         joint: Whose residual.
-        coordinate: Such as "dq_1" or "time".
+        coordinate: Such as "dq_1", "temperature_1" or "time".
         centre: (B,) middle of each bin.
         mean: (B,) mean residual there [N m].
         deviation: (B,) standard error of the mean, from the scatter between blocks [N m].
@@ -55,7 +56,7 @@ class Spectrum:
 def dependences(
     prepared: Sequence[Prepared], errors: Sequence[Float[ndarray, "_ joints"]]
 ) -> tuple[Dependence, ...]:
-    """Every joint's residual over every joint's position and velocity, its acceleration, time.
+    """Every joint's residual over all positions and velocities, its acceleration and warmth, time.
 
     All in the analysis band: what encoders add to an acceleration above it would hide the motion.
     """
@@ -67,14 +68,16 @@ def dependences(
         binned(j, name, x, stacked[:, j], blocks)
         for j in range(joints)
         for name, x in coordinates.items()
-        if not name.startswith("ddq") or name == f"ddq_{j + 1}"
+        if not name.startswith(OF_ITS_OWN) or name.endswith(f"_{j + 1}")
     )
 
 
 def coordinates_of(prepared: Sequence[Prepared]) -> dict[str, Float[ndarray, " rows"]]:
-    """Every joint's position, velocity and acceleration in the analysis band, and time."""
-    found = {}
-    for kind in ("q", "dq", "ddq"):
+    """Every joint's position, velocity, acceleration and temperature in the band, and time."""
+    found, kinds = {}, ["q", "dq", "ddq"]
+    if all(p.motion.temperature is not None for p in prepared):
+        kinds.append("temperature")
+    for kind in kinds:
         values = np.concatenate([p.band.apply(getattr(p.motion, kind))[p.valid] for p in prepared])
         found |= {f"{kind}_{j + 1}": values[:, j] for j in range(values.shape[1])}
     return found | {"time": np.concatenate([p.t[p.valid] for p in prepared])}

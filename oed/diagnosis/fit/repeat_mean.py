@@ -56,9 +56,17 @@ def _averaged(prepared: Prepared, index: Int[ndarray, "repetitions samples"]) ->
     )
     noise = None if motion.noise is None else tuple(x / count for x in motion.noise)
     motion = dataclasses.replace(motion, noise=noise)
-    mean = dataclasses.replace(motion, t=motion.t[: index.shape[1]], q=q, dq=dq, ddq=ddq)
+    warmth = motion.temperature
+    mean = dataclasses.replace(
+        motion,
+        t=motion.t[: index.shape[1]],
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        temperature=None if warmth is None else _mean(warmth, index),
+    )
     q, dq, ddq = (np.tile(x, (count, 1)) for x in (q, dq, ddq))
-    laps = dataclasses.replace(motion, t=motion.t[index].ravel(), q=q, dq=dq, ddq=ddq)
+    laps = dataclasses.replace(motion[index.ravel()], q=q, dq=dq, ddq=ddq)
     t = prepared.band.instants(mean.t)
     return dataclasses.replace(
         prepared,

@@ -30,6 +30,7 @@ from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.free_terms import terms_alone, terms_together, torques_of_others
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives, Shape, Target
+from oed.dynamics.effects.entries.history import MEASURED
 from oed.dynamics.effects.payload import PickUp
 
 NOTHING_KNOWN = Drives()
@@ -294,5 +295,6 @@ class Workshop:
 
 
 def _between_recordings(values: tuple[float, ...], shapes: Sequence[Shape]) -> bool:
-    """Whether something is tried that happened in a pause: no repetition differs from another."""
-    return any(value in shape.also for value, shape in zip(values, shapes, strict=True))
+    """Whether recordings show it more than their repetitions: what was in a pause, or warmth."""
+    in_a_pause = (value in shape.also for value, shape in zip(values, shapes, strict=True))
+    return MEASURED in values or any(in_a_pause)

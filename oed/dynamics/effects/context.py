@@ -23,6 +23,7 @@ from oed.dynamics.torque_model import TorqueModel
 
 # Share of the samples up to which speed and torque count: beyond lie starts and gaps of the log.
 HIGHEST = 0.995
+LEAST_WARMING = 0.5  # [K] of some joint: thermometers read a tenth, and wander by a few of them
 Known = tuple[tuple[Effect, Float[ndarray, " _"]], ...]
 
 
@@ -62,6 +63,8 @@ class Context:
         beside: Effects found so far, each with its coefficients: delay, gain and load feel
             their torque too.
         pickups: Recordings in which a load is taken up at a moment of their own.
+        temperature_range: (n, 2) least and largest temperature of each joint [degrees Celsius];
+            None where one recording or another has none, or no joint's changes.
     """
 
     model: TorqueModel
@@ -78,6 +81,7 @@ class Context:
     ordered: bool = True
     beside: Known = ()
     pickups: tuple[PickUp, ...] = ()
+    temperature_range: Float[ndarray, "joints 2"] | None = None
 
     @classmethod
     def of(
@@ -99,7 +103,8 @@ class Context:
             motions: Of the recordings that show the effect.
             drives: As the attribute.
             beside: As the attribute.
-            later: Of further recordings, which tell whether the clock of a single one goes on.
+            later: Of further recordings, which tell whether the clock of a single one goes on, and
+                must have a temperature if it is to count.
             ordered: As the attribute.
         """
         if not motions:
@@ -123,6 +128,7 @@ class Context:
             between=() if session is None else _between(motions, session[0]),
             ordered=ordered,
             beside=beside,
+            temperature_range=_temperature_range(motions, later),
         )
 
     def covering(self, motion: Motion) -> Context:
@@ -209,6 +215,18 @@ def _reference(
     effects = (*model.effects, *(effect for effect, _ in beside))
     values = np.concatenate([parameters, *(coefficients for _, coefficients in beside)])
     return ReferenceTorque.of(model.robot, effects, values)
+
+
+def _temperature_range(
+    motions: Sequence[Motion], later: Sequence[Motion]
+) -> Float[ndarray, "joints 2"] | None:
+    """Least and largest temperature of each joint over motions; None where none is of use."""
+    measured = [m.temperature for m in motions if m.temperature is not None]
+    if len(measured) < len(motions) or any(m.temperature is None for m in later):
+        return None
+    whole = np.concatenate(measured)
+    found = np.stack([whole.min(axis=0), whole.max(axis=0)], axis=1)
+    return found if np.ptp(found, axis=1).max() >= LEAST_WARMING else None
 
 
 def _session(motions: Sequence[Motion]) -> tuple[float, float] | None:

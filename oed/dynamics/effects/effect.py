@@ -46,6 +46,7 @@ class State:
             [rad/s]; 0 for the exact sign with sign(0) = 0.
         averaged: Whether signs are means over the step of a sampled motion.
         sampled: The motion that this is the state along, if it is known.
+        temperature: (N, n) of each joint or its motor [degrees Celsius]; None if not measured.
     """
 
     t: Scalar
@@ -55,11 +56,13 @@ class State:
     sign_width: float = 0.0
     averaged: bool = False
     sampled: Motion | None = None
+    temperature: Float[ndarray, "samples joints"] | None = None
 
     @classmethod
     def along(cls, motion: Motion, sign_width: float = 0.0) -> State:
         """The state at all instants of a sampled motion."""
-        return cls(motion.t, *motion.components, sign_width, motion.averaged, motion)
+        averaged, temperature = motion.averaged, motion.temperature
+        return cls(motion.t, *motion.components, sign_width, averaged, motion, temperature)
 
     def sign(self, velocity: Scalar, width: float = 0.0) -> Scalar:
         """Direction of motion, smoothed over the wider of `width` and `sign_width`."""
@@ -88,7 +91,8 @@ class State:
             return [*own[:joint], new, *own[joint + 1 :]]
 
         there = (changed(self.q, q), changed(self.dq, dq), changed(self.ddq, ddq))
-        return State(self.t, *there, self.sign_width, self.averaged)
+        known = (self.sign_width, self.averaged)
+        return State(self.t, *there, *known, temperature=self.temperature)
 
     @cached_property
     def fingerprint(self) -> bytes | None:
@@ -114,7 +118,8 @@ class State:
                 f"arrays, not on a symbolic state or a single instant"
             )
         q, dq, ddq = (np.stack(x, axis=1) for x in (self.q, self.dq, self.ddq))
-        return Motion(np.asarray(self.t, dtype=float), q, dq, ddq, averaged=self.averaged)
+        t, averaged = np.asarray(self.t, dtype=float), self.averaged
+        return Motion(t, q, dq, ddq, averaged=averaged, temperature=self.temperature)
 
     def _is_sampled(self) -> bool:
         components = (*self.q, *self.dq, *self.ddq)

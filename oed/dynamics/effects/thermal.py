@@ -1,7 +1,8 @@
-"""Friction that changes in time: it falls while the joint warms up, or jumps."""
+"""Friction that changes in time, or with temperature: it falls as a joint warms up, or jumps."""
 
 from __future__ import annotations
 
+import dataclasses
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -35,12 +36,12 @@ class ChangingFriction(Effect):
         return ("time", f"dq_{self.joint + 1}")
 
     @abstractmethod
-    def share(self, t: Scalar) -> Scalar:
-        """The share at a time."""
+    def share(self, state: State) -> Scalar:
+        """The share at a time or a temperature."""
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """The share of dq_j and of sgn(dq_j)."""
-        dq, share = state.dq[self.joint], self.share(state.t)
+        dq, share = state.dq[self.joint], self.share(state)
         share = share if np.ndim(share) else float(share)  # NumPy's scalars do not meet symbols
         return [
             {self.joint: mul(share, dq)},
@@ -74,9 +75,50 @@ class ThermalDrift(ChangingFriction):
         if self.time_constant <= 0:
             raise ValueError(f"{self.time_constant=} must be positive")
 
-    def share(self, t: Scalar) -> Scalar:
+    def share(self, state: State) -> Scalar:
         """exp(-t/T)."""
-        return exp(-since(t, self.start) / self.time_constant)
+        return exp(-since(state.t, self.start) / self.time_constant)
+
+
+@dataclass(frozen=True)
+class WarmFriction(ChangingFriction):
+    """(Θ_j - Θ_r) (a dq_j + b sgn(dq_j)), Θ_j the temperature that was measured.
+
+    Viscous friction falls with temperature, and so does what it adds at low speed; over the range
+    of one session both do nearly in proportion to it (Bittencourt and Gunnarsson 2012).
+
+    Attributes:
+        joint: Index of the joint.
+        reference: Θ_r, at which the friction is the base model's [degrees Celsius]; a motion
+            along which no temperature is known is taken to be at it.
+        width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
+    """
+
+    joint: int
+    reference: float
+    width: float = 0.0
+    name = "thermal_drift"
+    prefix = "warming"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Change of viscous and of Coulomb friction for each kelvin."""
+        viscous, coulomb = super().parameters
+        return (
+            dataclasses.replace(viscous, unit="N m s/(rad K)"),
+            dataclasses.replace(coulomb, unit="N m/K"),
+        )
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The joint's temperature and velocity."""
+        return (f"temperature_{self.joint + 1}", f"dq_{self.joint + 1}")
+
+    def share(self, state: State) -> Scalar:
+        """How much warmer the joint is than the reference [K]."""
+        if state.temperature is None:
+            return 0.0
+        return state.temperature[:, self.joint] - self.reference
 
 
 @dataclass(frozen=True)
@@ -97,9 +139,9 @@ class FrictionJump(ChangingFriction):
     name = "friction_jump"
     prefix = "jump"
 
-    def share(self, t: Scalar) -> Scalar:
+    def share(self, state: State) -> Scalar:
         """0 before the moment, 1 from it on."""
-        return np.asarray(since(t, self.start) >= self.moment, dtype=float)
+        return np.asarray(since(state.t, self.start) >= self.moment, dtype=float)
 
 
 def since(t: Scalar, start: float | None) -> Scalar:

@@ -1,4 +1,4 @@
-"""Friction of a joint that warms up: largest cold, the same clock for each recording."""
+"""Friction of a joint that warms up, by a clock or by its thermometer."""
 
 import dataclasses
 
@@ -7,8 +7,10 @@ import pytest
 
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.context import Context
+from oed.dynamics.effects.effect import State
+from oed.dynamics.effects.entries.history import MEASURED
 from oed.dynamics.effects.entry import evaluate
-from oed.dynamics.effects.thermal import ThermalDrift
+from oed.dynamics.effects.thermal import ThermalDrift, WarmFriction
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from tests.dynamics.effects.arms import parameters_of, scara, smooth_motion
@@ -62,4 +64,58 @@ def test_what_a_slow_change_would_come_to_is_no_matter(durations: float, *, poss
     entry = CATALOGUE["thermal_drift"]
     values = (durations * context.duration, 0.0)
     reason = entry.plausible(context, 1, values, np.array([0.0, 6 * last]))
+    assert (reason is None) is possible
+
+
+def warmed(motion: Motion, *temperature: float) -> Motion:
+    """The motion of an arm whose joints are as warm as that, the second one ever warmer."""
+    ramp = np.linspace(0.0, 10.0, len(motion))[:, None] * [0.0, 1.0]
+    return dataclasses.replace(motion, temperature=np.array(temperature) + ramp)
+
+
+def test_friction_follows_the_thermometer() -> None:
+    motion = warmed(MOTION, 20.0, 25.0)
+    assert motion.temperature is not None
+    warmer = motion.temperature[:, 1] - 30.0
+    columns = evaluate(WarmFriction(1, 30.0), motion, 2)
+    assert columns[:, 1, 0] == pytest.approx(warmer * MOTION.dq[:, 1])
+    assert columns[:, 1, 1] == pytest.approx(warmer * np.sign(MOTION.dq[:, 1]))
+    assert not columns[:, 0].any()
+    # A part of the motion has its own part of the temperature, seen from a moved joint as well.
+    assert evaluate(WarmFriction(1, 30.0), motion[100:], 2) == pytest.approx(columns[100:])
+    moved = State.along(motion).with_joint(0, *(x[0] for x in motion.components))
+    (viscous, _) = WarmFriction(1, 30.0).entries(moved)
+    assert viscous[1] == pytest.approx(columns[:, 1, 0])
+    assert motion.fingerprint != MOTION.fingerprint
+
+
+def test_without_a_temperature_friction_is_that_of_the_base_model() -> None:
+    assert not evaluate(WarmFriction(1, 30.0), MOTION, 2).any()
+
+
+def test_a_thermometer_counts_only_if_all_recordings_have_it_and_it_moves() -> None:
+    model = TorqueModel.standard(scara())
+    parameters = parameters_of(model)
+    entry = CATALOGUE["thermal_drift"]
+
+    def tried(motion: Motion, later: Motion) -> tuple[tuple[float, ...], ...]:
+        return entry.further(Context.of(model, parameters, [motion], later=[later]))
+
+    warm = warmed(MOTION, 20.0, 25.0)
+    ((measured, _),) = tried(warm, warm)
+    steady = dataclasses.replace(MOTION, temperature=np.full((len(MOTION), 2), 20.0))
+    assert measured == MEASURED
+    assert tried(MOTION, warm) == tried(warm, MOTION) == tried(steady, warm) == ()
+
+
+@pytest.mark.parametrize(("slope", "possible"), [(0.5, True), (-0.5, True), (1.7, False)])
+def test_friction_neither_vanishes_nor_multiplies_within_the_range(
+    slope: float, *, possible: bool
+) -> None:
+    """Over the range it changes by that share of itself at the reference."""
+    model = TorqueModel.standard(scara())
+    context = Context.of(model, parameters_of(model), [warmed(MOTION, 20.0, 25.0)])
+    change = slope * context.friction_at_top_speed(1) / 10.0
+    entry = CATALOGUE["thermal_drift"]
+    reason = entry.plausible(context, 1, (MEASURED, 0.0), np.array([0.0, change]))
     assert (reason is None) is possible

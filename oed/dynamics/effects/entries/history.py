@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Float
@@ -17,7 +18,7 @@ from oed.dynamics.effects.entries.plausibility import (
 )
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
 from oed.dynamics.effects.hysteresis import PreslidingHysteresis
-from oed.dynamics.effects.thermal import ThermalDrift
+from oed.dynamics.effects.thermal import ThermalDrift, WarmFriction
 
 # Of Coulomb friction as it is known without the build-up: where that takes much of the motion, the
 # sign of the velocity explains but a fraction of what slides. The rest passes for viscous friction,
@@ -78,6 +79,9 @@ PRESLIDING_HYSTERESIS = CatalogueEntry(
 )
 
 
+# In place of a time constant: friction does not decay by itself, but follows a thermometer.
+MEASURED = 1e9  # [s]
+
 # Which clock counts: 0, every recording has its own; 1, one clock runs through the session.
 CLOCK = Shape("clock", "1", 0.0, 1.0, "choice", 2, 0.0)
 
@@ -125,10 +129,26 @@ def _time_constants(
     return by_duration(context, shapes, 0.05, 3.0)
 
 
-def _thermal(context: Context, target: Target, values: tuple[float, ...]) -> ThermalDrift:
-    joint = joint_of(target)
-    start = start_of(context, values[1])
-    return ThermalDrift(joint, values[0], start, width=context.sign_width(joint))
+def _by_thermometer(context: Context) -> Iterator[tuple[float, ...]]:
+    """Friction that follows a temperature, where one was measured and changed."""
+    if context.temperature_range is not None:
+        yield MEASURED, 0.0
+
+
+def _thermal(
+    context: Context, target: Target, values: tuple[float, ...]
+) -> ThermalDrift | WarmFriction:
+    joint, (time_constant, clock) = joint_of(target), values
+    width = context.sign_width(joint)
+    if time_constant == MEASURED:
+        return WarmFriction(joint, float(_temperatures(context)[joint].mean()), width)
+    return ThermalDrift(joint, time_constant, start_of(context, clock), width)
+
+
+def _temperatures(context: Context) -> Float[ndarray, "joints 2"]:
+    if context.temperature_range is None:
+        raise ValueError("no temperature was measured in all recordings: none can be followed")
+    return context.temperature_range
 
 
 def _thermal_plausible(
@@ -142,6 +162,11 @@ def _thermal_plausible(
     top = float(context.top_speed[joint])
     excess = viscous * top + coulomb
     warm = context.friction_at_top_speed(joint)
+    if values[0] == MEASURED:
+        span = excess * float(np.ptp(_temperatures(context)[joint]))
+        least = warm - abs(span) / 2
+        words = "how much friction changes with temperature", "3 times the least friction"
+        return at_most(abs(span), 3 * least, words[0], "N m", words[1]) if warm > 0 else None
     if warm <= 0:
         return positive(excess, "the excess friction of the cold joint", "N m")
     # A slow change ends with the log: what it would come to long after, nobody has seen.
@@ -164,17 +189,20 @@ THERMAL_DRIFT = CatalogueEntry(
     name="thermal_drift",
     families=("time",),
     scope="joint",
-    shapes=(Shape("time_constant", "s", 2.0, 2e4, "log", 8, 600.0), CLOCK),
+    shapes=(Shape("time_constant", "s", 2.0, 2e4, "log", 8, 600.0, never=True), CLOCK),
     build=_thermal,
     plausible=_thermal_plausible,
     narrow=_time_constants,
+    beside_grid=_by_thermometer,
     between_repetitions=True,
     page=EffectPage(
-        equation="exp(-t/T) (a dq + b s), t since the start of the recording or of the session",
+        equation="exp(-t/T) (a dq + b s), t since the start of the recording or of the session; "
+        "where all recordings have the joint's temperature Θ also (Θ - Θ_r) (a dq + b s)",
         source="Bittencourt and Gunnarsson 2012, J. Dynamic Systems, Measurement, and Control "
         "134(5); Simoni, Beschi, Legnani, Visioli 2015, IEEE/RSJ IROS",
         parameters="a in N m s/rad and b in N m, 5 to 40 % of the warm values, negative "
-        "where the joint cools or bearings tighten as they warm; T in s, at least 2",
+        "where the joint cools or bearings tighten as they warm; T in s, at least 2; by temperature "
+        "a and b are for each kelvin, and mostly negative",
         signature="repetitions of one motion differ, less and less",
         confused_with=("payload_change", "nonlinear_viscous"),
         exposed_by="the same motion cold and warm",

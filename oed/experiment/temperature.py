@@ -1,0 +1,52 @@
+"""Temperature of each joint along a recording."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.experiment.recording import Recording
+from oed.experiment.signals.lowpass import lowpass
+from oed.experiment.signals.resampling import resample
+
+FASTEST = 0.2  # [Hz] that a housing or a winding follows; above it a thermometer shows its steps
+HIGHEST_SHARE = 0.2  # of the rate, for logs that are slower than that
+
+
+def joint_temperature(
+    recording: Recording, grid: Float[ndarray, " samples"]
+) -> Float[ndarray, "samples joints"] | None:
+    """What its thermometers say of each joint, smoothed [degrees Celsius].
+
+    Args:
+        recording: A thermometer for each joint, or one for all.
+        grid: Instants at one rate [s].
+
+    Returns:
+        (N, n); None where there are no thermometers, or as many as tell not whose they are.
+    """
+    measured = recording.temperature
+    if measured is None or measured.shape[1] not in (1, recording.n):
+        return None
+    rate = 1 / float(np.median(np.diff(grid)))
+    uniform = resample(recording.t, measured, grid, "linear")
+    smooth = lowpass(uniform, rate, min(FASTEST, HIGHEST_SHARE * rate), order=1)
+    return np.ascontiguousarray(np.broadcast_to(smooth, (len(grid), recording.n)))
+
+
+def thermometer_notes(
+    measured: Float[ndarray, "samples sensors"], joints: int, file: str
+) -> tuple[str, ...]:
+    """Why temperatures are of no use; none if they are.
+
+    Args:
+        measured: Temperatures.
+        joints: Number of joints.
+        file: Where they stand.
+    """
+    sensors = measured.shape[1]
+    if sensors in (1, joints):
+        return ()
+    fault = f"{sensors} temperatures for {joints} joints do not say whose they are"
+    return (f"{file}: {fault}: not used; log one for every joint, or one for all",)

@@ -1,0 +1,62 @@
+"""Temperatures of a log: smoothed, one for each joint."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.experiment.dataset import DataSet
+from oed.experiment.read_dataset import read_dataset
+from oed.experiment.recording import Recording
+from oed.experiment.temperature import joint_temperature
+from oed.experiment.write_dataset import write_dataset
+from oed.robot.builtin import imi_scara
+
+RATE = 200.0  # [Hz]
+T = np.arange(0.0, 60.0, 1 / RATE)
+COLD, RISE, TIME_CONSTANT = 24.0, 8.0, 20.0
+
+
+def recording(*sensors):
+    """Two joints that move, and thermometers."""
+    q = np.stack([np.sin(T), 0.7 * np.cos(1.3 * T)], axis=1)
+    tau = 2.0 * q
+    return Recording("log", "estimation", T, q, tau, temperature=np.stack(sensors, axis=1))
+
+
+def warming(rng):
+    """What a thermometer that shows tenths says of a joint that warms, and the truth."""
+    true = COLD + RISE * (1 - np.exp(-T / TIME_CONSTANT))
+    return np.round(true + 0.05 * rng.standard_normal(len(T)), 1), true
+
+
+def test_steps_of_the_thermometer_are_smoothed_and_the_warmth_is_kept():
+    shown, true = warming(np.random.default_rng(0))
+    found = joint_temperature(recording(shown, np.full(len(T), 30.0)), T)
+    assert found is not None
+    # Steps and noise of a tenth are some 0.06 K: 200 samples a second leave a tenth of them within
+    # the band. Its corner bends the first seconds of the exponential by RISE / TIME_CONSTANT
+    # times its own time constant of under a second.
+    inner = slice(int(3 * RATE), -int(3 * RATE))
+    assert found[inner, 0] == pytest.approx(true[inner], abs=0.02)
+    assert found[:, 0] == pytest.approx(true, abs=RISE / TIME_CONSTANT * 0.8)
+    assert found[:, 1] == pytest.approx(30.0)
+
+
+def test_one_thermometer_is_all_joints():
+    shown, _ = warming(np.random.default_rng(1))
+    found = joint_temperature(recording(shown), T)
+    assert found is not None
+    assert found.shape == (len(T), 2)
+    assert np.array_equal(found[:, 0], found[:, 1])
+
+
+def test_thermometers_that_are_nobodys_are_told_and_not_used(tmp_path):
+    whole = recording(*(np.full(len(T), 20.0 + k) for k in range(3)))
+    assert joint_temperature(whole, T) is None
+    dataset = DataSet("arm", "test", "none", imi_scara(), "measured", recordings=(whole,))
+    write_dataset(dataset, tmp_path)
+    assert any("3 temperatures for 2 joints" in note for note in read_dataset(tmp_path).notes)
+    own = recording(*(np.full(len(T), 20.0 + k) for k in range(2)))
+    write_dataset(dataclasses.replace(dataset, recordings=(own,)), tmp_path / "own")
+    assert not any("temperatures" in note for note in read_dataset(tmp_path / "own").notes)
