@@ -63,6 +63,7 @@ COMPARED = (
     "lagging_torque",
     "elastic",
     "cooling_start",
+    "swinging_warmth",
     "payload",
     "eccentric_encoder",
 )

@@ -22,6 +22,7 @@ PERIOD = 0.001  # [s] of control
 Series = Float[ndarray, "samples joints runs"]
 # (signal at every control period, period [s]) -> signal as logged
 SignalChange = Callable[[Series, float], Series]
+Thermometers = Callable[[Float[ndarray, " samples"]], Float[ndarray, "samples joints"]]
 # deflection [rad], its rate [rad/s] -> torque [N m]
 SpringLaw = Callable[[Scalar, Scalar], Scalar]
 
@@ -59,6 +60,8 @@ class Arm:
         transmission: A flexible or loose joint, if there is one.
         torque_changes: What happens to the torque on its way to the log.
         position_changes: What happens to the position on its way to the log.
+        temperature: (N, n) of the joints at N times on the arm's clock, as thermometers show it
+            [degrees Celsius]; None where there are none.
         peak: (n,) largest torque of the motions at hand, for what happens near it [N m].
         session: Whether all recordings were made in one session, so that the arm's clock runs
             on from one to the next; else each begins with a cold arm.
@@ -75,6 +78,7 @@ class Arm:
     transmission: Transmission | None = None
     torque_changes: tuple[SignalChange, ...] = ()
     position_changes: tuple[SignalChange, ...] = ()
+    temperature: Thermometers | None = None
     peak: tuple[float, ...] = ()
     session: bool = True
     substeps: int = 4

@@ -131,9 +131,16 @@ _STRANGERS = (
     Form("slack_tether", OUTSIDE, stranger.slack_tether, "outside"),
     Form("creeping_strap", OUTSIDE, stranger.creeping_strap, "outside"),
 )
-FORMS = {form.key: form for form in (*_PLAIN, *_OTHER_FORMULA, *_OUTSIDE, *_STRANGERS)}
-# They came when rounds had been run: a plan draws them apart, so that the others stay the same.
-CAME_LATER = frozenset(form.key for form in _STRANGERS)
+_THERMOMETERS = (Form("swinging_warmth", "thermal_drift", friction.swinging_warmth),)
+FORMS = {
+    form.key: form for form in (*_PLAIN, *_OTHER_FORMULA, *_OUTSIDE, *_STRANGERS, *_THERMOMETERS)
+}
+# Keys in the order in which they came: rounds had been run by then, so that a plan draws each wave
+# apart, and the earlier ones stay the same.
+WAVES = tuple(
+    frozenset(form.key for form in forms)
+    for forms in ((*_PLAIN, *_OTHER_FORMULA, *_OUTSIDE), _STRANGERS, _THERMOMETERS)
+)
 
 
 def forms_of(kind: Kind, robot: str) -> tuple[Form, ...]:

@@ -14,6 +14,7 @@ from oed.dynamics.scalars import Scalar, cos, exp, magnitude, power, tanh
 from oed.experiment.friction_memory import BristleFriction, MemoryTorque
 from studies.bench.arm import Arm, direction
 from studies.bench.injection import FIRST_SAMPLE, Injected, either_sign, wave_in_catalogue
+from studies.bench.warmth import SwingingWarmth
 
 ROUNDING = 0.01  # [rad/s] over which a power of speed below 1 leaves the origin
 TYPICAL_SPEED = 1.5  # [rad/s] at which another speed law meets the straight line it replaces
@@ -166,6 +167,24 @@ def cooling_start(arm: Arm, joint: int, size: float, rng: np.random.Generator) -
         "time_constant": time,
     }
     return Injected(arm.add(torque), in_catalogue=values)
+
+
+def swinging_warmth(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:
+    """Friction of a joint falls with its temperature, which thermometers show."""
+    warmth = SwingingWarmth.draw(joint, arm.robot.n, rng)
+    slope = -0.25 * size / warmth.swing
+
+    def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
+        del rigid
+        friction = arm.coulomb[joint] * direction(arm, state, joint)
+        friction += arm.viscous[joint] * state.dq[joint]
+        return {joint: slope * warmth.warmer(state.t) * friction}
+
+    values = {
+        "warming_Fv_*": slope * arm.viscous[joint],
+        "warming_Fc_*": slope * arm.coulomb[joint],
+    }
+    return Injected(dataclasses.replace(arm.add(torque), temperature=warmth), in_catalogue=values)
 
 
 def slow_warming(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> Injected:

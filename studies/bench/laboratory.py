@@ -30,6 +30,7 @@ RESOLUTIONS = tuple(2 * np.pi / 2**bits for bits in (18, 19, 20))  # [rad]
 SHAKEN = 5.0  # times the reference's largest speed, which only an unstable control reaches
 # Without jitter the steps of an encoder would fall alike in all repetitions, and look like torque.
 JITTER = 0.4  # rms of the reading before it is rounded, in steps
+TENTHS = 1  # of a degree, digits that a thermometer shows
 # Feedforward knows the arm about this well.
 FEEDFORWARD_ERROR = 0.05
 FEEDFORWARD_FRICTION = 0.85
@@ -143,13 +144,16 @@ class Laboratory:
             noisy += noise.sample(len(torque), torque.shape[2], PERIOD, rng)
         kept = slice(log.lead, log.lead + log.samples, self.decimation)
         runs = log.t.shape[1]
+        t = np.ascontiguousarray(log.t[kept].T).ravel()
+        shown = self.arm.temperature
         recording = Recording(
             name=name,
             role=role,
-            t=np.ascontiguousarray(log.t[kept].T).ravel(),
+            t=t,
             q=_stacked(position[kept]),
             tau=_stacked(noisy[kept]),
             repetition=np.repeat(np.arange(runs), len(log.t[kept])) if runs > 1 else None,
+            temperature=None if shown is None else np.round(shown(t), TENTHS),
             source="bench",
         )
         return recording, _stacked(torque[kept])

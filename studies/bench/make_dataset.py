@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import itertools
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +33,7 @@ from studies.bench.laboratory import (
 )
 from studies.bench.robots import ROBOTS
 from studies.bench.truth import HiddenTruth, Truth, oracle_excess
+from studies.bench.warmth import idle_warmth
 
 RECORDINGS: tuple[tuple[str, Role], ...] = (
     ("estimation_1", "estimation"),
@@ -74,7 +76,8 @@ def make_dataset(case: Case, folder: Path) -> Truth:
     noise = Noise.draw(case.noise, bench.noise, rng)
     plain = dataclasses.replace(plain, peak=_peaks(plain, references))
     hidden = hide(case, plain, rng)
-    laboratory = build_laboratory(hidden.arm, plain, noise, bench.decimation, rng)
+    measured = _with_thermometers(case, hidden.arm)
+    laboratory = build_laboratory(measured, plain, noise, bench.decimation, rng)
     runs = bench.repetitions if case.repeated else 1
     recordings, logs = _record(laboratory, references, runs, rng)
     excess = oracle_excess(declared, hidden.arm, logs)
@@ -110,6 +113,17 @@ def hide(case: Case, arm: Arm, rng: np.random.Generator) -> Hidden:
             )
         )
     return Hidden(arm, tuple(truths), tuple(alone))
+
+
+def _with_thermometers(case: Case, arm: Arm) -> Arm:
+    """The arm with thermometers, if any, that show what hides nothing.
+
+    Drawn apart from all else: older rounds stay the same but for these.
+    """
+    if arm.temperature is not None:
+        return arm
+    own = np.random.default_rng([case.seed, zlib.crc32(case.label.encode())])
+    return dataclasses.replace(arm, temperature=idle_warmth(arm.robot.n, own))
 
 
 def _draw_joint(form: Form, n: int, taken: set[int], rng: np.random.Generator) -> int:

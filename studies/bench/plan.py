@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
 from studies.bench.case import Case, NoiseKind
-from studies.bench.forms import CAME_LATER, Kind, forms_of
+from studies.bench.forms import WAVES, Kind, forms_of
 
 TWO_JOINTS = ("scara", "vertical")
 MANY_JOINTS = ("ur5", "panda")
@@ -28,6 +28,7 @@ ONE_EFFECT: tuple[tuple[Kind, str], ...] = (
 )
 SPRUNG = {"loose_gear", "elastic"}  # an arm of the bench has one joint with a spring at most
 PAIRS_A_ROUND = 5
+STREAMS = (29, 31)  # of the seeds of each later wave of forms
 MANY_JOINT_FORMS = (
     "",
     "stribeck",
@@ -79,7 +80,7 @@ def _round(seed: int) -> Iterator[Case]:
         for noise, repeated in CLEAN_KINDS:
             yield Case("clean", robot, (), 1.0, noise, repeated, seed)
     for kind, group in ONE_EFFECT:
-        yield from _one_effect(kind, group, seed, rng, later=False)
+        yield from _one_effect(kind, group, seed, rng, WAVES[0])
     yield from _pairs(seed, rng)
     for form in SIZED:
         size = float(rng.choice(SIZES))
@@ -88,17 +89,18 @@ def _round(seed: int) -> Iterator[Case]:
     for index, robot in enumerate(MANY_JOINTS):
         key = MANY_JOINT_FORMS[(2 * seed + index) % len(MANY_JOINT_FORMS)]
         yield Case("many_joints", robot, (key,) if key else (), 1.0, "white", index == 0, seed)
-    own = np.random.default_rng([seed, 29])
-    for kind, group in ONE_EFFECT:
-        yield from _one_effect(kind, group, seed, own, later=True)
+    for wave, stream in zip(WAVES[1:], STREAMS, strict=True):
+        own = np.random.default_rng([seed, stream])
+        for kind, group in ONE_EFFECT:
+            yield from _one_effect(kind, group, seed, own, wave)
 
 
 def _one_effect(
-    kind: Kind, group: str, seed: int, rng: np.random.Generator, *, later: bool
+    kind: Kind, group: str, seed: int, rng: np.random.Generator, wave: Collection[str]
 ) -> Iterator[Case]:
-    """Each form of a kind on one of the two arms, the other one in the next round."""
+    """Each form of a kind and a wave on one of the two arms, the other one in the next round."""
     shown = {robot: {form.key for form in forms_of(kind, robot)} for robot in TWO_JOINTS}
-    keys = {key for robot in TWO_JOINTS for key in shown[robot] if (key in CAME_LATER) == later}
+    keys = {key for robot in TWO_JOINTS for key in shown[robot] if key in wave}
     for index, key in enumerate(sorted(keys)):
         robot = TWO_JOINTS[(seed + index) % 2]
         if key not in shown[robot]:
@@ -110,7 +112,7 @@ def _pairs(seed: int, rng: np.random.Generator) -> Iterator[Case]:
     """Two effects that do not both change the whole arm, or put a spring in it."""
     for number in range(PAIRS_A_ROUND):
         robot = TWO_JOINTS[(seed + number) % 2]
-        forms = forms_of("plain", robot)
+        forms = [f for f in forms_of("plain", robot) if f.key in WAVES[0]]
         of_a_joint = [f.key for f in forms if not f.whole_arm]
         first = str(rng.choice(of_a_joint))
         excluded = SPRUNG if first in SPRUNG else {first}

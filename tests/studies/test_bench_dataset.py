@@ -3,6 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.dynamics.effects import State
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.newton_euler import inverse_dynamics
 from oed.errors import OedError
@@ -18,6 +19,7 @@ from studies.bench.make_dataset import make_dataset
 from studies.bench.plan import GROUPS, plan
 from studies.bench.robots import ROBOTS
 from studies.bench.truth import Truth
+from studies.bench.warmth import MILD
 
 
 @pytest.fixture
@@ -104,6 +106,43 @@ def test_alone_an_effect_goes_by_the_clock_of_the_whole_session(short, tmp_path,
     assert joint is not None
     # The encoder's torque is a few hundredths of the drift's.
     np.testing.assert_allclose(drift[joint], truth.excess[joint], rtol=0.1)
+
+
+def test_a_thermometer_shows_the_warmth_that_friction_feels(short, tmp_path, monkeypatch):
+    monkeypatch.setattr("studies.bench.make_dataset.COLD_SHARE", 0.0)
+    case = Case("single", "scara", ("swinging_warmth",), 1.0, "white", False, 3)
+    (hidden,) = make_dataset(case, tmp_path / "data").hidden
+    arm, joint = scara_arm(), hidden.joint
+    assert joint is not None
+    injected = FORMS["swinging_warmth"].inject(arm, joint, 1.0, np.random.default_rng(1))
+    assert injected.arm.temperature is not None
+    t = np.linspace(0.0, 200.0, 50)
+    (torque,) = injected.arm.extra
+    speed = np.ones_like(t)
+    state = State(t, [speed, speed], [speed, speed], [speed, speed])
+    felt = torque(state, [0.0, 0.0])[joint]
+    # Alike at every instant: so much friction is lost for each kelvin.
+    warmer = injected.arm.temperature(t)[:, joint] - MILD
+    slope = injected.in_catalogue["warming_Fv_*"] + injected.in_catalogue["warming_Fc_*"]
+    np.testing.assert_allclose(felt, slope * warmer, rtol=1e-9)
+    recordings = read_dataset(tmp_path / "data").recordings
+    first, second = (r.temperature for r in recordings[:2])
+    assert first is not None
+    assert second is not None
+    assert np.ptp(first[:, 1 - joint]) == 0
+    # The arm's clock runs on.
+    assert not np.allclose(first[:, joint], second[:, joint])
+
+
+def test_thermometers_tell_nothing_by_being_there(short, tmp_path):
+    seen = []
+    for seed in range(6):
+        case = Case("clean", "scara", (), 1.0, "white", False, seed)
+        make_dataset(case, tmp_path / str(seed))
+        temperatures = [r.temperature for r in read_dataset(tmp_path / str(seed)).recordings]
+        assert len({t is None for t in temperatures}) == 1
+        seen.append(temperatures[0] is not None)
+    assert {True, False} == set(seen)
 
 
 def _written(truth, folder):
