@@ -30,7 +30,7 @@ from oed.experiment.recording_checks import (
 )
 from oed.experiment.recording_file import read_columns
 from oed.experiment.state_clock import in_state_time
-from oed.experiment.temperature import thermometer_notes
+from oed.experiment.temperature import temperature_of, thermometer_notes
 from oed.experiment.toml_table import nearest
 from oed.experiment.torque_faults import torque_fault_notes
 from oed.robot import Robot, load_robot
@@ -230,12 +230,10 @@ def _standing(
 
 
 def _select(recording: Recording, kept: Sequence[int]) -> Recording:
-    columns, temperature = list(kept), recording.temperature
-    if temperature is not None and temperature.shape[1] == recording.n:
-        temperature = temperature[:, columns]
+    columns = list(kept)
     return dataclasses.replace(
         recording,
-        temperature=temperature,
+        temperature=temperature_of(recording, columns),
         q=recording.q[:, columns],
         tau=recording.tau[:, columns],
         dq=None if recording.dq is None else recording.dq[:, columns],

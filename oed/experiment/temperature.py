@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -33,6 +35,16 @@ def joint_temperature(
     uniform = resample(recording.t, measured, grid, "linear")
     smooth = lowpass(uniform, rate, min(FASTEST, HIGHEST_SHARE * rate), order=1)
     return np.ascontiguousarray(np.broadcast_to(smooth, (len(grid), recording.n)))
+
+
+def temperature_of(
+    recording: Recording, joints: Sequence[int]
+) -> Float[ndarray, "samples sensors"] | None:
+    """What the thermometers of some joints show; None where nothing says which these are."""
+    measured = recording.temperature
+    if measured is None or measured.shape[1] == 1:
+        return measured
+    return measured[:, joints] if measured.shape[1] == recording.n else None
 
 
 def thermometer_notes(

@@ -8,7 +8,7 @@ import pytest
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Recording
-from oed.experiment.temperature import joint_temperature
+from oed.experiment.temperature import joint_temperature, temperature_of
 from oed.experiment.write_dataset import write_dataset
 from oed.robot.builtin import imi_scara
 
@@ -60,3 +60,12 @@ def test_thermometers_that_are_nobodys_are_told_and_not_used(tmp_path):
     own = recording(*(np.full(len(T), 20.0 + k) for k in range(2)))
     write_dataset(dataclasses.replace(dataset, recordings=(own,)), tmp_path / "own")
     assert not any("temperatures" in note for note in read_dataset(tmp_path / "own").notes)
+
+
+def test_of_some_joints_only_their_own_thermometers_stay():
+    two, three = (recording(*(np.full(len(T), 20.0 + k) for k in range(n))) for n in (2, 3))
+    chosen = temperature_of(two, [1])
+    assert chosen is not None
+    assert np.all(chosen == 21.0)
+    # As many as are chosen, and still nobody's.
+    assert temperature_of(three, [0, 1]) is None
