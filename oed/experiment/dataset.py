@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from oed.errors import OedError
 from oed.experiment.recording import LEAST_TRAVEL, Recording, Role
+from oed.experiment.temperature import missing_notes
 from oed.robot import Robot
 
 TorqueKind = Literal["measured", "current", "commanded"]
@@ -117,7 +118,8 @@ class DataSet:
     @property
     def notes(self) -> tuple[str, ...]:
         """What is doubtful about the recordings' numbers, to be shown to the user."""
-        return tuple(note for recording in self.recordings for note in recording.notes)
+        of_each = tuple(note for recording in self.recordings for note in recording.notes)
+        return of_each + missing_notes(self.recordings)
 
     def _with_role(self, role: Role) -> tuple[Recording, ...]:
         return tuple(recording for recording in self.recordings if recording.role == role)

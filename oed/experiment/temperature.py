@@ -29,12 +29,28 @@ def joint_temperature(
         (N, n); None where there are no thermometers, or as many as tell not whose they are.
     """
     measured = recording.temperature
-    if measured is None or measured.shape[1] not in (1, recording.n):
+    if measured is None or not has_thermometers(recording):
         return None
     rate = 1 / float(np.median(np.diff(grid)))
     uniform = resample(recording.t, measured, grid, "linear")
     smooth = lowpass(uniform, rate, min(FASTEST, HIGHEST_SHARE * rate), order=1)
     return np.ascontiguousarray(np.broadcast_to(smooth, (len(grid), recording.n)))
+
+
+def has_thermometers(recording: Recording) -> bool:
+    """Whether it is known how warm each joint was."""
+    measured = recording.temperature
+    return measured is not None and measured.shape[1] in (1, recording.n)
+
+
+def missing_notes(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """Which recordings lack what others have, so that none is used."""
+    lacking = [r.source or r.name for r in recordings if not has_thermometers(r)]
+    if not lacking or len(lacking) == len(recordings):
+        return ()
+    return (
+        f"temperatures of all joints are missing in {', '.join(lacking)}: not used elsewhere either",
+    )
 
 
 def temperature_of(

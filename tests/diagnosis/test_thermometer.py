@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.candidates.within import differs_alone
+from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.entries.history import MEASURED
@@ -68,6 +69,16 @@ def test_a_thermometer_that_moves_names_nothing_by_itself():
     dataset = warming((24.0, 28.0, 33.0, 30.0), lost=0.0)
     found = diagnose(dataset, TorqueModel.standard(dataset.robot), SETTINGS)
     assert found.verdict == "nothing found"
+
+
+def test_thermometers_that_the_test_recording_lacks_are_none():
+    dataset = warming((24.0, 28.0, 33.0))
+    *known, test = dataset.recordings
+    assert (known[0].role, test.role) == ("estimation", "test")
+    bare = dataclasses.replace(test, temperature=None)
+    for last, measured in ((test, True), (bare, False)):
+        prepared = prepare((*known, last), SETTINGS)
+        assert all((p.motion.temperature is not None) is measured for p in prepared)
 
 
 @pytest.mark.parametrize("count", [2, 4])

@@ -8,7 +8,7 @@ import pytest
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Recording
-from oed.experiment.temperature import joint_temperature, temperature_of
+from oed.experiment.temperature import joint_temperature, missing_notes, temperature_of
 from oed.experiment.write_dataset import write_dataset
 from oed.robot.builtin import imi_scara
 
@@ -69,3 +69,11 @@ def test_of_some_joints_only_their_own_thermometers_stay():
     assert np.all(chosen == 21.0)
     # As many as are chosen, and still nobody's.
     assert temperature_of(three, [0, 1]) is None
+
+
+def test_thermometers_that_one_recording_lacks_are_told():
+    whole = recording(np.full(len(T), 20.0))
+    bare = dataclasses.replace(whole, name="bare", temperature=None)
+    (note,) = missing_notes([whole, bare])
+    assert "missing in bare" in note
+    assert missing_notes([whole, whole]) == missing_notes([bare, bare]) == ()

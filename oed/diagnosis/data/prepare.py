@@ -21,7 +21,7 @@ from oed.experiment.recording import Recording
 from oed.experiment.signals.gaps import find_gaps
 from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample, uniform_grid
-from oed.experiment.temperature import joint_temperature
+from oed.experiment.temperature import has_thermometers, joint_temperature
 
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
@@ -60,8 +60,9 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
     periods = [p for p in map(_period, recordings) if p is not None]
     band = band.thinned(_fastest_wave(band, positions), periods)
     starts = _starts_end_to_end(recordings)
+    warmth = all(map(has_thermometers, recordings))
     return tuple(
-        _prepare_one(recording, *signals, band=band, noise=noise, start=start)
+        _prepare_one(recording, *signals, band=band, noise=noise, start=start, warmth=warmth)
         for recording, signals, start in zip(
             recordings, raw, starts or [None] * len(raw), strict=True
         )
@@ -133,6 +134,7 @@ def _prepare_one(
     band: Band,
     noise: PositionNoise,
     start: float | None,
+    warmth: bool,
 ) -> Prepared:
     smooth, dq, ddq = band.differentiate(q)
     t, tau = t[:: band.logged], band.thin(tau)
@@ -155,7 +157,7 @@ def _prepare_one(
             ddq,
             averaged=True,
             noise=tuple(noise.density.tolist()),
-            temperature=joint_temperature(recording, t),
+            temperature=joint_temperature(recording, t) if warmth else None,
         )[inner],
         fine_torque=tau[inner],
         torque=band.apply(tau[inner]),
