@@ -108,10 +108,8 @@ def _torque_on(model: TorqueModel, parameters: ndarray, state: State) -> tuple[n
 
 
 def _entries(effect: Effect, state: State) -> Sequence[Mapping[int, Scalar]]:
-    # Time since the start of a recording, and temperature, which a state has not.
-    for coordinate in effect.depends_on:
-        if coordinate == "time" or coordinate.startswith("temperature"):
-            raise _not_bounded(effect, f"it depends on {coordinate}")
+    if effect.beyond_state:
+        raise _not_bounded(effect, f"it depends on {effect.beyond_state[0]}")
     try:
         return effect.entries(state)
     # NotImplementedError where a function has no interval version, the others where an effect

@@ -40,7 +40,7 @@ def joint_temperature(
 def has_thermometers(recording: Recording) -> bool:
     """Whether it is known how warm each joint was."""
     measured = recording.temperature
-    return measured is not None and measured.shape[1] in (1, recording.n)
+    return measured is not None and _are_known(measured, recording.n)
 
 
 def missing_notes(recordings: Sequence[Recording]) -> tuple[str, ...]:
@@ -73,8 +73,12 @@ def thermometer_notes(
         joints: Number of joints.
         file: Where they stand.
     """
-    sensors = measured.shape[1]
-    if sensors in (1, joints):
+    if _are_known(measured, joints):
         return ()
-    fault = f"{sensors} temperatures for {joints} joints do not say whose they are"
+    fault = f"{measured.shape[1]} temperatures for {joints} joints do not say whose they are"
     return (f"{file}: {fault}: not used; log one for every joint, or one for all",)
+
+
+def _are_known(measured: Float[ndarray, "samples sensors"], joints: int) -> bool:
+    """Whether their number tells whose thermometers are: one for each joint, or one for all."""
+    return measured.shape[1] in (1, joints)

@@ -155,9 +155,7 @@ def cooling_start(arm: Arm, joint: int, size: float, rng: np.random.Generator) -
 
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
         del rigid
-        friction = arm.coulomb[joint] * direction(arm, state, joint)
-        friction += arm.viscous[joint] * state.dq[joint]
-        return {joint: share * exp(-state.t / time) * friction}
+        return {joint: share * exp(-state.t / time) * _all_friction(arm, state, joint)}
 
     # The catalogue counts from the first sample that is logged.
     first = share * np.exp(-FIRST_SAMPLE / time)
@@ -176,9 +174,7 @@ def swinging_warmth(arm: Arm, joint: int, size: float, rng: np.random.Generator)
 
     def torque(state: State, rigid: Sequence[Scalar]) -> dict[int, Scalar]:
         del rigid
-        friction = arm.coulomb[joint] * direction(arm, state, joint)
-        friction += arm.viscous[joint] * state.dq[joint]
-        return {joint: slope * warmth.warmer(state.t) * friction}
+        return {joint: slope * warmth.warmer(state.t) * _all_friction(arm, state, joint)}
 
     values = {
         "warming_Fv_*": slope * arm.viscous[joint],
@@ -268,3 +264,8 @@ def unequal_directions(arm: Arm, joint: int, size: float, rng: np.random.Generat
         return {joint: 0.5 * excess * (1.0 + tanh(state.dq[joint] / arm.width[joint]))}
 
     return Injected(arm.add(torque), {"offset": (0.5 * excess, "N m")})
+
+
+def _all_friction(arm: Arm, state: State, joint: int) -> Scalar:
+    """Coulomb and viscous friction of a joint as it slides [N m]."""
+    return arm.coulomb[joint] * direction(arm, state, joint) + arm.viscous[joint] * state.dq[joint]

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.addition import normal_equations
+from oed.diagnosis.fit.addition import Addition, normal_equations
 from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workbench import Layout
 from oed.diagnosis.tables.workshop import Workshop
@@ -60,7 +60,7 @@ def differs_alone(shop: Workshop, others: Sequence[Trial], trial: Trial) -> str 
         return None
     if isinstance(trial.effect, WarmFriction) and len(layout.rows.prepared) >= LEAST_RECORDINGS:
         alone = normal_equations(fit.projection, fit.residual, trial.group).solved()
-        if alone.gain > NEARLY_ALL * (apart.gain - apart.rank * noise):
+        if _is_nearly_all(alone, apart, noise):
             return None
     return "recordings of no known order differ, and none of them shows the change"
 
@@ -103,7 +103,12 @@ def _is_what_differs(layout: Layout, fit: LinearFit, trial: Trial, noise: float)
     every, load = (
         normal_equations(fit.projection, fit.residual, g).solved() for g in (own, trial.group)
     )
-    return load.gain > NEARLY_ALL * (every.gain - every.rank * noise)
+    return _is_nearly_all(load, every, noise)
+
+
+def _is_nearly_all(one: Addition, other: Addition, noise: float) -> bool:
+    """Whether one addition explains nearly all that a fuller one does, but for what is noise."""
+    return one.gain > NEARLY_ALL * (other.gain - other.rank * noise)
 
 
 def _steady(effect: Effect) -> Effect | None:

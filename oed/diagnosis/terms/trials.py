@@ -141,9 +141,7 @@ def _fine_columns(
         # mean motion is free of it, so that nothing but time can make these columns differ.
         blocks = effect_columns(effect, prepared.mean_motion, 0.0)
         return {joint: _contrasted(block, prepared) for joint, block in blocks.items()}
-    if prepared.laps is None or not any(
-        x == "time" or x.startswith("temperature") for x in effect.depends_on
-    ):
+    if prepared.laps is None or not effect.beyond_state:
         return effect_columns(effect, prepared.motion, 0.0)
     # The mean over repetitions of what differs between them is not what any of them shows.
     laps = effect_columns(effect, prepared.laps, 0.0)

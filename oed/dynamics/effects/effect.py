@@ -145,6 +145,11 @@ class Effect(ABC):
     def depends_on(self) -> tuple[str, ...]:
         """Coordinates that the torque depends on, such as ("q_2", "dq_1")."""
 
+    @property
+    def beyond_state(self) -> tuple[str, ...]:
+        """What of these no state of the joints tells: time and temperatures."""
+        return tuple(x for x in self.depends_on if x == "time" or x.startswith("temperature"))
+
     @abstractmethod
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Torque per unit of each parameter: for each column, joint -> entry."""
