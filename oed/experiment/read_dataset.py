@@ -162,8 +162,9 @@ def _read_recording(
     notes = (
         *torque_notes(tau, robot, file, read.first_row, is_bare_current=is_bare_current),
         *torque_fault_notes(t, q, tau, file, read.first_row),
-        *(() if temperature is None else thermometer_notes(temperature, robot.n, file)),
     )
+    if temperature is not None:
+        notes += tuple(thermometer_notes(temperature, robot.n, file, read.first_row))
     recording = Recording(
         name=entry.name,
         role=entry.role,

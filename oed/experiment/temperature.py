@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -13,6 +13,8 @@ from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample
 
 FASTEST = 0.2  # [Hz] that a housing or a winding follows; above it a thermometer shows its steps
+LEAP = 10.0  # [K] from one row to the next, which no joint does
+HOTTEST = 200.0  # [degrees Celsius] at which no motor runs any more
 HIGHEST_SHARE = 0.2  # of the rate, for logs that are slower than that
 
 
@@ -64,19 +66,33 @@ def temperature_of(
 
 
 def thermometer_notes(
-    measured: Float[ndarray, "samples sensors"], joints: int, file: str
-) -> tuple[str, ...]:
-    """Why temperatures are of no use; none if they are.
+    measured: Float[ndarray, "samples sensors"], joints: int, file: str, first_row: int
+) -> Iterator[str]:
+    """A line for each thing that is doubtful about temperatures.
 
     Args:
-        measured: Temperatures.
+        measured: Temperatures [degrees Celsius].
         joints: Number of joints.
-        file: Where they stand.
+        file: For the message.
+        first_row: Line of the first sample.
     """
-    if _are_known(measured, joints):
-        return ()
-    fault = f"{measured.shape[1]} temperatures for {joints} joints do not say whose they are"
-    return (f"{file}: {fault}: not used; log one for every joint, or one for all",)
+    if not _are_known(measured, joints):
+        fault = f"{measured.shape[1]} temperatures for {joints} joints do not say whose they are"
+        yield f"{file}: {fault}: not used; log one for every joint, or one for all"
+        return
+    for k, shown in enumerate(measured.T):
+        column, steps = f"column 'temperature_{k + 1}'", np.abs(np.diff(shown))
+        if len(steps) and steps.max() > LEAP:
+            row = int(np.argmax(steps)) + 1
+            yield (
+                f"{file}, row {row + first_row}, {column}: {shown[row]:.4g} after "
+                f"{shown[row - 1]:.4g}: no joint warms so fast; repair the column, or leave it out"
+            )
+        if shown.max() > HOTTEST:
+            yield (
+                f"{file}, {column}: up to {shown.max():.4g}, taken for degrees Celsius; convert it "
+                "if it is anything else"
+            )
 
 
 def _are_known(measured: Float[ndarray, "samples sensors"], joints: int) -> bool:

@@ -8,7 +8,12 @@ import pytest
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Recording
-from oed.experiment.temperature import joint_temperature, missing_notes, temperature_of
+from oed.experiment.temperature import (
+    joint_temperature,
+    missing_notes,
+    temperature_of,
+    thermometer_notes,
+)
 from oed.experiment.write_dataset import write_dataset
 from oed.robot.builtin import imi_scara
 
@@ -77,3 +82,25 @@ def test_thermometers_that_one_recording_lacks_are_told():
     (note,) = missing_notes([whole, bare])
     assert "missing in bare" in note
     assert missing_notes([whole, whole]) == missing_notes([bare, bare]) == ()
+
+
+def test_a_thermometer_that_drops_out_is_told_with_its_row(tmp_path):
+    shown, _ = warming(np.random.default_rng(2))
+    shown[700:720] = 0.0
+    dataset = DataSet(
+        "arm", "test", "none", imi_scara(), "measured", recordings=(recording(shown, shown),)
+    )
+    write_dataset(dataset, tmp_path)
+    told = [n for n in read_dataset(tmp_path).notes if "'temperature_1'" in n]
+    (leap,) = told
+    # It rises to a warmer joint at sample 720, two lines further on in the file.
+    assert "row 722" in leap
+    assert "no joint warms so fast" in leap
+
+
+def test_kelvin_are_told():
+    kelvin = recording(np.full(len(T), 300.0)).temperature
+    assert kelvin is not None
+    (note,) = thermometer_notes(kelvin, 2, "log.csv", 2)
+    assert "up to 300, taken for degrees Celsius" in note
+    assert not list(thermometer_notes(kelvin - 273.15, 2, "log.csv", 2))
