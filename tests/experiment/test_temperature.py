@@ -86,14 +86,15 @@ def test_thermometers_that_one_recording_lacks_are_told():
 
 def test_a_thermometer_that_drops_out_is_told_with_its_row(tmp_path):
     shown, _ = warming(np.random.default_rng(2))
-    shown[700:720] = 0.0
+    shown[700:720] = -1.0
+    shown[720] += 2.0
     dataset = DataSet(
         "arm", "test", "none", imi_scara(), "measured", recordings=(recording(shown, shown),)
     )
     write_dataset(dataset, tmp_path)
     told = [n for n in read_dataset(tmp_path).notes if "'temperature_1'" in n]
     (leap,) = told
-    # It rises to a warmer joint at sample 720, two lines further on in the file.
+    # It rises farther than it fell, at sample 720, two lines further on in the file.
     assert "row 722" in leap
     assert "no joint warms so fast" in leap
 

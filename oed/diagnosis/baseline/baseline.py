@@ -41,6 +41,7 @@ from oed.dynamics.torque_model import TorqueModel
 REFITS = 2  # of the base model with the noise that it left
 LEAST_TRUSTED = 0.05  # of a joint's rows
 LEAST_FREEDOM = 3  # degrees that a free-form fit leaves to the noise of a joint
+ROUGH_FREEDOM = 20  # where only the rows of a rougher fit leave any: known within a sixth
 
 
 @dataclass(frozen=True)
@@ -196,23 +197,26 @@ def _free_form_floor(
 
     def of_joint(j: int) -> tuple[RichFit, Bool[ndarray, " rows"]]:
         rich = partial(rich_fit, fit, prepared, j, own=own[:, j], torque=torque[:, j])
-        least = own.shape[2] + LEAST_FREEDOM
-        trust = partial(_trusted_rows, prepared, j, float(coulomb[j]), least=least)
+        trust = partial(_trusted_rows, prepared, j, float(coulomb[j]))
         trusted = trust(float(np.std(rough[:, j])))
         first = rich(trusted=trusted, enriched=False)
         # A badly timed reversal stands out ever more clearly as the fit improves.
-        trusted = trust(float(np.std(first.residual[trusted])))
-        return rich(trusted=trusted), trusted
+        surest = trust(float(np.std(first.residual[trusted])))
+        found = rich(trusted=surest)
+        if _freedom(found, surest) < LEAST_FREEDOM:
+            rougher = rich(trusted=trusted)
+            if _freedom(rougher, trusted) >= ROUGH_FREEDOM:
+                return rougher, trusted
+        return found, surest
 
     lay_out(prepared)
     found, seen = zip(*side_by_side(of_joint, range(fit.model.robot.n)), strict=True)
     residual, trusted = (np.stack(x, axis=1) for x in ([f.residual for f in found], seen))
     deviation = np.array([np.std(f.residual[rows]) for f, rows in zip(found, seen, strict=True)])
-    counted = trusted.sum(axis=0)
-    for j, (f, rows) in enumerate(zip(found, counted, strict=True)):
-        if rows - f.rank < LEAST_FREEDOM:
+    for j, (f, rows) in enumerate(zip(found, seen, strict=True)):
+        if _freedom(f, rows) < LEAST_FREEDOM:
             raise ValueError(
-                f"joint {j + 1}: {rows} samples in the analysis band for {f.rank} functions of "
+                f"joint {j + 1}: {rows.sum()} samples in the analysis band for {f.rank} functions of "
                 f"the motion: too few to tell noise from it; record longer, or repeat the motion"
             )
     colours = [f.colour for f in found]
@@ -225,15 +229,18 @@ def _free_form_floor(
     return floor_from_free_form(left, seen, freedom, dilution, rate)
 
 
+def _freedom(fit: RichFit, fitted: Bool[ndarray, " rows"]) -> int:
+    """Degrees that a fit leaves to the noise of the rows that it was made on."""
+    return int(fitted.sum()) - fit.rank
+
+
 def _trusted_rows(
-    prepared: Sequence[Prepared], joint: int, coulomb: float, deviation: float, *, least: int
+    prepared: Sequence[Prepared], joint: int, coulomb: float, deviation: float
 ) -> Bool[ndarray, " rows"]:
-    """Rows away from a joint's reversals; all of them where that leaves fewer than the least."""
     trusted = []
     for recording in prepared:
         fine = trusted_samples(recording, joint, coulomb, deviation)
         rows = fine[:: recording.band.factor]
         # Of a joint that hardly leaves its reversals all rows must do.
         trusted.append(rows if rows.mean() > LEAST_TRUSTED else np.ones_like(rows))
-    found = np.concatenate(trusted)
-    return found if found.sum() >= least else np.ones_like(found)
+    return np.concatenate(trusted)
