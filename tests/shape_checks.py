@@ -50,13 +50,16 @@ def _at_first(function: Callable[..., Any], **how: Any) -> Callable[..., Any]:
         if checked[code] >= CALLS:
             return function
         checked[code] += WRAPPING
-    strict = wrap(function, **how)
+    strict: Callable[..., Any] | None = None
 
     @wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
+        nonlocal strict
         if checked[code] >= CALLS:
             return function(*args, **kwargs)
         checked[code] += 1
+        if strict is None:  # not before: most of the package is never called by one file of tests
+            strict = wrap(function, **how)
         return strict(*args, **kwargs)
 
     return call

@@ -1,6 +1,7 @@
 """Recordings of a two-joint arm for tests: its torque is worked out here, not by the estimator."""
 
 import dataclasses
+from functools import lru_cache
 
 import numpy as np
 from scipy.signal import lfilter
@@ -19,6 +20,8 @@ TREMOR = 0.02  # [rad/s^2] of each wave
 LENGTH = 0.359  # [m] of the first link
 
 
+# Tests of many files ask for the same: it is made once, and nobody changes it.
+@lru_cache(maxsize=12)
 def data_set(
     seed,
     *,

@@ -1,23 +1,47 @@
 """A diagnosis up to its search, for tests of the parts of the search."""
 
-from oed.diagnosis.baseline.baseline import find_baseline
+from collections import OrderedDict
+
+from oed.diagnosis.baseline.baseline import Baseline, find_baseline
 from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import catalogue_trial
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.dataset import DataSet
+
+KEPT = 12  # data sets whose baseline is known: many tests begin with the same
+
+known: OrderedDict[tuple, tuple[DataSet, tuple[Prepared, ...], Baseline]] = OrderedDict()
 
 
 def shop_of(dataset, *, held=True, **settings):
     """Where terms for a data set are tried, with its validation recordings if `held`."""
     chosen = DiagnosisSettings(**settings)
-    prepared = prepare(dataset.recordings, chosen)
-    own, validation = (
-        tuple(p for p in prepared if p.role == role) for role in ("estimation", "validation")
-    )
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), own)
+    prepared, baseline = baseline_of(dataset, chosen)
+    own, validation = (with_role(prepared, role) for role in ("estimation", "validation"))
     return Workshop(baseline, own, validation if held else (), chosen)
+
+
+def baseline_of(dataset, settings):
+    """The recordings brought to their band and the model to start with."""
+    key = (id(dataset), settings.lowest_cutoff, settings.highest_cutoff)
+    if key not in known:
+        prepared = prepare(dataset.recordings, settings)
+        model = TorqueModel.standard(dataset.robot)
+        # With the data set itself, whose number no other may get.
+        known[key] = dataset, prepared, find_baseline(model, with_role(prepared, "estimation"))
+    known.move_to_end(key)
+    if len(known) > KEPT:
+        known.popitem(last=False)
+    _, *found = known[key]
+    return found
+
+
+def with_role(prepared, role):
+    return tuple(p for p in prepared if p.role == role)
 
 
 def trial_of(shop, name, joint, values=()):

@@ -25,11 +25,15 @@ def white_anew(effect, rows, *, contrast):
     return result
 
 
+@pytest.fixture(scope="module")
+def shop():
+    return shop_of(data_set(0))
+
+
 @pytest.mark.parametrize("contrast", [False, True])
 @pytest.mark.parametrize("moment", [-1.0, 0.4, 1.1 * PERIOD, 7.77, 1e9])
 @pytest.mark.parametrize("own", [None, 2.5, np.inf])
-def test_the_columns_at_any_moment(moment, own, contrast):
-    shop = shop_of(data_set(0))
+def test_the_columns_at_any_moment(moment, own, contrast, shop):
     rows, robot = shop.full.rows, shop.context.model.robot
     t = rows.prepared[-1].motion.t
     pickups = () if own is None else (PickUp(t[0], t[-1], t[0] + own),)
@@ -42,8 +46,7 @@ def test_the_columns_at_any_moment(moment, own, contrast):
             np.testing.assert_allclose(found[joint], block, rtol=0, atol=1e-12 * max(size, 1.0))
 
 
-def test_other_loads_do_not_share_their_columns():
-    rows = shop_of(data_set(0)).full.rows
-    robot = data_set(0).robot
+def test_other_loads_do_not_share_their_columns(shop):
+    rows, robot = shop.full.rows, shop.context.model.robot
     one, other = (white_group(PayloadChange(robot, 1, 3.0, kept), rows) for kept in ((0,), (9,)))
     assert not np.allclose(one[1], other[1])

@@ -134,7 +134,7 @@ def through_lag(tau, time_constant):
 
 @pytest.mark.parametrize("name", ["time_delay", "filter_lag"])
 def test_a_lag_is_told_from_a_delay_of_its_time_constant(name):
-    dataset = data_set(7, repetitions=12)
+    dataset = data_set(7, repetitions=6)
     recordings = tuple(
         dataclasses.replace(
             r,

@@ -5,13 +5,18 @@ import csv
 import numpy as np
 import pytest
 
+from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.motion import Motion
 from studies import loop
 
+NAMES = ("stribeck", "nonlinear_viscous", "torque_offset", "torque_ripple", "motor_coupling")
 
-def test_the_loop_finds_friction_that_its_first_motion_does_not_show(tmp_path):
+
+def test_the_loop_finds_friction_that_its_first_motion_does_not_show(tmp_path, monkeypatch):
     """What falls below 0.1 rad/s is crossed in no time by the motion that tells inertias best."""
     out = tmp_path / "out"
+    settings = DiagnosisSettings(surrogates=99, bootstrap=40, candidates=NAMES)
+    monkeypatch.setattr(loop.Config, "settings", settings)
     assert loop.main(["--out", str(out), "--rounds", "2"]) == 0
     first, second = csv.DictReader((out / "rounds.csv").read_text().splitlines())
     assert first["effects"] == ""
