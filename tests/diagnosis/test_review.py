@@ -8,6 +8,7 @@ import pytest
 
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.turning import HEAVIER, moment_fault
+from oed.diagnosis.evidence import final_model
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.final_model import (
     _white_squares,
@@ -107,6 +108,18 @@ def test_what_makes_every_repetition_worse_is_lost(turned):
         signs[-1] = -1.0
         final = dataclasses.replace(final, parameters=signs * final.parameters)
     assert (lost_when_repeated(shop, found, final) is trial) is turned
+
+
+@pytest.mark.parametrize(("elsewhere", "lost"), [(50.0, False), (5.0, True)])
+def test_what_moves_the_links_is_judged_by_all_joints_that_carry_them(monkeypatch, elsewhere, lost):
+    """Behind a gear that gives way: the joint's own error rises by ten, that of the next falls."""
+    shop = shop_with(stribeck(1.0))
+    trial = trial_of(shop, "joint_elasticity", 0)
+    found = shop.fit([trial])
+    final = final_with(shop, found)
+    squares = {True: np.array([110.0, 100.0]), False: np.array([100.0, 100.0 + elsewhere])}
+    monkeypatch.setattr(final_model, "_white_squares", lambda _, model: squares[model is final])
+    assert (lost_when_repeated(shop, found, final) is trial) is lost
 
 
 @pytest.mark.parametrize(

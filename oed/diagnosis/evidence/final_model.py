@@ -114,7 +114,7 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
         if len(others) < len(rest):
             whole = _white_squares(shop, final_with(shop, shop.fit([*others, trial])))
         without = _white_squares(shop, final_with(shop, shop.fit(others)))
-        acting = [j for j in joints if j in trial.places or None in trial.places]
+        acting = [j for j in joints if j in trial.group]
         if np.sum((without - whole)[acting]) <= 0:
             return trial
     return None
