@@ -12,6 +12,9 @@ STAMP := $(VENV)/environment.sha256
 WORKERS ?= 2
 DATA ?=
 
+# Every run would compile the whole package anew, the checked one of the tests too.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Tests and studies run in parallel already: more BLAS threads would only wait for one another.
 test paper: export OMP_NUM_THREADS = 1
 test: export OED_PROCESSES = 1

@@ -101,7 +101,7 @@ def turning(q, dq, ddq):
 
 def test_how_fast_a_late_sign_turns_is_read_off_late_columns():
     """Beside a delay of columns that are not late, the sharpest sign would fit best."""
-    dataset = data_set(7, extra=turning, repetitions=12)
+    dataset = data_set(7, extra=turning, repetitions=6)
     # The motion is periodic, so that the torque wraps.
     recordings = tuple(
         dataclasses.replace(r, tau=np.roll(r.tau, LATE, axis=0)) for r in dataset.recordings

@@ -67,9 +67,10 @@ def test_a_landscape_seen_in_part_makes_no_other_motion_worse():
         return torque
 
     data = data_set(2, extra=landscape, near=0.45)
-    found = diagnose(
-        data, build_model("standard", data.robot), DiagnosisSettings(surrogates=39, bootstrap=40)
+    settings = DiagnosisSettings(
+        surrogates=39, bootstrap=40, candidates=("joint_spring", "torque_ripple", "stribeck")
     )
+    found = diagnose(data, build_model("standard", data.robot), settings)
     (term,) = (e for e in found.after.model.effects if isinstance(e, FreeForm))
     assert term.depends_on == ("q_1", "q_2")
     assert term.visited is not None
