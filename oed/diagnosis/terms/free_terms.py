@@ -106,5 +106,7 @@ def terms_together(
                 pair = tuple(coordinate(prepared, *c, PIECES_TOGETHER) for c in (first, second))
                 terms.append(FreeForm(j, pair))
         time = coordinate(prepared, "time", 0, PIECES_TOGETHER)
-        terms.append(FreeForm(j, (time, coordinate(prepared, "dq", j, PIECES_TOGETHER))))
+        # What changes with time: friction, and what pulls at a position.
+        kinds = [("dq", j), *(("q", i) for i in (range(joints) if joints <= 3 else (j,)))]
+        terms += [FreeForm(j, (time, coordinate(prepared, *c, PIECES_TOGETHER))) for c in kinds]
     return tuple(terms)
