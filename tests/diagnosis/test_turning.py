@@ -18,6 +18,7 @@ from oed.diagnosis.search.tilt_review import tilt_fault
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.gravity import tilt_directions
 from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis import arm
 from tests.diagnosis.arm import COULOMB, INERTIA, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -65,6 +66,15 @@ def test_a_tilted_base_is_named_with_its_angle(degrees):
     assert all(rival.evidence > SETTINGS.decisive for rival in effect.rivals)
     test = next(p for p in found.proof if p.role == "test")
     assert test.after == pytest.approx(found.noise_floor, rel=0.1)
+
+
+def test_a_tilt_of_less_than_a_milliradian_is_found_where_the_noise_shows_it(monkeypatch):
+    monkeypatch.setattr(arm, "NOISE", arm.NOISE / 100)
+    tilt = 7e-4
+    found, _ = turning.turned_beside(shop_of(data_set(11, extra=weight_of(tilt))), [])
+    angle = np.linalg.norm(turning.total_tilt(found, np.zeros(2)))
+    # To within a step that the search takes no more.
+    assert angle == pytest.approx(tilt, abs=1e-4)
 
 
 def test_a_tilt_is_as_uncertain_as_draws_of_it_are_spread():
