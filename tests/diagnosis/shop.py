@@ -36,8 +36,8 @@ def baseline_of(dataset, settings):
     known.move_to_end(key)
     if len(known) > KEPT:
         known.popitem(last=False)
-    _, *found = known[key]
-    return found
+    _, prepared, baseline = known[key]
+    return prepared, baseline
 
 
 def with_role(prepared, role):

@@ -75,8 +75,7 @@ def test_differences_have_the_size_of_one_repetition():
 @pytest.mark.parametrize("repetitions", [2, 3, 8])
 def test_a_floor_knows_with_how_many_degrees_of_freedom_it_was_estimated(repetitions):
     """Squared deviations of many draws of noise scatter as those of a chi-squared variable."""
-    rng, rows, draws = np.random.default_rng(6), 40, 1000
-    noise = SIZE * rng.normal(size=(draws, repetitions, rows, 2))
+    noise = SIZE * np.random.default_rng(6).normal(size=(1000, repetitions, 40, 2))
     trusted = [np.ones(noise.shape[1:], dtype=bool)]
     floors = [floor_from_repetitions([own], trusted, RATE) for own in noise]
     squares = np.array([floor.deviation**2 for floor in floors])
