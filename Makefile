@@ -12,7 +12,7 @@ STAMP := $(VENV)/environment.sha256
 WORKERS ?= 2
 DATA ?=
 
-# Every run would compile the whole package anew, the checked one of the tests too.
+# Where a shell forbids bytecode, every run would compile the whole package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
 # Tests and studies run in parallel already: more BLAS threads would only wait for one another.

@@ -171,6 +171,10 @@ def test_a_name_must_explain_what_a_share_of_another_torque_does():
     assert share_needed([curve], named, SETTINGS) < 1.0
 
 
+def sawtooth(q):
+    return 0.6 * (2 * (3 * q / np.pi % 1) - 1)
+
+
 def teeth_of_two_gears(q):
     return 1.2 * np.sin(12 * q) + 0.5 * np.sin(24 * q + 1) + 0.9 * np.sin(9 * q + 2)
 
@@ -180,7 +184,9 @@ def detent(q):
     return 2.0 * (q - 0.07) / 0.18 * np.exp(-(((q - 0.07) / 0.18) ** 2))
 
 
-@pytest.mark.parametrize(("torque", "is_wave"), [(teeth_of_two_gears, True), (detent, False)])
+@pytest.mark.parametrize(
+    ("torque", "is_wave"), [(sawtooth, True), (teeth_of_two_gears, True), (detent, False)]
+)
 def test_a_ripple_comes_back_along_the_range(torque, is_wave):
     found = found_in(torque)
     assert [e.name for e in found.effects] == ["torque_ripple"] * is_wave

@@ -41,6 +41,7 @@ def load_from(moments, releases=(), mass=MASS):
 @pytest.mark.parametrize(
     ("roles", "moments"),
     [
+        (("estimation", "validation", "test"), (13.0, 6.5, 17.2)),
         (("estimation", "estimation", "validation", "test"), (9.0, 15.5, 6.5, np.inf)),
         # Rid of it in between: the arm is then what it was before.
         (("estimation", "validation", "test"), (13.0, np.inf, 17.2)),

@@ -27,7 +27,8 @@ def turning_over(width, turn=at_once):
     return torque
 
 
-@pytest.mark.parametrize(("share", "turn"), [(0.06, by_and_by), (0.12, at_once)])
+@pytest.mark.parametrize("turn", [at_once, by_and_by])
+@pytest.mark.parametrize("share", [0.06, 0.12])
 def test_a_sign_turns_as_slowly_as_the_friction_does(share, turn):
     """Up to some share of the usual speed it is no effect of its own, whatever its shape."""
     bare = shop_of(data_set(2))

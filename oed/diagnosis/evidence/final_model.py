@@ -104,7 +104,7 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
     """
     if shop.mean is shop.full or not found.chosen:
         return None
-    every, joints = _white_squares(shop, final), range(shop.baseline.model.robot.n)
+    every = _white_squares(shop, final)
     for trial in found.chosen:
         if lags_of([trial]) or (trial.name == GRAVITY and shop.is_turned):
             continue
@@ -114,8 +114,7 @@ def lost_when_repeated(shop: Workshop, found: Augmented, final: FinalModel) -> T
         if len(others) < len(rest):
             whole = _white_squares(shop, final_with(shop, shop.fit([*others, trial])))
         without = _white_squares(shop, final_with(shop, shop.fit(others)))
-        acting = [j for j in joints if j in trial.group]
-        if np.sum((without - whole)[acting]) <= 0:
+        if np.sum((without - whole)[list(trial.group)]) <= 0:
             return trial
     return None
 

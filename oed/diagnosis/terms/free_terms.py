@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from oed.dynamics.effects.thermal import since
 PIECES_ALONE = 8
 PIECES_FINE = 36  # what repeats along a turn: teeth, poles, balls
 PIECES_TOGETHER = 4
+ALL_PAIRED = 3  # joints up to which any two coordinates make a term of any joint
 SLIDERS = 6
 # Break-away distances over the range of motion: shorter than that is a sign, longer a spring.
 DISTANCES = (0.003, 0.3)
@@ -94,19 +96,18 @@ def terms_together(
 ) -> tuple[FreeForm, ...]:
     """Terms in two coordinates for the joints where something is left."""
     terms: list[FreeForm] = []
+    kinds = [(kind, i) for i in range(joints) for kind in ("q", "dq")]
+    time = coordinate(prepared, "time", 0, PIECES_TOGETHER)
     for j in acting:
-        kinds = [(kind, i) for i in range(joints) for kind in ("q", "dq")]
-        own = {("q", j), ("dq", j)}
-        for a, first in enumerate(kinds):
-            for second in kinds[a + 1 :]:
-                # With many joints only pairs that hold a coordinate of the joint itself:
-                # the number of all pairs grows with the square, and so does the multiplicity.
-                if joints > 3 and not own & {first, second}:
-                    continue
-                pair = tuple(coordinate(prepared, *c, PIECES_TOGETHER) for c in (first, second))
-                terms.append(FreeForm(j, pair))
-        time = coordinate(prepared, "time", 0, PIECES_TOGETHER)
+        # With many joints only pairs that hold a coordinate of the joint itself: the number of
+        # all pairs grows with the square, and so does the multiplicity.
+        near = set(kinds) if joints <= ALL_PAIRED else {("q", j), ("dq", j)}
+        terms += [
+            FreeForm(j, tuple(coordinate(prepared, *c, PIECES_TOGETHER) for c in pair))
+            for pair in combinations(kinds, 2)
+            if near & {*pair}
+        ]
         # What changes with time: friction, and what pulls at a position.
-        kinds = [("dq", j), *(("q", i) for i in (range(joints) if joints <= 3 else (j,)))]
-        terms += [FreeForm(j, (time, coordinate(prepared, *c, PIECES_TOGETHER))) for c in kinds]
+        changing = [("dq", j), *(c for c in kinds if c[0] == "q" and c in near)]
+        terms += [FreeForm(j, (time, coordinate(prepared, *c, PIECES_TOGETHER))) for c in changing]
     return tuple(terms)
