@@ -98,7 +98,7 @@ def _effects_seen_in(band):
     friction = np.asarray(state.sign(state.dq[0], 0.0))
     wave = np.cos(130 * q)
     brake = (dq, 0.0, 1.0, 0.0)
-    spring = deflect(t, 5.0 * ddq + friction, 1.0 + 0 * t, (400.0, 4.0, 0.0), brake)[0]
+    spring = deflect(t, 5.0 * ddq + friction, 1.0 + 0 * t, (400.0, 4.0, 0.0, 0.0), brake)[0]
     start = round(1.2 * band.rate) - band.reach  # an instant of every grid that is tried
     return [band.apply(x[start:, None])[:, 0] for x in (friction, wave, spring)]
 

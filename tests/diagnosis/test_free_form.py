@@ -209,3 +209,19 @@ def test_a_share_of_another_torque_is_told_from_every_curve():
     # The model without it has taken a part of it for friction and inertia of its own.
     (share,) = shop.fit([best.trial]).coefficients[0]
     assert share == pytest.approx(FELT, abs=0.1 * FELT)
+
+
+def test_a_torque_whose_square_another_sensor_feels_is_told_from_every_curve():
+    def felt(q, dq, ddq):
+        second = (rigid(q, dq, ddq) + COULOMB * np.sign(dq) + VISCOUS * dq)[:, 1]
+        return np.stack([0.03 * second**2, np.zeros(len(q))], axis=1)
+
+    shop = shop_of(data_set(4, extra=felt), held=False)
+    fit = shop.fit([]).fit
+    own = [t for t in shop.smooth if t.joint == 0 and not t.between_repetitions]
+    best = max((score(t, fit) for t in own), key=lambda s: s.evidence(shop.mean.rows.count))
+    assert best.trial.effect.depends_on == ("tau_2",)
+    assert best.trial.effect.label == "f(tau_2^2)"
+    before, after = (shop.fit(chosen).fit.squares for chosen in ([], [best.trial]))
+    # What is left is noise: at most one a row and joint.
+    assert after < shop.mean.rows.weights.size < before

@@ -90,11 +90,12 @@ def test_finds_the_spring_that_the_wrong_torque_hides():
     scores = [score(t, fit) for t in trials]
     ripe = ripened(shop, scores, (), fit)
     assert ripe.gain > unripe.gain
-    frequency, damping, rotor_share, bearing = ripe.trial.values
+    frequency, damping, rotor_share, bearing, stiffening = ripe.trial.values
     assert frequency == pytest.approx(SPRING.frequency, rel=0.03)
     assert damping == pytest.approx(SPRING.damping, rel=0.2)
     assert rotor_share == pytest.approx(SPRING.rotor, abs=0.05)
     assert bearing == pytest.approx(0.0, abs=0.05)
+    assert stiffening == pytest.approx(0.0, abs=0.1)
     # What the arm taken for rigid makes of the rotor is far off.
     assert abs(unripe.trial.values[2] - SPRING.rotor) > 3 * abs(rotor_share - SPRING.rotor)
 
@@ -105,7 +106,7 @@ def test_a_spring_is_found_with_the_friction_behind_it():
     found = {s.trial.name: s for s in ranked(shop, pool, (), 3, thorough=True)}
     spring, rows = found["joint_elasticity"], shop.full.rows.count
     assert spring.evidence(rows) > found["backlash"].evidence(rows)
-    frequency, _, _, bearing = spring.trial.values
+    frequency, _, _, bearing, _ = spring.trial.values
     assert frequency == pytest.approx(BEHIND.frequency, rel=0.03)
     # It trades places with the rotor's share along a valley in which a simplex stops.
     assert bearing == pytest.approx(BEARING, abs=0.25)
@@ -186,7 +187,7 @@ def test_a_spring_explains_what_a_gap_with_the_same_spring_does(monkeypatch):
 
 def test_a_lag_is_evaluated_on_what_a_gear_does_and_a_gear_on_the_rigid_arm():
     shop = _shop(0, SPRING)
-    gear = trial_of(shop, "joint_elasticity", 0, (6.0, 0.08, 0.15, 0.0))
+    gear = trial_of(shop, "joint_elasticity", 0, (6.0, 0.08, 0.15, 0.0, 0.0))
     plain = trial_of(shop, "filter_lag", None, (0.01, 0.0))
     shop.update_context(shop.fit([gear], bend=False))
     (motion,) = (p.motion for p in shop.mean.rows.prepared)

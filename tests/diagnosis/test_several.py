@@ -87,9 +87,9 @@ def test_what_falls_beside_the_others_does_not_come_back(monkeypatch):
 
 def test_a_gear_of_which_nothing_is_known_is_doubted():
     shop = shop_of(data_set(5))
-    values = (8.0, 0.05, 0.4, 0.0)
+    values = (8.0, 0.05, 0.4, 0.0, 0.0)
     trial = catalogue_trial(CATALOGUE["joint_elasticity"], shop.context, 0, values, shop.mean.rows)
-    for deviations, doubted in (((0.4, 0.4, 0.4, 0.4), True), ((0.01, 0.4, 0.4, 0.4), False)):
+    for deviations, doubted in (((0.4,) * 5, True), ((0.01, 0.4, 0.4, 0.4, 0.4), False)):
         covariance = np.diag(np.square(deviations))
         found = Augmented((trial,), (np.ones(1),), shop.before.fit, (covariance,))
         assert (doubtful_name(shop, found) is trial) is doubted

@@ -49,6 +49,10 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     if told is None:
         return found
     fit = shop.fit(others, shop.layout(trial)).fit
+
+    def paid(tried: Score) -> float:  # a formula of more terms follows both motions more closely
+        return told(tried) + tried.evidence(fit.rows.count) - tried.gain
+
     starts = [score(moved(t, fit.rows, shop.context), fit) for t in _usual(shop, trial)]
     # Further terms of a formula may follow one motion alone.
     starts += shorter_formulas(found, fit, shop.context)
@@ -57,7 +61,7 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
         starts += [score(t, fit) for t in shop.physical if t.key == trial.key]
     plausible = [s for s in starts if implausible(s, shop.context) is None]
     plausible = [found, *plausible[:1], *sorted(plausible[1:], key=told)[-CRESTS:]]
-    best = max((climb(s, fit, shop.context, told) for s in plausible), key=told)
+    best = max((climb(s, fit, shop.context, told) for s in plausible), key=paid)
     if not _errs_less(shop, others, best.trial, trial):
         return found
     return dataclasses.replace(best, trial=dataclasses.replace(best.trial, decided=True))

@@ -204,10 +204,12 @@ class OtherTorque:
     Attributes:
         joint: Index of the other joint.
         reference: Predicts its torque.
+        exponent: 2 where it is the square that shows.
     """
 
     joint: int
     reference: ReferenceTorque = field(repr=False, compare=False)
+    exponent: int = 1
     functions = 1
     kind = "tau"
 
@@ -218,16 +220,17 @@ class OtherTorque:
     @property
     def name(self) -> str:
         """Such as "tau_2" (joints from 1)."""
-        return f"tau_{self.joint + 1}"
+        return self.depends_on[0] + ("" if self.exponent == 1 else f"^{self.exponent}")
 
     @property
     def depends_on(self) -> tuple[str, ...]:
-        """Itself."""
-        return (self.name,)
+        """The torque."""
+        return (f"tau_{self.joint + 1}",)
 
     def basis(self, state: State) -> Float[ndarray, "samples functions"]:
-        """The torque [N m]."""
-        return np.asarray(self.reference.total(state)[self.joint], dtype=float)[:, None]
+        """The torque to its exponent."""
+        torque = np.asarray(self.reference.total(state)[self.joint], dtype=float)
+        return torque[:, None] ** self.exponent
 
 
 @dataclass(frozen=True)

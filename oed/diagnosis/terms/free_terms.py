@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from itertools import combinations
+from itertools import combinations, permutations
 
 import numpy as np
 
@@ -84,11 +84,9 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
 
 
 def torques_of_others(reference: ReferenceTorque) -> tuple[FreeForm, ...]:
-    """What each joint may show of every other joint's torque."""
-    joints = range(reference.robot.n)
-    return tuple(
-        FreeForm(j, (OtherTorque(i, reference),)) for j in joints for i in joints if i != j
-    )
+    """What each joint may show of every other joint's torque: a share of it or of its square."""
+    pairs = permutations(range(reference.robot.n), 2)
+    return tuple(FreeForm(j, (OtherTorque(i, reference, k),)) for j, i in pairs for k in (1, 2))
 
 
 def terms_together(

@@ -100,7 +100,7 @@ class Trial:
 
     @property
     def is_share(self) -> bool:
-        """Whether it is a share of another joint's torque."""
+        """Whether it is a share of another joint's torque, or of its square."""
         return isinstance(self.effect, FreeForm) and any(
             isinstance(c, OtherTorque) for c in self.effect.coordinates
         )

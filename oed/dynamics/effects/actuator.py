@@ -12,7 +12,7 @@ from numpy import ndarray
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
-from oed.dynamics.scalars import Scalar
+from oed.dynamics.scalars import Scalar, is_zero, magnitude
 
 
 @dataclass(frozen=True)
@@ -20,21 +20,26 @@ class GainError(Effect):
     """epsilon (H theta)_j: a torque scaled by 1 + epsilon, to first order exact in epsilon.
 
     Only parameters that joint j shares with others tell it from a change of parameters
-    (Gautier and Briot 2014 therefore identify all gains with a known payload).
+    (Gautier and Briot 2014 therefore identify all gains with a known payload). An amplifier of two
+    halves may have a gain for each sign: 1 + epsilon + delta for positive torque, 1 + epsilon -
+    delta for negative.
 
     Attributes:
         joint: Index of the joint.
         reference: Gives H theta.
+        by_sign: Whether delta is a parameter.
     """
 
     joint: int
     reference: ReferenceTorque
+    by_sign: bool = False
     name = "torque_gain"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The relative error epsilon."""
-        return (Parameter(f"gain_error_{self.joint + 1}", "1", self.joint),)
+        """The relative error epsilon, and delta."""
+        names = ("gain_error", "gain_by_sign") if self.by_sign else ("gain_error",)
+        return tuple(Parameter(f"{name}_{self.joint + 1}", "1", self.joint) for name in names)
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -42,16 +47,27 @@ class GainError(Effect):
         return (f"tau_{self.joint + 1}",)
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """(H theta)_j."""
-        return [{self.joint: self.reference.total(state)[self.joint]}]
+        """(H theta)_j, and its size."""
+        torque = self.reference.total(state)[self.joint]
+        sizes = (torque, 0.0 if is_zero(torque) else magnitude(torque))
+        return [{self.joint: size} for size in sizes[: len(self.parameters)]]
 
 
 @dataclass(frozen=True)
 class TorqueGain(MeasurementEffect):
-    """The recorded torque of one joint is `gain` times the true one."""
+    """The recorded torque of one joint is `gain` times the true one.
+
+    Attributes:
+        joint: Index of the joint.
+        gain: Of the torque.
+        by_sign: What that of positive torque has more, and that of negative less.
+        reference: Tells the sign; None where the gain has none.
+    """
 
     joint: int
     gain: float
+    by_sign: float = 0.0
+    reference: ReferenceTorque | None = None
     name = "torque_gain"
 
     def through(
@@ -62,4 +78,8 @@ class TorqueGain(MeasurementEffect):
         """The columns with the joint's row scaled."""
         result = np.array(columns(motion))
         result[:, self.joint] *= self.gain
+        if self.reference is not None:
+            torque = self.reference.total(State.along(motion))[self.joint]
+            own = columns(motion)[:, self.joint]
+            result[:, self.joint] += self.by_sign * np.sign(torque)[:, None] * own
         return result

@@ -15,29 +15,32 @@ def deflect(t, load, inertia, gear, brake):
     """Solve push(d, d') + M(t) d'' = load + friction(speed - d') by the trapezoidal rule.
 
     The gear follows the load slowly at first, as on an arm that has been moving. Links that
-    stick stay where they are: each step is solved with the friction at its end.
+    stick stay where they are: each step is solved with the friction at its end, and with the
+    tangent of a spring that stiffens.
 
     Args:
         t: (samples,) time [s].
         load: (samples,) torque that the links need without that friction [N m].
         inertia: (samples,) M of the links, positive [kg m^2].
-        gear: K [N m/rad], D on a flank [N m s/rad], half the gap [rad].
+        gear: K [N m/rad] of a spring K (x + stiffening x^3), D on a flank [N m s/rad], half the
+            gap [rad], stiffening [1/rad^2].
         brake: (samples,) speed of the motor [rad/s]; Coulomb friction [N m], width of its sign
             [rad/s] and viscous friction [N m s/rad], none of them negative.
 
     Returns:
         (samples,) d [rad], d' and d''.
     """
-    stiffness, damping, half = gear
+    stiffness, damping, half, stiffening = gear
     speed, coulomb, width, viscous = brake
     sign = (coulomb, width)
     d, v, a = np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
     first = load[0] + viscous * speed[0]
     first += coulomb * np.tanh(speed[0] / width)
-    d[0] = first / stiffness + half * np.sign(first)
+    d[0] = _at_rest(first / stiffness, stiffening) + half * np.sign(first)
     few = min(len(t) - 1, 10)
     if few > 0:
-        v[0] = (load[few] - load[0]) / (t[few] - t[0]) / stiffness
+        slope = stiffness * (1 + 3 * stiffening * d[0] * d[0])
+        v[0] = (load[few] - load[0]) / (t[few] - t[0]) / slope
     for k in range(1, len(t)):
         h = (t[k] - t[k - 1]) / 2
         rate = v[k - 1] + h * a[k - 1]
@@ -51,12 +54,25 @@ def deflect(t, load, inertia, gear, brake):
             a[k] = _against_coulomb((needed, heavy), (links, h), sign)
             flank = min(max(place + h * h * a[k], -half), half)
         if abs(flank) == half:
-            needed -= damping * rate + stiffness * (place - flank)
-            heavy += h * damping + h * h * stiffness
+            near = place - flank + h * h * a[k - 1]
+            bent = stiffening * near * near
+            tangent = stiffness * (1 + 3 * bent)
+            needed -= damping * rate + tangent * (place - flank) - 2 * stiffness * bent * near
+            heavy += h * damping + h * h * tangent
             a[k] = _against_coulomb((needed, heavy), (links, h), sign)
         v[k] = rate + h * a[k]
         d[k] = place + h * h * a[k]
     return d, v, a
+
+
+@numba.njit(cache=True)
+@no_type_check
+def _at_rest(x, stiffening):
+    """Solve y + stiffening y^3 = x (Newton steps, which come down on it from x)."""
+    y = x
+    for _ in range(MOST_STEPS):
+        y -= (y + stiffening * y**3 - x) / (1 + 3 * stiffening * y * y)
+    return y
 
 
 @numba.njit(cache=True)

@@ -59,7 +59,8 @@ class Transmission(MeasurementEffect):
     """The rigid body at the links' position q - delta, delta what a joint's gear gives way.
 
     The two masses of Spong (1987) on the dead zone of Nordin and Gutman (2002), the position
-    measured at the motor. On a flank the gear pushes with K (delta -+ gap/2) + D delta', within
+    measured at the motor. On a flank the gear pushes with K (x + k x^3) + D delta', x = delta -+
+    gap/2 and k for springs that stiffen as strain-wave gears do (Tuttle and Seering 1996), within
     the gap not at all; it pushes what the links need, H(q - delta)_j less the rotor's own torque R
     and with the friction of their own bearing. With the inertia M_jj of the rigid model, in
     which the rotor is counted with the link, to first order in delta
@@ -73,7 +74,7 @@ class Transmission(MeasurementEffect):
 
     Attributes:
         joint: Index of the joint.
-        frequency: Of the links on the spring with the motor held, at `posture` [Hz].
+        frequency: Of small swings of the links on the spring, motor held, at `posture` [Hz].
         damping: D / (2 sqrt(K M)), M of the links at `posture`.
         rotor_share: J / M_jj at `posture`, below 1.
         gap: Play between the flanks [rad or m].
@@ -83,6 +84,7 @@ class Transmission(MeasurementEffect):
         rigid_columns: The leading columns are the rigid body's.
         rubbing: Coulomb and viscous friction behind the gear, part of what `reference` has
             beside the rigid body: here the links' speed decides.
+        stiffening: k [1/rad^2 or 1/m^2].
     """
 
     joint: int
@@ -95,6 +97,7 @@ class Transmission(MeasurementEffect):
     reference: ReferenceTorque
     rigid_columns: int
     rubbing: Rubbing = Rubbing()
+    stiffening: float = 0.0
     name = "transmission"
 
     def __post_init__(self) -> None:
@@ -102,8 +105,10 @@ class Transmission(MeasurementEffect):
             raise ValueError(f"{self.frequency=} and {self.damping=} must be positive")
         if not 0 <= self.rotor_share < 1:
             raise ValueError(f"{self.rotor_share=} must be at least 0 and below 1")
-        if self.gap < 0 or not 0 <= self.bearing <= 1:
-            raise ValueError(f"{self.gap=} must not be negative, {self.bearing=} in 0 to 1")
+        if self.gap < 0 or self.stiffening < 0 or not 0 <= self.bearing <= 1:
+            raise ValueError(
+                f"{self.gap=} and {self.stiffening=} must not be negative, {self.bearing=} in 0 to 1"
+            )
 
     def through(
         self,
@@ -143,7 +148,7 @@ class Transmission(MeasurementEffect):
         inertia = self.reference.inertia(state, self.joint) - rotor + zeros
         inertia = np.maximum(inertia, LEAST_INERTIA * links)
         damping = 2 * self.damping * self.stiffness / (2 * np.pi * self.frequency)
-        gear = (self.stiffness, damping, self.gap / 2)
+        gear = (self.stiffness, damping, self.gap / 2, self.stiffening)
         brake = (speed, self.rubbing.coulomb, self.rubbing.width, self.rubbing.viscous)
         return Bend(*deflect(t, load, inertia, gear, brake))
 
@@ -160,7 +165,7 @@ class Transmission(MeasurementEffect):
 
     @property
     def stiffness(self) -> float:
-        """K [N m/rad]."""
+        """K of a small deflection [N m/rad]."""
         links = self.declared_inertia - self.rotor_inertia
         return (2 * np.pi * self.frequency) ** 2 * links
 

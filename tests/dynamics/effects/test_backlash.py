@@ -26,7 +26,7 @@ SLOPE = 10.0  # [N m/s] of the load through zero
 INERTIA = 1.5  # [kg m^2]
 HALF = 5e-4  # [rad]
 RATE = 2 * np.pi * 100.0  # [rad/s] on a flank: far above the crossing
-FLANK = (INERTIA * RATE**2, INERTIA * RATE, HALF)
+FLANK = (INERTIA * RATE**2, INERTIA * RATE, HALF, 0.0)
 SMOOTH = (0.0, 1.0, 0.0)  # a bearing without friction
 
 

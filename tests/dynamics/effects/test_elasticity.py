@@ -8,6 +8,7 @@ from numpy import ndarray
 
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.effects.deflection import deflect
+from oed.dynamics.effects.effect import State
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.transmission import JointElasticity
@@ -49,13 +50,39 @@ def test_every_joint_feels_the_links_on_the_spring(joint: int, rotor: float) -> 
     assert (np.linalg.norm(error, axis=0) < 0.06 * np.linalg.norm(change, axis=0)).all()
 
 
+@pytest.mark.parametrize("joint", [0, 1])
+def test_a_spring_may_stiffen(joint: int) -> None:
+    robot, rotor = vertical_arm(), 0.2
+    motion = smooth_motion(robot, duration=3.0, step=1e-3)
+    reference = ReferenceTorque(robot)
+    middle = (motion.q.min(axis=0) + motion.q.max(axis=0)) / 2
+    spring = JointElasticity(
+        joint, FREQUENCY, DAMPING, rotor, 0.0, 0.0, tuple(middle), reference, 20
+    )
+    bend = np.abs(spring.bend(State.along(motion)).d).max()
+    stiffer = dataclasses.replace(spring, stiffening=2 / bend**2)
+    model = TorqueModel(robot, (RigidBody(robot),))
+    gear = Gear(FREQUENCY, DAMPING, rotor, stiffening=stiffer.stiffening)
+    true = two_mass_torque(robot, motion, joint, gear)
+    rigid = model.torque(robot.parameters, motion)
+    linear, found = (
+        model.with_measurement(s).torque(robot.parameters, motion) for s in (spring, stiffer)
+    )
+    settled = motion.t > 1.4
+    error, change = (found - true)[settled], (rigid - true)[settled]
+    plain = (linear - true)[settled]
+    # What is left is of second order in a bend of some mrad; a linear spring leaves far more.
+    assert (np.linalg.norm(error, axis=0) < 0.06 * np.linalg.norm(change, axis=0)).all()
+    assert (np.linalg.norm(error, axis=0) < 0.2 * np.linalg.norm(plain, axis=0)).all()
+
+
 @pytest.mark.parametrize("hertz", [1.0, 4.0, 8.0, 12.0])
 def test_deflection_is_that_of_an_oscillator(hertz: float) -> None:
     mass, omega, w = 1.5, 2 * np.pi * FREQUENCY, 2 * np.pi * hertz
     t = np.arange(0, 6, 5e-4)
     stiffness, damper = mass * omega**2, 2 * DAMPING * omega * mass
     load, inertia, still = np.sin(w * t), np.full(len(t), mass), np.zeros(len(t))
-    found = deflect(t, load, inertia, (stiffness, damper, 0.0), (still, 0.0, 1.0, 0.0))
+    found = deflect(t, load, inertia, (stiffness, damper, 0.0, 0.0), (still, 0.0, 1.0, 0.0))
     phasor = 1 / (stiffness - mass * w**2 + 1j * w * damper)
     expected = [np.imag(phasor * (1j * w) ** k * np.exp(1j * w * t)) for k in range(3)]
     late = t > 3
@@ -68,7 +95,7 @@ def test_friction_of_the_motor_stays_with_it() -> None:
     model = TorqueModel.standard(vertical_arm())
     motion = smooth_motion(model.robot)
     entry, context = CATALOGUE["joint_elasticity"], context_of(vertical_arm(), motion)
-    seen = entry.apply(context, 1, (FREQUENCY, DAMPING, 0.2, 0.0), np.ones(1)).columns(motion)
+    seen = entry.apply(context, 1, (FREQUENCY, DAMPING, 0.2, 0.0, 0.0), np.ones(1)).columns(motion)
     assert np.array_equal(seen[:, :, 20:], model.columns(motion)[:, :, 20:])
 
 
@@ -85,7 +112,7 @@ def test_friction_of_the_links_acts_behind_the_spring(joint: int, bearing: float
     gear = Gear(FREQUENCY, DAMPING, rotor, coulomb=2.0 * bearing, width=0.01, viscous=bearing)
     true = two_mass_torque(robot, motion, joint, gear) + friction
     true[:, joint] -= bearing * friction[:, joint]
-    entry, values = CATALOGUE["joint_elasticity"], (FREQUENCY, DAMPING, rotor, bearing)
+    entry, values = CATALOGUE["joint_elasticity"], (FREQUENCY, DAMPING, rotor, bearing, 0.0)
     seen = entry.apply(context, joint, values, np.ones(1)).torque(parameters, motion)
     settled = motion.t > 1.4
     error, change = (seen - true)[settled], (rigid - true)[settled]
@@ -100,7 +127,7 @@ def test_exact_form_and_column_differ_in_second_order_of_the_bend(joint: int) ->
     rigid = context.model.torque(context.parameters, motion)
     entry, shares = CATALOGUE["joint_elasticity"], []
     for frequency in (12.0, 24.0):  # a quarter of the bend
-        values = (frequency, 0.1, 0.3, 0.0)
+        values = (frequency, 0.1, 0.3, 0.0, 0.0)
         exact = entry.apply(context, joint, values, np.ones(1)).torque(context.parameters, motion)
         model = context.model.with_effects(entry.build(context, joint, values))
         linear = model.torque(np.append(context.parameters, 1.0), motion)

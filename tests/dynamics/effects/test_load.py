@@ -152,9 +152,19 @@ def test_a_limit_cuts_no_more_than_lies_beyond_it(lost: float, *, possible: bool
 
 def test_gain_error_scales_the_joints_whole_torque() -> None:
     entry = CATALOGUE["torque_gain"]
-    column = evaluate(entry.build(CONTEXT, 1, ()), MOTION, 2)
+    column = evaluate(entry.build(CONTEXT, 1, (1.0,)), MOTION, 2)
     assert column[:, 1, 0] == pytest.approx(TOTAL[:, 1], abs=1e-10)
     assert not column[:, 0].any()
-    exact = entry.apply(CONTEXT, 1, (), np.array([0.1])).torque(CONTEXT.parameters, MOTION)
+    exact = entry.apply(CONTEXT, 1, (1.0,), np.array([0.1])).torque(CONTEXT.parameters, MOTION)
     assert exact[:, 1] == pytest.approx(1.1 * TOTAL[:, 1], abs=1e-10)
+    assert exact[:, 0] == pytest.approx(TOTAL[:, 0], abs=1e-10)
+
+
+def test_an_amplifier_of_two_halves_has_a_gain_for_each_sign() -> None:
+    entry, sizes = CATALOGUE["torque_gain"], np.array([0.1, -0.04])
+    columns = evaluate(entry.build(CONTEXT, 1, (2.0,)), MOTION, 2)
+    expected = np.where(TOTAL[:, 1] > 0, 0.06, 0.14) * TOTAL[:, 1]
+    assert columns[:, 1] @ sizes == pytest.approx(expected, abs=1e-10)
+    exact = entry.apply(CONTEXT, 1, (2.0,), sizes).torque(CONTEXT.parameters, MOTION)
+    assert exact[:, 1] == pytest.approx(TOTAL[:, 1] + expected, abs=1e-10)
     assert exact[:, 0] == pytest.approx(TOTAL[:, 0], abs=1e-10)

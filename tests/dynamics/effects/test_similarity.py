@@ -81,7 +81,7 @@ def test_angles_over_recordings_weigh_joints_by_their_noise(vertical: Context) -
 
 
 def test_gains_of_a_two_joint_arm_are_one_class(vertical: Context, base: np.ndarray) -> None:
-    gains = {str(j): _rows(vertical, "torque_gain", j) for j in (0, 1)}
+    gains = {str(j): _rows(vertical, "torque_gain", j, (1.0,)) for j in (0, 1)}
     assert equivalence_classes(base, gains, 1e-4) == (("0", "1"),)
 
 

@@ -29,6 +29,7 @@ class Gear:
         coulomb: Friction of the links' own bearing [N m].
         width: Of its sign [rad/s].
         viscous: Friction of the links' own bearing [N m s/rad].
+        stiffening: Of a spring K (x + stiffening x^3) [1/rad^2].
     """
 
     frequency: float
@@ -38,6 +39,7 @@ class Gear:
     coulomb: float = 0.0
     width: float = 1.0
     viscous: float = 0.0
+    stiffening: float = 0.0
 
     def rub(self, speed: casadi.SX) -> casadi.SX:
         """The bearing's friction [N m]."""
@@ -74,7 +76,7 @@ def two_mass_torque(robot: Robot, motion: Motion, joint: int, gear: Gear) -> nda
     less = without - links_need(1.0)
     beyond = casadi.sign(bend) * casadi.fmax(casadi.fabs(bend) - gear.gap / 2, 0.0)
     touching = 1 if gear.gap == 0 else casadi.fabs(bend) > gear.gap / 2
-    push = stiffness * beyond + damper * rate * touching
+    push = stiffness * (beyond + gear.stiffening * beyond**3) + damper * rate * touching
     second = (without[joint] - push) / less[joint]
     torque = without - second * less + _torque(robot.with_parameters(rotor), q, dq, ddq)
     state = casadi.vertcat(q, dq, ddq, bend, rate)
@@ -93,7 +95,8 @@ def two_mass_torque(robot: Robot, motion: Motion, joint: int, gear: Gear) -> nda
         return [y[1], answer[0]]
 
     rates(motion.t[0], np.zeros(2))
-    start = [answer[1] / stiffness + np.sign(answer[1]) * gear.gap / 2, 0.0]
+    roots = np.roots([gear.stiffening, 0.0, 1.0, -answer[1] / stiffness])
+    start = [roots[np.isreal(roots)][0].real + np.sign(answer[1]) * gear.gap / 2, 0.0]
     found = solve_ivp(
         rates,
         motion.t[[0, -1]],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Literal
 
 import numpy as np
@@ -139,8 +140,8 @@ TORQUE_SATURATION = CatalogueEntry(
 )
 
 
-def _gain(context: Context, target: Target, _values: tuple[float, ...]) -> GainError:
-    return GainError(joint_of(target), context.reference)
+def _gain(context: Context, target: Target, values: tuple[float, ...]) -> GainError:
+    return GainError(joint_of(target), context.reference, by_sign=values[0] > 1)
 
 
 def _gain_plausible(
@@ -149,7 +150,8 @@ def _gain_plausible(
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
-    return at_most(float(estimates[0]), 0.6, "the gain error", "1", "a mistake in the file")
+    size = float(np.abs(estimates).sum())
+    return at_most(size, 0.6, "the gain error", "1", "a mistake in the file")
 
 
 def _with_gain(
@@ -158,14 +160,18 @@ def _with_gain(
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
-    return context.model.with_measurement(TorqueGain(joint_of(target), 1 + float(estimates[0])))
+    error, *by_sign = (float(x) for x in estimates)
+    gain = TorqueGain(joint_of(target), 1 + error)
+    if by_sign:
+        gain = dataclasses.replace(gain, by_sign=by_sign[0], reference=context.reference)
+    return context.model.with_measurement(gain)
 
 
 TORQUE_GAIN = CatalogueEntry(
     name="torque_gain",
     families=("torque",),
     scope="joint",
-    shapes=(),
+    shapes=(Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0, also=(2.0,)),),
     build=_gain,
     plausible=_gain_plausible,
     install=_with_gain,
@@ -174,9 +180,9 @@ TORQUE_GAIN = CatalogueEntry(
         "the same gain on all joints: a scale of all parameters",
     ),
     page=EffectPage(
-        equation="ε (H θ)_j",
+        equation="ε (H θ)_j; where the data ask for it, with δ |(H θ)_j|",
         source="Gautier and Briot 2014, J. Dynamic Systems, Measurement, and Control 136(5)",
-        parameters="ε 3 to 15 %, either sign",
+        parameters="ε 3 to 15 %, either sign; δ of an amplifier whose halves differ",
         signature="parameters that two rows share do not agree",
         confused_with=("rotor_inertia", "torque_saturation", "load_dependent_friction"),
         exposed_by="a known payload; motions of one joint at a time",

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.effects.context import Context
-from oed.dynamics.effects.entries.plausibility import by_construction, joint_of
+from oed.dynamics.effects.entries.plausibility import by_construction, joint_of, peak_torque
 from oed.dynamics.effects.entry import Build, CatalogueEntry, EffectPage, Install, Shape, Target
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.transmission import (
@@ -47,8 +47,10 @@ def _rubbing_behind(gear: Transmission, context: Context) -> Transmission:
 
 
 def _spring(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
-    frequency, damping, rotor_share, bearing = values
-    return _gear(JointElasticity, context, target, frequency, damping, rotor_share, 0.0, bearing)
+    frequency, damping, rotor_share, bearing, stiffening = values
+    linear = _gear(JointElasticity, context, target, frequency, damping, rotor_share, 0.0, bearing)
+    bend = peak_torque(context, linear.joint) / linear.stiffness
+    return dataclasses.replace(linear, stiffening=stiffening / bend**2)
 
 
 def _play(context: Context, target: Target, values: tuple[float, ...]) -> Transmission:
@@ -99,6 +101,7 @@ JOINT_ELASTICITY = CatalogueEntry(
         Shape("damping", "1", 0.005, 0.5, "log", 3, 0.05),
         Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4),
         Shape("bearing", "1", 0.0, 1.0, "linear", 1, 0.0),
+        Shape("stiffening", "1", 0.0, 30.0, "signed log", 1, 0.0, linear_below=1.0, plain=True),
     ),
     build=_change_by(_spring),
     plausible=by_construction,
@@ -106,12 +109,14 @@ JOINT_ELASTICITY = CatalogueEntry(
     unit_coefficient=True,
     page=EffectPage(
         equation="τ = H(q - δ e_j) + R(q) - R(q - δ e_j), "
-        "K δ + D δ' + (M_jj - J) δ'' = H_j(q) - R_j(q), "
+        "K (δ + k δ³) + D δ' + (M_jj - J) δ'' = H_j(q) - R_j(q), k = 0 where the data ask for no more, "
         "R the torque of the rotor, a body of inertia J that the rigid arm counts with link j; "
         "ω² = K / (M_jj - J); a share of the joint's friction behind the spring, at q' - δ'",
         source="Spong 1987, J. Dynamic Systems, Measurement, and Control 109(4), 310-318; Pham, "
-        "Gautier, Poignet 2001, IEEE Int. Conf. Robotics and Automation",
-        parameters="ω/2π 2.5 to 20 Hz, of the arm on the spring with its motor held; ζ; the "
+        "Gautier, Poignet 2001, IEEE Int. Conf. Robotics and Automation; k: Tuttle and Seering 1996, "
+        "IEEE Trans. Robotics and Automation 12(3), 368-374",
+        parameters="ω/2π 2.5 to 20 Hz, of the arm on the spring with its motor held; ζ; stiffening "
+        "k (τ_max/K)², τ_max the joint's largest torque in the recordings; the "
         "rotor's share of the inertia, and what it has beside that as it turns faster than the joint "
         "(geared_rotor, in kg m²), where the data tell it; the share of friction behind the spring",
         signature="residual grows with the square of frequency, then rings, also at other joints",
