@@ -51,7 +51,7 @@ def decided(shop: Workshop, others: Sequence[Trial], found: Score) -> Score:
     fit = shop.fit(others, shop.layout(trial)).fit
 
     def paid(tried: Score) -> float:  # a formula of more terms follows both motions more closely
-        return told(tried) + tried.evidence(fit.rows.count) - tried.gain
+        return told(tried) - tried.price(fit.rows.count)
 
     starts = [score(moved(t, fit.rows, shop.context), fit) for t in _usual(shop, trial)]
     # Further terms of a formula may follow one motion alone.

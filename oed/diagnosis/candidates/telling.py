@@ -62,7 +62,7 @@ def telling(
     rows = shop.full.rows.count
     worth = worth_beside(others, shop.mean.rows)
     explained = np.array([worth(r) for r in rivals]) / min(left)
-    costs = np.array([r.gain - r.evidence(rows) for r in rivals])
+    costs = np.array([r.price(rows) for r in rivals])
     return explained - costs + np.array(foretold) @ (1 / unit), min(left)
 
 

@@ -105,7 +105,7 @@ def _rivals_of_tilt(shop: Workshop, others: list[Trial]) -> tuple[Rival, ...]:
         behind = float(
             (other.fit.squares - tilted.fit.squares) / chance
             + np.sum((foretold[1] - foretold[0]) / unit)
-            + (found.gain - found.evidence(shop.full.rows.count))
+            + found.price(shop.full.rows.count)
             - cost
         )
         contender = (

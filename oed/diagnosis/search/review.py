@@ -180,7 +180,7 @@ def _better_name(shop: Workshop, others: list[Trial], item: Accepted) -> str | N
         if not set(rival.trial.group) <= set(joints):
             # What it does for other joints is no rival to a name here.
             gain = gain_at(shop, joints, others, rival.trial, shop.layout(rival.trial))
-        evidence = gain - (rival.gain - rival.evidence(rows))
+        evidence = gain - rival.price(rows)
         if gain >= COVERED * item.gain and evidence > here + shop.settings.decisive:
             return f"{rival.trial.name} would explain more beside what has no name"
     return None

@@ -29,7 +29,7 @@ def refine(found: Score, fit: LinearFit, context: Context, worth: Worth = gain_o
     """
 
     def evidence(tried: Score) -> float:
-        return tried.evidence(fit.rows.count) - tried.gain + worth(tried)
+        return worth(tried) - tried.price(fit.rows.count)
 
     best = climb(found, fit, context, worth)
     for start in other_formulas(best, fit, context):

@@ -41,14 +41,18 @@ class Score:
     promise: float = 0.0
 
     def evidence(self, rows: int) -> float:
-        """Gain less Schwarz's penalty and Occam's factor of a size far beyond what it explains.
+        """Gain less its price.
 
         Half of it is the change of log evidence, with a prior that expects an effect's torque
         to be of the size of what it explains.
         """
+        return self.gain - self.price(rows)
+
+    def price(self, rows: int) -> float:
+        """Schwarz's penalty, and Occam's factor of a size far beyond what it explains."""
         linear = 0 if self.trial.is_free_form else len(self.coefficients)
         occam = linear * np.log(max(self.cancelled, 1.0))
-        return float(self.gain - self.freedom * np.log(rows) - occam)
+        return float(self.freedom * np.log(rows) + occam)
 
     def surprise(self, inflation: Float[ndarray, " joints"]) -> float:
         """-log of the chance of this gain in noise that large, shapes counted as parameters."""

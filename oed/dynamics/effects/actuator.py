@@ -12,7 +12,7 @@ from numpy import ndarray
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
-from oed.dynamics.scalars import Scalar, is_zero, magnitude
+from oed.dynamics.scalars import Scalar, magnitude
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,7 @@ class GainError(Effect):
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """(H theta)_j, and its size."""
         torque = self.reference.total(state)[self.joint]
-        sizes = (torque, 0.0 if is_zero(torque) else magnitude(torque))
-        return [{self.joint: size} for size in sizes[: len(self.parameters)]]
+        return [{self.joint: torque}, {self.joint: magnitude(torque)}][: len(self.parameters)]
 
 
 @dataclass(frozen=True)
@@ -61,13 +60,13 @@ class TorqueGain(MeasurementEffect):
         joint: Index of the joint.
         gain: Of the torque.
         by_sign: What that of positive torque has more, and that of negative less.
-        reference: Tells the sign; None where the gain has none.
+        reference: Tells the sign.
     """
 
     joint: int
     gain: float
-    by_sign: float = 0.0
-    reference: ReferenceTorque | None = None
+    by_sign: float
+    reference: ReferenceTorque
     name = "torque_gain"
 
     def through(
@@ -77,9 +76,11 @@ class TorqueGain(MeasurementEffect):
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns with the joint's row scaled."""
         result = np.array(columns(motion))
-        result[:, self.joint] *= self.gain
-        if self.reference is not None:
-            torque = self.reference.total(State.along(motion))[self.joint]
-            own = columns(motion)[:, self.joint]
-            result[:, self.joint] += self.by_sign * np.sign(torque)[:, None] * own
+        result[:, self.joint] *= self._gain(motion)[:, None]
         return result
+
+    def _gain(self, motion: Motion) -> Float[ndarray, " samples"]:
+        gain = np.full(len(motion), self.gain)
+        if self.by_sign != 0:
+            gain += self.by_sign * np.sign(self.reference.total(State.along(motion))[self.joint])
+        return gain

@@ -36,10 +36,11 @@ def deflect(t, load, inertia, gear, brake):
     d, v, a = np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
     first = load[0] + viscous * speed[0]
     first += coulomb * np.tanh(speed[0] / width)
-    d[0] = _at_rest(first / stiffness, stiffening) + half * np.sign(first)
+    settled = _at_rest(first / stiffness, stiffening)
+    d[0] = settled + half * np.sign(first)
     few = min(len(t) - 1, 10)
     if few > 0:
-        slope = stiffness * (1 + 3 * stiffening * d[0] * d[0])
+        slope = stiffness * (1 + 3 * stiffening * settled * settled)
         v[0] = (load[few] - load[0]) / (t[few] - t[0]) / slope
     for k in range(1, len(t)):
         h = (t[k] - t[k - 1]) / 2

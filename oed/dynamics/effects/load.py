@@ -61,10 +61,10 @@ class LoadFriction(Effect):
             weight = self.reference.weight(state)[self.joint]
             load = add(mul(1 + self.share, load), mul(-self.share, weight))
         direction = state.sign(state.dq[self.joint], self.width)
-        friction = mul(_magnitude(load), direction)
+        friction = mul(magnitude(load), direction)
         if self.peak is None:
             return [{self.joint: friction}]
-        more = mul(_magnitude(load) / self.peak, friction)
+        more = mul(magnitude(load) / self.peak, friction)
         return [{self.joint: friction}, {self.joint: more}]
 
 
@@ -115,7 +115,7 @@ class TorqueSaturation(Effect):
         torque = self.reference.total(state)[self.joint]
         if is_zero(torque):
             return [{} for _ in self.parameters]
-        share, towards = _magnitude(torque) / self.peak, sign(torque)
+        share, towards = magnitude(torque) / self.peak, sign(torque)
         if self.form == "limit":
             beyond = 1 + self.exponent * (share - 1)
             return [{self.joint: -0.5 * (beyond + magnitude(beyond)) * towards}]
@@ -126,7 +126,3 @@ class TorqueSaturation(Effect):
 def series_powers(exponent: float) -> tuple[float, float]:
     """Powers of a saturation's first two terms: 3 and 5 of a tanh and of its inverse."""
     return exponent, 2 * exponent - 1
-
-
-def _magnitude(torque: Scalar) -> Scalar:
-    return 0.0 if is_zero(torque) else magnitude(torque)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Literal
 
 import numpy as np
@@ -160,10 +159,8 @@ def _with_gain(
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
-    error, *by_sign = (float(x) for x in estimates)
-    gain = TorqueGain(joint_of(target), 1 + error)
-    if by_sign:
-        gain = dataclasses.replace(gain, by_sign=by_sign[0], reference=context.reference)
+    error, by_sign = float(estimates[0]), float(estimates[1:].sum())
+    gain = TorqueGain(joint_of(target), 1 + error, by_sign, context.reference)
     return context.model.with_measurement(gain)
 
 
