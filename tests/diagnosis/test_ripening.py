@@ -9,7 +9,7 @@ from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.candidates import ranking
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.ranking import ranked
-from oed.diagnosis.candidates.ripening import ripened
+from oed.diagnosis.candidates.ripening import has_crests, ripened
 from oed.diagnosis.candidates.telling import most_telling_first
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
@@ -148,6 +148,13 @@ def _leading_rival(shop: Workshop) -> Trial:
     """The candidate that explains most of what the loose gear does."""
     pool = [t for t in shop.physical if t.name in RIVALS and t.target == 1]
     return max(ranked(shop, pool, (), 3, thorough=True), key=lambda s: s.gain).trial
+
+
+@pytest.mark.parametrize(("name", "is_wide"), [("backlash", True), ("joint_elasticity", False)])
+def test_a_gap_alone_is_searched_for_over_its_whole_range(name, is_wide):
+    """A spring has as many shapes, but all that a simplex finds."""
+    shop = _shop(0, SPRING)
+    assert has_crests(score(trial_of(shop, name, 0), shop.before.fit)) is is_wide
 
 
 def test_a_gap_that_promises_most_is_searched_even_where_a_simplex_finds_nothing(monkeypatch):

@@ -28,8 +28,7 @@ from oed.dynamics.effects.catalogue import CATALOGUE, Context
 STARTS = 3  # parts of the first shape's range that are each searched
 KEPT = 2  # of these that are evaluated anew
 ROUNDS = 4  # of the best of them
-FEW_SHAPES = 4  # of which a simplex finds the best
-POPULATION = 12  # members for each shape where there are more
+POPULATION = 12  # members for each shape where a simplex stops on a lesser crest
 GENERATIONS = 22
 PROMISED = 1e-3  # of what a free size would gain counts where a fixed one gains nothing
 SEED = 1  # of the population
@@ -101,8 +100,9 @@ def _shape_names(trial: Trial) -> list[str]:
 
 
 def has_crests(found: Score) -> bool:
-    """Whether a candidate has so many shapes that a simplex may stop on a lesser crest."""
-    return is_unripe(found.trial) and found.trial.shapes > FEW_SHAPES
+    """Whether a candidate is a gear on one of whose shapes a simplex may stop on a lesser crest."""
+    trial = found.trial
+    return is_unripe(trial) and any(shape.rugged for shape in CATALOGUE[trial.name].shapes)
 
 
 def searched(shop: Workshop, found: Score, others: Sequence[Trial], fit: LinearFit) -> Score:
