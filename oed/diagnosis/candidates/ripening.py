@@ -71,28 +71,29 @@ def ripened(
 def where_it_ended(
     shop: Workshop, richer: Score, plainer: Trial, others: Sequence[Trial], fit: LinearFit
 ) -> Score:
-    """A gear with fewer shapes, refined from where one that has more besides has ended.
+    """A gear that is part of another, refined by its plain formula from where that has ended.
 
     Args:
         shop: The laid-out data.
         richer: A ripened gear.
-        plainer: One at the same joint whose shapes are some of its.
+        plainer: One that is part of it.
         others: Additions that both stand beside.
         fit: With these others, without either.
     """
     ended = dict(zip(_shape_names(richer.trial), richer.trial.values, strict=True))
     shapes = CATALOGUE[plainer.name].shapes_for(shop.context, plainer.target)
-    values = tuple(min(max(ended[s.name], s.lower), s.upper) for s in shapes)
+    values = tuple(min(max(ended.get(s.name, s.default), s.lower), s.upper) for s in shapes)
     start = moved(dataclasses.replace(plainer, values=values), fit.rows, shop.context)
     best = _on_what_it_leaves(shop, score(start, fit), others, fit)
     return _followed(shop, best, others, fit)
 
 
 def is_part_of(plainer: Trial, richer: Trial) -> bool:
-    """Whether a gear at the joint of another has some of its shapes and no others."""
+    """Whether a gear at the joint of another has some of its shapes, and by its plain formula no others."""
     if plainer.target != richer.target or not (is_unripe(plainer) and is_unripe(richer)):
         return False
-    return set(_shape_names(plainer)) < set(_shape_names(richer))
+    own = {shape.name for shape in CATALOGUE[plainer.name].shapes if not shape.plain}
+    return own < set(_shape_names(richer))
 
 
 def _shape_names(trial: Trial) -> list[str]:

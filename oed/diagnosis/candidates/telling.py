@@ -18,6 +18,7 @@ from numpy import ndarray
 from oed.diagnosis.candidates.calming import calmed_beside, worth_beside
 from oed.diagnosis.candidates.margin import is_first_order, tied_within
 from oed.diagnosis.candidates.open_shapes import decided
+from oed.diagnosis.candidates.ripening import is_part_of
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
@@ -124,14 +125,23 @@ def replaces(shop: Workshop, others: Sequence[Trial], here: Score, rival: Score)
 
 
 def _is_plainer(one: Score, other: Score) -> bool:
-    """Whether one is the other's first order."""
-    return is_first_order(one.trial, other.trial) and one.freedom < other.freedom
+    """Whether one is the other's first order, or the gear in it."""
+    return is_first_order(one.trial, other.trial) and _freedom(one, other) < other.freedom
+
+
+def _freedom(one: Score, other: Score) -> int:
+    """Parameters of one beside another: a gear that is part of it has fewer in any case."""
+    if is_part_of(one.trial, other.trial):
+        return min(one.freedom, other.freedom - 1)
+    if is_part_of(other.trial, one.trial):
+        return max(one.freedom, other.freedom + 1)
+    return one.freedom
 
 
 def _plainness(tied: Score, first: Score) -> tuple[float, ...]:
     """Of two of one kind the one with fewer parameters; else what cancels least."""
-    parameters = tied.freedom if is_first_order(tied.trial, first.trial) else first.freedom
-    return (float(parameters), tied.cancelled)
+    nested = is_first_order(tied.trial, first.trial)
+    return (float(_freedom(tied, first) if nested else first.freedom), tied.cancelled)
 
 
 def _foretold_share(

@@ -16,7 +16,7 @@ from oed.diagnosis.candidates.judgement import held_out_fault
 from oed.diagnosis.candidates.leftovers import too_little
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.ranking import ranked
-from oed.diagnosis.candidates.ripening import is_unripe
+from oed.diagnosis.candidates.ripening import is_part_of
 from oed.diagnosis.candidates.telling import may_replace, replaces
 from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.fit.linear_fit import LinearFit
@@ -214,12 +214,9 @@ def _is_at_rest(shop: Workshop, start: Score, here: Score, worth: Worth) -> bool
 def _plainer_gears(
     shop: Workshop, current: Trial, others: Sequence[Trial], pool: Sequence[Trial]
 ) -> list[Score]:
-    """Gears with fewer shapes at the place of one, on the torque that they leave.
+    """Gears that are part of one, on the torque that they leave.
 
     A gap that was found before a delay was known may have been a spring and that delay.
     """
-    if not is_unripe(current):
-        return []
-    own = [t for t in pool if is_unripe(t) and t.target == current.target]
-    plainer = [t for t in own if t.shapes < current.shapes]
+    plainer = [t for t in pool if is_part_of(t, current)]
     return ranked(shop, plainer, others, 1, thorough=True) if plainer else []

@@ -6,6 +6,7 @@ import numba
 import numpy as np
 
 MOST_STEPS = 40  # of the equation of a step in time: each halves its bracket at least
+ROUNDING = 1e-6  # of a bend: closer ones are one
 EXACT = 1e-3  # of the sign's width: speeds closer than this are one
 
 
@@ -15,8 +16,7 @@ def deflect(t, load, inertia, gear, brake):
     """Solve push(d, d') + M(t) d'' = load + friction(speed - d') by the trapezoidal rule.
 
     The gear follows the load slowly at first, as on an arm that has been moving. Links that
-    stick stay where they are: each step is solved with the friction at its end, and with the
-    tangent of a spring that stiffens.
+    stick stay where they are: each step is solved with the friction at its end.
 
     Args:
         t: (samples,) time [s].
@@ -55,12 +55,19 @@ def deflect(t, load, inertia, gear, brake):
             a[k] = _against_coulomb((needed, heavy), (links, h), sign)
             flank = min(max(place + h * h * a[k], -half), half)
         if abs(flank) == half:
-            near = place - flank + h * h * a[k - 1]
-            bent = stiffening * near * near
-            tangent = stiffness * (1 + 3 * bent)
-            needed -= damping * rate + tangent * (place - flank) - 2 * stiffness * bent * near
-            heavy += h * damping + h * h * tangent
-            a[k] = _against_coulomb((needed, heavy), (links, h), sign)
+            needed -= damping * rate
+            heavy += h * damping
+            # Newton steps by the spring's tangent: one is all where it does not stiffen.
+            x = place - flank + h * h * a[k - 1]
+            for _ in range(MOST_STEPS):
+                bent = stiffening * x * x
+                tangent = stiffness * (1 + 3 * bent)
+                pushed = needed - tangent * (place - flank) + 2 * stiffness * bent * x
+                a[k] = _against_coulomb((pushed, heavy + h * h * tangent), (links, h), sign)
+                moved = abs(place - flank + h * h * a[k] - x)
+                x = place - flank + h * h * a[k]
+                if stiffening == 0.0 or moved <= ROUNDING * abs(x):
+                    break
         v[k] = rate + h * a[k]
         d[k] = place + h * h * a[k]
     return d, v, a

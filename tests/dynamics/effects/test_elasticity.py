@@ -11,7 +11,7 @@ from oed.dynamics.effects.deflection import deflect
 from oed.dynamics.effects.effect import State
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.rigid_body import RigidBody
-from oed.dynamics.effects.transmission import JointElasticity
+from oed.dynamics.effects.transmission import JointElasticity, TransmissionChange
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot
@@ -74,6 +74,23 @@ def test_a_spring_may_stiffen(joint: int) -> None:
     # What is left is of second order in a bend of some mrad; a linear spring leaves far more.
     assert (np.linalg.norm(error, axis=0) < 0.06 * np.linalg.norm(change, axis=0)).all()
     assert (np.linalg.norm(error, axis=0) < 0.2 * np.linalg.norm(plain, axis=0)).all()
+
+
+@pytest.mark.parametrize("stiffening", [5.0, 10.0, 20.0])
+@pytest.mark.parametrize("frequency", [32.0, 36.0, 40.0])
+def test_a_stiffer_spring_settles_at_any_step(frequency: float, stiffening: float) -> None:
+    """With few steps a swing, a step by the tangent alone runs away."""
+    motion = smooth_motion(vertical_arm(), duration=6.0, step=1e-2)
+    context = context_of(vertical_arm(), motion)
+    for joint in (0, 1):
+        most = []
+        for k in (0.0, stiffening):
+            values = (frequency, 0.01, 0.2, 0.7, k)
+            spring = CATALOGUE["joint_elasticity"].build(context, joint, values)
+            assert isinstance(spring, TransmissionChange)
+            most.append(np.abs(spring.gear.bend(State.along(motion)).d).max())
+        # It rings elsewhere, but bends no further than the softer one but for that.
+        assert 0 < most[1] < 1.5 * most[0]
 
 
 @pytest.mark.parametrize("hertz", [1.0, 4.0, 8.0, 12.0])
