@@ -100,6 +100,7 @@ def _effect(effect: FoundEffect, found: Diagnosis) -> dict[str, object]:
         "validation_gain": effect.validation_gain,
         "alternatives": [
             {"name": r.name, "joint": r.joint, "evidence": r.evidence, "contender": r.contender}
+            | ({"same": True} if r.is_same else {})
             for r in effect.rivals
         ],
     }

@@ -101,6 +101,8 @@ def _rival_row(rival: Rival, effect: FoundEffect, found: Diagnosis, labels: Sequ
     refused = [r.reason for r in found.refused if (r.name, r.joint) == (rival.name, rival.joint)]
     if rival.contender:
         judged = "yes"
+    elif rival.is_same:
+        judged = "yes: the same on any motion"
     elif effect.name in CATALOGUE[rival.name].holds:
         judged = "no: the same with parameters that are not needed"
     elif rival.evidence >= rival.margin:

@@ -256,6 +256,26 @@ def test_a_reading_that_ends_at_a_limit_is_a_saturation_and_nothing_else():
     assert (test.after / found.noise_floor).max() < 1.1
 
 
+def test_a_gear_that_turns_back_more_easily_is_friction_under_load_and_no_gain():
+    """Two losses are their mean, and half their difference times the load, as a gain is."""
+    driving, driven = 0.14, 0.04
+
+    def gear(q, dq, ddq):
+        load = rigid(q, dq, ddq)
+        loss = np.where(load * dq > 0, driving, driven) * np.abs(load) * np.sign(dq)
+        return loss * [1, 0]
+
+    dataset = data_set(3, extra=gear)
+    settings = dataclasses.replace(SETTINGS, candidates=tuple(CATALOGUE))
+    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
+    assert {(e.name, e.joint) for e in found.effects} == {("load_dependent_friction", 0)}
+    assert found.verdict == "explained"
+    told = {p.name: p for p in found.effects[0].parameters}
+    for name, value in (("mu_1", driving), ("mu_driven_1", driven)):
+        assert told[name].value == pytest.approx(value, abs=4 * told[name].std)
+        assert told[name].std < 0.02
+
+
 def test_a_drag_on_another_joints_speed_is_no_motor_and_depends_on_nothing_else():
     def drag(q, dq, ddq):
         return np.stack([0.15 * dq[:, 1], np.zeros(len(q))], axis=1)

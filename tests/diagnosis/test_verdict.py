@@ -5,6 +5,7 @@ import pytest
 
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.evidence.at_its_end import is_at_its_end
+from oed.diagnosis.evidence.caveats import caveats
 from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error
@@ -139,6 +140,11 @@ def test_a_gain_is_weighed_against_that_of_the_other_joint():
         # The first is worth what the other is, but for what a gain of 10 % is to second order.
         assert abs(other.evidence) < SETTINGS.decisive
         assert not other.contender
+        assert other.is_same
+        assert not any(r.is_same for r in rivals if r is not other)
+        effect = FoundEffect("torque_gain", joint, (), 1e-9, 0.2, rivals, own)
+        (note,) = caveats([effect], [], shop.baseline.model.robot)
+        assert "which of the two joints it is" in note
         assert all(r.evidence > SETTINGS.decisive for r in rivals if r is not other)
 
 

@@ -26,7 +26,19 @@ def caveats(
         proofs: Errors before and after, of every role.
         declared: The robot, with the gravity that the data set declares.
     """
-    return (*_of_model(proofs, declared.joint_names), *_of_tilt(effects, declared))
+    joints = declared.joint_names
+    return (*_of_model(proofs, joints), *_of_tilt(effects, declared), *_of_joint(effects, joints))
+
+
+def _of_joint(effects: Sequence[FoundEffect], joints: Sequence[str]) -> Iterator[str]:
+    for effect in effects:
+        for rival in effect.rivals:
+            own, other = effect.joint, rival.joint
+            if rival.is_same and own is not None and other is not None and own != other:
+                yield (
+                    f"{effect.name}: at {joints[other]} it explains the same as at {joints[own]}, on any "
+                    "motion: which of the two joints it is, these torques cannot tell"
+                )
 
 
 def _of_model(proofs: Sequence[RoleProof], joints: Sequence[str]) -> Iterator[str]:

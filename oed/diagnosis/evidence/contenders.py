@@ -40,6 +40,8 @@ class Rival:
         contender: Whether that difference is too small to tell, and it passes all tests that
             the found one passed.
         margin: By how much one of the two must be better to be the one that is meant.
+        is_same: Whether it is the found effect by another joint's name: its torques are the same
+            beside the model, on any data.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Rival:
     trial: Trial
     contender: bool
     margin: float
+    is_same: bool = False
 
 
 def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Rival, ...]:
@@ -69,9 +72,12 @@ def find_rivals(shop: Workshop, own: Accepted, others: list[Trial]) -> tuple[Riv
     for found, value in zip(candidates, others_said, strict=True):
         behind = said - value
         margin = decisive_between(shop, here, found, unit)
-        contender = bool(behind < margin) and _contends(shop, found, here, others, fit)
+        is_same = _is_same(found, here, fit)
+        may_be = bool(behind < margin) and not is_same
+        contender = may_be and _contends(shop, found, here, others)
         trial = found.trial
-        rivals.append(Rival(trial.name, trial.joint, float(behind), trial, contender, margin))
+        rival = Rival(trial.name, trial.joint, float(behind), trial, contender, margin, is_same)
+        rivals.append(rival)
     return tuple(rivals)
 
 
@@ -119,10 +125,8 @@ def _rivals_of_tilt(shop: Workshop, others: list[Trial]) -> tuple[Rival, ...]:
     return tuple(rivals)
 
 
-def _contends(
-    shop: Workshop, rival: Score, own: Score, others: list[Trial], fit: LinearFit
-) -> bool:
-    """Whether a rival passes the tests, and is neither the same effect nor one that holds it."""
+def _contends(shop: Workshop, rival: Score, own: Score, others: list[Trial]) -> bool:
+    """Whether a rival passes the tests, and is none that holds the found effect."""
     if implausible(rival, shop.context) is not None:
         return False
     if own.trial.name in CATALOGUE[rival.trial.name].holds and is_of_kind(own.trial, rival.trial):
@@ -131,11 +135,13 @@ def _contends(
         return False
     # Its columns may explain what no tilt of possible links does. On tables of its own: to turn
     # them settles the torque that all effects refer to.
-    if rival.trial.name == GRAVITY and not turned(shop.on(shop.baseline), others).is_turned:
-        return False
+    return rival.trial.name != GRAVITY or turned(shop.on(shop.baseline), others).is_turned
+
+
+def _is_same(rival: Score, own: Score, fit: LinearFit) -> bool:
     if rival.trial.name != own.trial.name:
-        return True
-    return _likeness(rival, own, fit) < SAME_COLUMNS
+        return False
+    return _likeness(rival, own, fit) >= SAME_COLUMNS
 
 
 def _likeness(a: Score, b: Score, fit: LinearFit) -> float:

@@ -20,6 +20,8 @@ class LoadFriction(Effect):
     gear's output for share 0, at its input for 1. A negative share is that of the inertial torque
     that it lacks: the weight alone for -1, which is what static tests see. Where teeth and rollers
     are pressed harder than in proportion, mu_more |tau_load / tau_peak| |tau_load| sgn(dq_j) adds to it.
+    A gear that turns back harder or more easily than it drives has mu where it drives the load and
+    mu_driven where the load drives it.
 
     Attributes:
         joint: Index of the joint.
@@ -27,6 +29,8 @@ class LoadFriction(Effect):
         share: Of friction in the load, 0 to 1; of what the load lacks of inertial torque, 0 to -1.
         width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
         peak: tau_peak [N m] of the term of second order; None without that term.
+        by_power: Whether it has one coefficient where power goes to the load and another where
+            it comes back.
     """
 
     joint: int
@@ -34,16 +38,23 @@ class LoadFriction(Effect):
     share: float = 0.0
     width: float = 0.0
     peak: float | None = None
+    by_power: bool = False
     name = "load_dependent_friction"
 
     def __post_init__(self) -> None:
         if self.peak is not None and self.peak <= 0:
             raise ValueError(f"{self.peak=} must be positive")
+        if self.peak is not None and self.by_power:
+            raise ValueError(
+                f"{self.peak=} belongs to a formula that does not ask for the power's way"
+            )
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The coefficient mu, and mu_more."""
-        names = ("mu",) if self.peak is None else ("mu", "mu_more")
+        """The coefficient mu, and mu_more or mu_driven."""
+        names = ("mu", "mu_driven") if self.by_power else ("mu",)
+        if self.peak is not None:
+            names = ("mu", "mu_more")
         return tuple(Parameter(f"{name}_{self.joint + 1}", "1", self.joint) for name in names)
 
     @property
@@ -52,7 +63,7 @@ class LoadFriction(Effect):
         return (f"tau_{self.joint + 1}", f"dq_{self.joint + 1}")
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """|tau_load| sgn(dq_j), and that times |tau_load| / tau_peak."""
+        """|tau_load| sgn(dq_j), and that times |tau_load| / tau_peak; or its two ways."""
         load = self.reference.rigid(state)[self.joint]
         if self.share > 0:
             rest = self.reference.beside_rigid(state)[self.joint]
@@ -62,6 +73,10 @@ class LoadFriction(Effect):
             load = add(mul(1 + self.share, load), mul(-self.share, weight))
         direction = state.sign(state.dq[self.joint], self.width)
         friction = mul(magnitude(load), direction)
+        if self.by_power:  # as the sign turns, half of the time one way and half the other
+            towards = mul(load, mul(direction, direction))
+            back = mul(-1.0, towards)
+            return [{self.joint: mul(0.5, add(friction, way))} for way in (towards, back)]
         if self.peak is None:
             return [{self.joint: friction}]
         more = mul(magnitude(load) / self.peak, friction)

@@ -67,6 +67,27 @@ def test_load_friction_may_grow_faster_than_the_load() -> None:
         LoadFriction(1, CONTEXT.reference, peak=0.0)
 
 
+def test_a_gear_may_lose_less_where_its_load_drives_it() -> None:
+    columns = evaluate(LoadFriction(1, CONTEXT.reference, by_power=True), MOTION, 2)[:, 1]
+    friction = np.abs(RIGID[:, 1]) * np.sign(MOTION.dq[:, 1])
+    drives = RIGID[:, 1] * MOTION.dq[:, 1] > 0
+    assert 0.1 < drives.mean() < 0.9
+    expected = np.stack([np.where(drives, friction, 0), np.where(drives, 0, friction)], 1)
+    assert columns == pytest.approx(expected, abs=1e-10)
+    with pytest.raises(ValueError, match="power's way"):
+        LoadFriction(1, CONTEXT.reference, peak=8.0, by_power=True)
+
+
+@pytest.mark.parametrize(
+    ("estimates", "plausible"),
+    [([0.1, 0.02], True), ([0.1, -0.001], True), ([0.1, -0.1], False), ([-0.1, 0.1], False)],
+)
+def test_a_gear_gains_nothing_either_way(estimates: list[float], *, plausible: bool) -> None:
+    entry = CATALOGUE["load_dependent_friction"]
+    reason = entry.plausible(CONTEXT, 1, (0.0, 3.0), np.array(estimates))
+    assert (reason is None) is plausible
+
+
 @pytest.mark.parametrize(
     ("estimates", "plausible"),
     [([0.0, 0.1], True), ([-0.02, 0.1], True), ([-0.12, 0.2], False), ([0.2, -0.3], False)],

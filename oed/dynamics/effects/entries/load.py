@@ -26,27 +26,52 @@ from oed.dynamics.torque_model import TorqueModel
 LEAST_OF_SERIES = 2.5
 # Formulas of a saturation, by the number of the shape that counts them.
 FORMS: dict[int, Literal["power", "series", "limit"]] = {1: "power", 2: "series", 3: "limit"}
+# The same of friction under load.
+LOADS: dict[int, Literal["proportional", "second order", "by power"]] = {
+    1: "proportional",
+    2: "second order",
+    3: "by power",
+}
+MOST_LOSS = "the loss of a gear that hardly turns back"
+LEAST_BACK = 0.1  # of a gear's loss, by which an estimate of none on the way back may be below zero
 MOST_CUT = 1.2  # of what lies beyond a limit, beside a peak that is known by the model alone
 SHARES = 21  # of the peak, at which a saturation of two terms is looked at
 
 
 def _load_friction(context: Context, target: Target, values: tuple[float, ...]) -> LoadFriction:
     joint, (share, terms) = joint_of(target), values
-    peak = peak_torque(context, joint) if terms > 1 else None
-    return LoadFriction(joint, context.reference, share, context.sign_width(joint), peak)
+    form = LOADS[round(terms)]
+    return LoadFriction(
+        joint,
+        context.reference,
+        share,
+        context.sign_width(joint),
+        peak_torque(context, joint) if form == "second order" else None,
+        by_power=form == "by power",
+    )
 
 
 def _load_friction_plausible(
     _context: Context,
     _target: Target,
-    _values: tuple[float, ...],
+    values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> str | None:
+    if LOADS[round(values[1])] == "by power":
+        driving, driven = estimates.tolist()
+        least = -LEAST_BACK * driving
+        return first_reason(
+            [
+                positive(driving, "mu where the joint drives its load", "1"),
+                positive(driven - least, "mu where the load drives the joint", "1"),
+                *(at_most(mu, 0.6, "mu", "1", MOST_LOSS) for mu in (driving, driven)),
+            ]
+        )
     at_peak = float(estimates.sum())
     return first_reason(
         [
             positive(at_peak, "mu at the peak", "1"),
-            at_most(at_peak, 0.6, "mu", "1", "the loss of a gear that hardly turns back"),
+            at_most(at_peak, 0.6, "mu", "1", MOST_LOSS),
             # Beside Coulomb friction a small load may take a little of it away.
             positive(at_peak + float(estimates[0]), "mu at half of the peak", "1"),
         ]
@@ -59,18 +84,20 @@ LOAD_DEPENDENT_FRICTION = CatalogueEntry(
     scope="joint",
     shapes=(
         Shape("share", "1", -1.0, 1.0, "linear", 3, 0.0, plain=True),
-        Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0),
+        Shape("terms", "1", 1.0, float(max(LOADS)), "formula", 1, 1.0),
     ),
     build=_load_friction,
     plausible=_load_friction_plausible,
     page=EffectPage(
         equation="μ |τ_l| s with the load τ_l = τ_rigid + ρ τ_rest; for negative ρ τ_weight + "
-        "(1 + ρ) τ_inertial; to second order with μ' τ_l² / τ_peak s",
+        "(1 + ρ) τ_inertial; to second order with μ' τ_l² / τ_peak s (terms 2); with another μ where "
+        "the load drives the joint, τ_l s < 0 (terms 3)",
         source="Gogoussis and Donath 1988, IEEE Int. Conf. Robotics and Automation; Hamon, Gautier, "
         "Garrec 2010, IEEE/RSJ IROS, 6187-6193; Bittencourt and Gunnarsson 2012, J. Dynamic "
         "Systems, Measurement, and Control 134(5)",
         parameters="μ 0.02 to 0.12; ρ 0 (load at the gear's output) to 1 (at its input), or to -1 "
-        "(the weight alone); μ' where friction grows faster than the load",
+        "(the weight alone); μ' where friction grows faster than the load; two μ of a gear that loses "
+        "more one way than the other",
         signature="friction grows with the load; turns its sign with the velocity",
         confused_with=("torque_saturation", "torque_gain", "position_dependent_friction"),
         exposed_by="a payload; both directions at high and at low load",
