@@ -77,6 +77,8 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[FreeForm, ..
         fine = coordinate(prepared, "q", j, PIECES_FINE)
         terms += [FreeForm(j, (fine,)), FreeForm(j, (fine,), direction=j)]
         terms.append(FreeForm(j, (_from_rest(prepared, "ddq", j),)))
+        # Contacts take time: friction of a joint that gathers speed is another.
+        terms.append(FreeForm(j, (_from_rest(prepared, "ddq", j),), direction=j))
         terms.append(FreeForm(j, (coordinate(prepared, "time", 0),)))
         # Friction and whatever hangs on position that come and go.
         terms.append(FreeForm(j, (coordinate(prepared, "time", 0, PIECES_FINE),), direction=j))
