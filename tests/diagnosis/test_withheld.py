@@ -111,6 +111,28 @@ def test_a_load_explains_more_than_is_left(sprung, name, explained, left, claime
     assert [u.joint for u in without] == ([] if claimed else [1])
 
 
+@pytest.mark.parametrize(
+    ("curves", "claimed"),
+    [
+        ({0: ("q_1", "q_2"), 1: ("q_1", "q_2")}, False),  # a magnet pulls at the tool
+        ({0: ("q_1", "q_2")}, True),  # the other joint shows the tilt alone
+        ({0: ("q_1", "q_2"), 1: ("q_1", "dq_2")}, True),  # no weight depends on speed
+    ],
+)
+def test_a_tilt_is_not_claimed_where_something_else_pulls_at_every_joint(sprung, curves, claimed):
+    shop, _ = sprung
+    tilt = next(t for t in shop.physical if t.name == "gravity_direction")
+    selection = Selection.of(shop, [Accepted(tilt, 100.0)], [])
+    effect = FoundEffect("gravity_direction", None, (), 1e-6, 0.06, (), tilt)
+    unexplained = tuple(Unexplained(j, on, 0.4, "f", stands_in=True) for j, on in curves.items())
+    ones = np.ones(2)
+    kept, without = withheld(
+        shop, selection, [effect], unexplained, Errors(ones, ones, ones, ones, 9 * ones)
+    )
+    assert kept == ((effect,) if claimed else ())
+    assert len(without) == len(curves) + (not claimed)
+
+
 @pytest.mark.parametrize("name", ["time_delay", "gravity_direction", "payload_change"])
 def test_a_name_of_the_whole_arm_must_foretell_something_as_others_must(sprung, name):
     shop, _ = sprung

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.proof import RoleProof, error_in_floors
 from oed.diagnosis.evidence.verdict import FoundEffect, Unexplained, riddles
@@ -79,7 +80,9 @@ def withheld(
         unexplained: What has no name.
         errors: Before and after.
     """
-    curves = {u.joint for u in riddles(effects, unexplained) if u.depends_on}
+    riddling = [u for u in riddles(effects, unexplained) if u.depends_on]
+    curves = {u.joint for u in riddling}
+    pulled = {u.joint for u in riddling if all(c.startswith("q_") for c in u.depends_on)}
     unclaimed: set[str] = set()
     claimed, resembling = [], []
     for effect in effects:
@@ -91,6 +94,9 @@ def withheld(
             is_claimed = False
         elif joint is None:
             is_claimed = not (effect.trial.between_repetitions and _is_most_left(errors))
+            # What pulls at every joint by its position may pull as a tilt does, too.
+            if effect.name == GRAVITY and pulled.issuperset(effect.trial.group):
+                is_claimed = False
         else:
             is_claimed = _is_claimed(effect, joint, errors, beside_curves=joint in curves)
         if is_claimed and not is_at_its_end(shop, effect):
