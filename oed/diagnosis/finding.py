@@ -14,13 +14,12 @@ from oed.diagnosis.candidates.accepted import Refused
 from oed.diagnosis.candidates.clocks import by_other_clock
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.evidence.contradiction import checked_errors
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with, fit_final
+from oed.diagnosis.evidence.contradiction import checked_errors, held_out_rms
+from oed.diagnosis.evidence.final_model import FinalModel, final_with, fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.evidence.verdict import FoundEffect, outdone_by_tilt
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import search, with_stand_ins
-from oed.diagnosis.tables.predict import rms
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 
@@ -141,12 +140,11 @@ def _without_what_raises(
 
     To add to one joint moves the parameters of all. Each that goes must lower all test errors
     together: each joint's against what it was, and in noise floors. That one goes first which
-    lowers those of test and validation together most: what the first are luck for, the others are
-    not.
+    lowers those of test and validation together most: luck in one is seldom luck in both.
     """
     shop, selection = found.shop, found.selection
     old, new = _test_errors(found, test)
-    base = _plain_errors(shop, found.before, validation)
+    base = held_out_rms(shop, found.before, validation) if validation else None
     while selection.trials and (new / old).max() > RAISED:
         # All that was added stands on the tables that a tilt has turned.
         loose = [trial for trial in selection.trials if trial.name != GRAVITY]
@@ -155,21 +153,14 @@ def _without_what_raises(
             final = final_with(shop, fewer.found)
             _, errors = checked_errors(shop, fewer, found.before, final, test)
             if _squares(errors / old) < _squares(new / old) and _squares(errors) < _squares(new):
-                held = _plain_errors(shop, final, validation) / base
-                lower.append((_squares(errors / old) + _squares(held), errors, fewer))
+                left = _squares(errors / old)
+                if base is not None:
+                    left += _squares(held_out_rms(shop, final, validation) / base)
+                lower.append((left, errors, fewer))
         if not lower:
             break
         _, new, selection = min(lower, key=lambda t: t[0])
     return found if selection is found.selection else _renamed(found, selection, validation)
-
-
-def _plain_errors(
-    shop: Workshop, model: FinalModel, recordings: tuple[Prepared, ...]
-) -> Float[ndarray, " joints"]:
-    """(n,) root mean squares [N m]; none of no recordings."""
-    if not recordings:
-        return np.ones(0)
-    return rms(errors_of(model, recordings), shop.baseline.noise_share(recordings))
 
 
 def _squares(errors: Float[ndarray, " joints"]) -> float:

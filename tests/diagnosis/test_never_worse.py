@@ -22,7 +22,7 @@ def shop():
 @pytest.fixture
 def left(shop, monkeypatch):
     """Which additions stay, by what each wins and which sets cost more than that."""
-    found, errors_of = module.final_with, module.errors_of
+    found, held_out_rms = module.final_with, module.held_out_rms
     sets, asked = {}, []
 
     def final_with(shop, chosen):
@@ -30,13 +30,13 @@ def left(shop, monkeypatch):
         sets[id(final)] = (final, {t.key for t in chosen.chosen})
         return final
 
-    def noted(final, validation):
+    def noted(shop, final, validation):
         asked[:] = [sets[id(final)][1] if id(final) in sets else set()]
-        return errors_of(final, validation)
+        return held_out_rms(shop, final, validation)
 
     def of(keys, wins, is_dear):
         monkeypatch.setattr(module, "final_with", final_with)
-        monkeypatch.setattr(module, "errors_of", noted)
+        monkeypatch.setattr(module, "held_out_rms", noted)
         monkeypatch.setattr(module, "costs", lambda *_: is_dear(asked[0]))
         monkeypatch.setattr(module, "rise", lambda *_: -float(sum(wins[k] for k in asked[0])))
         accepted = [Accepted(trial_of(shop, *key), 1e3) for key in keys]

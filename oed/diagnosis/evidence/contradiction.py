@@ -32,6 +32,13 @@ def checked_errors(
         test: At least one.
     """
     known, _ = with_moments_of(shop, selection.found, after, test)
-    weights, floor = shop.baseline.noise_share(test), shop.baseline.floor.deviation
-    old, new = (rms(errors_of(model, test), weights) / floor for model in (before, known))
+    floor = shop.baseline.floor.deviation
+    old, new = (held_out_rms(shop, model, test) / floor for model in (before, known))
     return old, new
+
+
+def held_out_rms(
+    shop: Workshop, model: FinalModel, recordings: Sequence[Prepared]
+) -> Float[ndarray, " joints"]:
+    """Each joint's error, rows weighed by their share of noise [N m]."""
+    return rms(errors_of(model, recordings), shop.baseline.noise_share(recordings))

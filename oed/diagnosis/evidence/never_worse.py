@@ -9,10 +9,10 @@ from oed.diagnosis.candidates.judgement import costs, rise
 from oed.diagnosis.candidates.ripening import is_late
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with
+from oed.diagnosis.evidence.contradiction import held_out_rms
+from oed.diagnosis.evidence.final_model import FinalModel, final_with
 from oed.diagnosis.search.exchange import foretelling
 from oed.diagnosis.search.selected import Selection
-from oed.diagnosis.tables.predict import rms
 from oed.diagnosis.tables.workshop import Workshop
 
 RAISES = "in its exact form it raises the validation error"
@@ -51,13 +51,12 @@ def never_worse(
     """
     if not validation:
         return selection, final_with(shop, selection.found) if selection.trials else before
-    weights = shop.baseline.noise_share(validation)
-    old = rms(errors_of(before, validation), weights)
+    old = held_out_rms(shop, before, validation)
     floor, counted = shop.baseline.floor.deviation, shop.unseen_full.counted
 
     def tried(kept: Selection) -> _Tried:
         final = final_with(shop, kept.found) if kept.trials else before
-        new = rms(errors_of(final, validation), weights)
+        new = held_out_rms(shop, final, validation)
         is_worse = bool(kept.trials) and costs(old, new, floor, counted)
         return _Tried(is_worse, rise(old, new, counted), kept, final)
 

@@ -52,9 +52,11 @@ class LoadFriction(Effect):
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The coefficient mu, and mu_more or mu_driven."""
-        names = ("mu", "mu_driven") if self.by_power else ("mu",)
+        names = ["mu"]
         if self.peak is not None:
-            names = ("mu", "mu_more")
+            names.append("mu_more")
+        elif self.by_power:
+            names.append("mu_driven")
         return tuple(Parameter(f"{name}_{self.joint + 1}", "1", self.joint) for name in names)
 
     @property

@@ -59,11 +59,11 @@ def _load_friction_plausible(
 ) -> str | None:
     if LOADS[round(values[1])] == "by power":
         driving, driven = estimates.tolist()
-        least = -LEAST_BACK * driving
+        is_none = abs(driven) <= LEAST_BACK * driving
         return first_reason(
             [
                 positive(driving, "mu where the joint drives its load", "1"),
-                positive(driven - least, "mu where the load drives the joint", "1"),
+                None if is_none else positive(driven, "mu where the load drives the joint", "1"),
                 *(at_most(mu, 0.6, "mu", "1", MOST_LOSS) for mu in (driving, driven)),
             ]
         )
