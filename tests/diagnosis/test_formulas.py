@@ -276,30 +276,6 @@ def test_a_gear_that_turns_back_more_easily_is_friction_under_load_and_no_gain()
         assert told[name].std < 0.02
 
 
-def test_a_drag_on_another_joints_speed_is_no_motor_and_depends_on_nothing_else():
-    def drag(q, dq, ddq):
-        return np.stack([0.15 * dq[:, 1], np.zeros(len(q))], axis=1)
-
-    dataset = data_set(4, extra=drag)
-    settings = dataclasses.replace(SETTINGS, candidates=tuple(CATALOGUE))
-    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
-    assert not found.effects
-    assert [(u.joint, u.depends_on) for u in found.unexplained] == [(0, ("dq_2",))]
-
-
-def test_friction_that_acceleration_changes_is_found_by_it_and_has_no_name():
-    def hasty(q, dq, ddq):
-        return 0.5 * np.tanh(np.abs(ddq) / 4.0) * np.sign(dq) * [0, 1]
-
-    dataset = data_set(4, extra=hasty)
-    settings = dataclasses.replace(SETTINGS, candidates=tuple(CATALOGUE))
-    found = diagnose(dataset, TorqueModel.standard(dataset.robot), settings)
-    assert not found.effects
-    assert [(u.joint, set(u.depends_on)) for u in found.unexplained] == [(1, {"ddq_2", "dq_2"})]
-    test = next(p for p in found.proof if p.role == "test")
-    assert (test.after / found.noise_floor).max() < 1.1 < (test.before / found.noise_floor).max()
-
-
 def test_a_spring_beside_a_much_larger_ripple_of_its_joint_is_named():
     """It explains a fiftieth of what the ripple does, and no curve of position does as well."""
     names = ("torque_ripple", "joint_spring")
