@@ -32,6 +32,10 @@ class RobotError(OedError):
     """A robot description cannot be used as it stands."""
 
 
+class NoUsableResult(OedError):
+    """What was asked for cannot be had, though the input is in order: nothing is handed out."""
+
+
 class RankUndetermined(OedError):
     """The singular values show no clear gap, so the rank would be a guess.
 

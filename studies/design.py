@@ -4,7 +4,9 @@
     python -m studies.design --data DIR --out DIR
 
 Writes the motion for a controller (CSV, ROS 2 JointTrajectory), `design.json`, the motion
-against its limits, and a page in which the arm moves.
+against its limits, and a page in which the arm moves. Exit status: 0 with a motion; 2 for input
+that cannot be used; 3 where no motion keeps all that it must, and then nothing for a controller
+is written.
 """
 
 from __future__ import annotations
@@ -20,9 +22,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.bound.efficiency import QUICK, DEfficiency, d_efficiency
+from oed.design.bound.efficiency import QUICK, DEfficiency, NoBound, d_efficiency
 from oed.design.clear_limits import ClearLimits, clear_limits
-from oed.design.clearance import ClearanceCheck, check_clearance
+from oed.design.clearance import ClearanceCheck, check_clearance, clearance_status
 from oed.design.collision import Surroundings
 from oed.design.collision_free import avoid_collision
 from oed.design.default_limits import with_default_limits
@@ -40,7 +42,7 @@ from oed.design.optimisers.result import Budget
 from oed.design.prior_experiments import prior_information
 from oed.design.problem import DesignProblem
 from oed.dynamics.models import MODELS, build_model
-from oed.errors import OedError, RobotError
+from oed.errors import NoUsableResult, OedError, RobotError
 from oed.experiment.read_dataset import read_dataset
 from oed.report.design_plots import draw_motion
 from oed.report.json_file import write_json
@@ -50,10 +52,11 @@ from oed.report.study_files import DESIGN
 from oed.report.style import save_figure
 from oed.robot import Robot, arm_joints, load_robot
 from studies.design_summary import summary
-from studies.interrupt import leave
+from studies.interrupt import BAD_INPUT, NO_USABLE_RESULT, leave
 
 CHECKED_INSTANTS = 1000  # of the clearance check
 MOST_POINTS = 1_000_000  # that a motion is written with
+SMOKE_EVALUATIONS = 100  # a second on two joints
 ROTORS = (
     "rotor inertias are no part of the model that this excites; studies.identify estimates them "
     "unless told otherwise: --model rotor excites them as well"
@@ -71,10 +74,11 @@ class Config:
         model: Name of the torque model whose parameters the motion is to excite.
         problem: What to ask of the motion.
         prior: Design files whose experiments this one completes.
-        avoid_collision: Whether the motion must be clear of self-collision, and of `box`.
-        box: Lower and upper x, y, z that no body's origin should leave [m]; empty for none.
+        avoid_collision: Whether the motion must be clear of self-collision.
+        box: Lower and upper x, y, z that no body's origin may leave [m]; empty for none.
         rate: Of the exported motion [Hz].
-        budget: CPU time of the optimiser [s].
+        evaluations: Of the criterion: the same number and seed give the same motion.
+        budget: CPU time after which the optimiser stops in any case [s].
         quick_bound: Whether to spend a second on D-efficiency instead of ten.
         seed: Of starts, hops and the states of the bound.
     """
@@ -88,7 +92,8 @@ class Config:
     avoid_collision: bool = False
     box: tuple[float, ...] = ()
     rate: float = 100.0
-    budget: float = 12.0
+    evaluations: int = 1000
+    budget: float = 60.0
     quick_bound: bool = False
     seed: int = 0
 
@@ -105,12 +110,19 @@ class Config:
                 f"--rate {self.rate:g} for --horizon {self.problem.horizon:g} is more than "
                 f"{MOST_POINTS} set points"
             )
+        if self.evaluations < 1:
+            raise ValueError(f"--evaluations {self.evaluations} is not a positive number")
         if self.seed < 0:
             raise ValueError(f"--seed {self.seed} is negative")
         if self.box and not np.isfinite(self.box).all():
             raise ValueError("--box: a bound is not a finite number")
         if self.box and not (self.walls[:, 0] < self.walls[:, 1]).all():
             raise ValueError("--box: each lower bound must be below its upper bound")
+
+    @property
+    def keeps_clear(self) -> bool:
+        """Whether a motion is to be moved away from what it may hit."""
+        return self.avoid_collision or bool(self.box)
 
     @property
     def walls(self) -> Float[ndarray, "3 2"]:
@@ -135,33 +147,63 @@ def run(config: Config) -> Result:
     rng = np.random.default_rng(config.seed)
     surroundings, unchecked = _surroundings(robot, config)
     room = None
-    if config.avoid_collision:
+    if config.keeps_clear:
         if surroundings is None or not (surroundings.has_shapes or config.box):
             reason = unchecked if surroundings is None else surroundings.note
-            raise RobotError(f"--avoid-collision: {reason}")
+            wish = "--avoid-collision" if config.avoid_collision else "--box"
+            raise RobotError(f"{wish}: {reason}")
         room = clear_limits(robot.limits, surroundings, rng)
         robot = robot.with_limits(room.limits)
         notes += _narrowed(robot, room)
-    problem, more = default_problem(build_model(config.model, robot), config.problem, rng)
-    notes += more
+    posed = default_problem(build_model(config.model, robot), config.problem)
+    problem = posed.problem
+    notes += posed.notes
     if config.prior:
         problem = _with_prior(problem, config.prior)
-    found = optimise(problem, Budget(cpu_seconds=config.budget), rng)
+    found = optimise(problem, Budget(config.evaluations, config.budget), rng)
+    if found.evaluations < config.evaluations:
+        notes.append(
+            f"stopped by --budget {config.budget:g} CPU s after {found.evaluations} of "
+            f"{config.evaluations} evaluations: the same seed may give another motion"
+        )
     if room is not None and surroundings is not None:
         clear = avoid_collision(problem, found.z, surroundings, room.centre)
         notes.append(
             f"collisions avoided in {clear.rounds} rounds, motion times {clear.factor:.3g}"
         )
         found = dataclasses.replace(found, z=clear.z)
-    design = Design.from_result(problem, found, optimiser="interior_point", seed=config.seed)
+    design = Design.from_result(
+        problem, found, optimiser="interior_point", seed=config.seed, others=posed.others
+    )
+    _check_information(design)
     seen = design.motion(np.linspace(0.0, design.horizon, CHECKED_INSTANTS))
     clearance = (
         ClearanceCheck.not_made(unchecked)
         if surroundings is None
         else check_clearance(surroundings, seen)
     )
-    efficiency = d_efficiency(design, rng, QUICK if config.quick_bound else None)
+    status = design.status.with_limits(
+        clearance_status(clearance, is_asked=config.avoid_collision, has_box=bool(config.box))
+    )
+    design = dataclasses.replace(design, status=status)
+    efficiency = None
+    try:
+        efficiency = d_efficiency(design, rng, QUICK if config.quick_bound else None)
+    except NoBound as error:
+        notes.append(f"D-efficiency not known: {error}")
     return Result(design, tuple(notes), efficiency, clearance)
+
+
+def _check_information(design: Design) -> None:
+    """Refuse a motion that leaves a base parameter without information."""
+    if not np.isfinite(design.J_k):
+        eigenvalues, vectors = np.linalg.eigh(design.information)
+        name = design.problem.base.names[int(np.abs(vectors[:, 0]).argmax())]
+        raise NoUsableResult(
+            "the motion found tells nothing of some base parameters, least of "
+            f"{name} (eigenvalues of Lambda {eigenvalues[0]:.1e} ... {eigenvalues[-1]:.1e}): "
+            "widen the limits, lengthen --horizon, or leave out joints that hardly move (--joints)"
+        )
 
 
 def _robot(config: Config) -> Robot:
@@ -196,13 +238,14 @@ def _narrowed(robot: Robot, room: ClearLimits) -> list[str]:
 
 
 def write(result: Result, config: Config, out: Path) -> tuple[str, ...]:
-    """Write motion files, `design.json`, plot, recording and provenance; all notes."""
+    """Write motion files, `design.json`, plot, recording and provenance; all notes.
+
+    Nothing that a controller could run where the motion is not usable.
+    """
     design = result.design
     robot = design.problem.model.robot
-    points = SetPoints.sample(design.problem.trajectory, design.z, robot.joint_names, config.rate)
-    write_csv(points, out / "motion.csv")
-    write_joint_trajectory_yaml(points, out / "joint_trajectory.yaml")
-    write_joint_trajectory_json(points, out / "joint_trajectory.json")
+    if design.status.is_usable:
+        _write_for_controller(design, config, out)
     fine = design.motion(np.linspace(0.0, design.horizon, 1000))
     nominal = design.problem.nominal
     torque = None if nominal is None else design.problem.model.torque(nominal, fine)
@@ -217,14 +260,25 @@ def write(result: Result, config: Config, out: Path) -> tuple[str, ...]:
         d_efficiency=None if result.efficiency is None else dataclasses.asdict(result.efficiency),
         notes=notes,
     )
-    more = {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
+    more: dict[str, object] = {"evaluations_asked": config.evaluations}
+    more |= {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
     write_json(out / "design.json", {**record, **more})
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
     return notes
 
 
+def _write_for_controller(design: Design, config: Config, out: Path) -> None:
+    problem = design.problem
+    points = SetPoints.sample(
+        problem.trajectory, design.z, problem.model.robot.joint_names, config.rate
+    )
+    write_csv(points, out / "motion.csv")
+    write_joint_trajectory_yaml(points, out / "joint_trajectory.yaml")
+    write_joint_trajectory_json(points, out / "joint_trajectory.json")
+
+
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
+    """Run from the command line; the exit status as in the module's docstring."""
     parser = argparse.ArgumentParser(
         prog="studies.design", description=(__doc__ or "").partition("\n")[0]
     )
@@ -240,6 +294,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--at-rest", action="store_true")
     parser.add_argument("--no-torque", action="store_true", help="ignore effort limits")
+    parser.add_argument(
+        "--scaled-columns", action="store_true", help="for J_k, A and E: J_k_scaled and so on"
+    )
     parser.add_argument("--prior", nargs="+", default=(), help="design.json of earlier experiments")
     parser.add_argument("--avoid-collision", action="store_true")
     parser.add_argument(
@@ -248,11 +305,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         type=float,
         default=(),
         metavar=("X0", "X1", "Y0", "Y1", "Z0", "Z1"),
-        help="that bodies should not leave [m]",
+        help="that no body's origin may leave [m]",
     )
     parser.add_argument("--rate", type=float, default=Config.rate, help="[Hz]")
     parser.add_argument("--seed", type=int, default=Config.seed)
-    parser.add_argument("--budget", type=float, default=Config.budget, help="CPU seconds")
+    parser.add_argument(
+        "--evaluations", type=int, help=f"of the criterion; {Config.evaluations} if not given"
+    )
+    parser.add_argument("--budget", type=float, default=Config.budget, help="most CPU seconds")
     parser.add_argument("--smoke", action="store_true", help="a few seconds, to see it work")
     given = parser.parse_args(argv)
     try:
@@ -264,10 +324,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (OedError, ValueError, OSError) as error:
         # Drake's messages have several lines.
         sys.stderr.write(f"studies.design: {' '.join(str(error).split())}\n")
-        return 2
+        return NO_USABLE_RESULT if isinstance(error, NoUsableResult) else BAD_INPUT
     told = summary(result.design, result.efficiency, result.clearance, notes)
     sys.stdout.write(f"{told}\n  written to {given.out}\n")
-    return 0
+    if result.design.status.is_usable:
+        return 0
+    sys.stderr.write(
+        "studies.design: no motion for a controller was written: a limit is not kept (see status)\n"
+    )
+    return NO_USABLE_RESULT
 
 
 def _config(given: argparse.Namespace) -> Config:
@@ -282,15 +347,23 @@ def _config(given: argparse.Namespace) -> Config:
             criterion=given.criterion,
             at_rest=given.at_rest,
             torque=not given.no_torque,
+            scaled=given.scaled_columns,
         ),
         prior=tuple(given.prior),
         avoid_collision=given.avoid_collision,
         box=tuple(given.box),
         rate=given.rate,
-        budget=1.0 if given.smoke else given.budget,
+        evaluations=_evaluations(given),
+        budget=given.budget,
         quick_bound=given.smoke,
         seed=given.seed,
     )
+
+
+def _evaluations(given: argparse.Namespace) -> int:
+    if given.evaluations is not None:
+        return given.evaluations
+    return SMOKE_EVALUATIONS if given.smoke else Config.evaluations
 
 
 if __name__ == "__main__":

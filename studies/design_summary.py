@@ -25,7 +25,10 @@ def summary(
     """
     problem = design.problem
     sampled = f"J_k = cond Lambda  {design.J_k:.4g}"
-    elsewhere = f"continuous {design.J_k_continuous:.4g}; scaled columns {design.J_k_scaled:.4g}"
+    scaled = design.J_k_scaled
+    elsewhere = f"continuous {design.J_k_continuous:.4g}" + (
+        "" if scaled is None else f"; J_k_scaled {scaled:.4g}"
+    )
     size = f"{problem.model.robot.n} joints, {len(problem.base)} base parameters"
     rows = f"{len(problem.instants)} instants, {problem.rows} rows"
     spare = -design.certificate.violation

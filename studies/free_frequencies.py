@@ -121,7 +121,7 @@ def run_case(case: Case) -> Outcome:
     design = Design.from_result(problem, found, optimiser="hopping", seed=case.seed)
     amplitude, frequency = (design.coefficients[k] for k in ("amplitude", "frequency"))
     return {
-        "status": design.status,
+        "status": str(design.status),
         "evaluations": design.evaluations,
         "cpu_s": round(design.cpu_s, 3),
         "J_k": design.J_k,

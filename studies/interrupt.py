@@ -14,6 +14,8 @@ from typing import Never
 
 from threadpoolctl import threadpool_limits
 
+BAD_INPUT = 2  # as argparse has it
+NO_USABLE_RESULT = 3  # the input is in order, and what was asked for cannot be had
 INTERRUPTED = 130  # 128 and the number of SIGINT
 NOTHING = "nothing was written"
 RESUMES = "what was done is kept; the same command goes on from there"

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.design.collision import Surroundings
-from oed.errors import OedError
+from oed.errors import NoUsableResult
 from oed.robot import JointLimits
 
 RARE = 0.02  # share of random postures that may collide
@@ -26,7 +26,7 @@ NARROWINGS = (0.92, 0.8, 0.65, 0.5, 0.35)
 CENTRES = 400  # postures among which the centre is sought where mid-range collides
 
 
-class NoClearRange(OedError):
+class NoClearRange(NoUsableResult):
     """No range of positions was found in which the arm is clear of itself and its box."""
 
 

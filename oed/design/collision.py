@@ -87,7 +87,7 @@ class Surroundings:
         # Looking names up takes Drake longer than the distances do.
         self._pairs: dict[tuple[GeometryId, GeometryId], Pair | None] = {}
         at_middle = self.distances(self.middle)
-        overlapping = {p for p, distance in at_middle.items() if distance <= 0 and not _is_wall(p)}
+        overlapping = {p for p, distance in at_middle.items() if distance <= 0 and not is_wall(p)}
         self._ignored = frozenset(overlapping | self._neighbours(robot))
         self._at_middle = {p: distance for p, distance in at_middle.items() if distance > 0.0}
         pairs = ", ".join(" and ".join(pair) for pair in sorted(self._ignored))
@@ -166,7 +166,7 @@ class Surroundings:
         lower, upper = robot.limits.position.T
         for q in rng.uniform(lower, upper, (POSTURES, robot.n)):
             for pair, distance in self.distances(q).items():
-                if distance < NEIGHBOURLY and not _is_wall(pair):
+                if distance < NEIGHBOURLY and not is_wall(pair):
                     together[pair] = together.get(pair, 0) + 1
         return {pair for pair, count in together.items() if count == POSTURES}
 
@@ -235,7 +235,8 @@ def _leave_out_planes(scene_graph: SceneGraph) -> str:
     return "planes, such as a floor, are checked against spheres only" if planes else ""
 
 
-def _is_wall(pair: Pair) -> bool:
+def is_wall(pair: Pair) -> bool:
+    """Whether a pair is a body and a wall of the box."""
     return pair[1].endswith(" wall")
 
 

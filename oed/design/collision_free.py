@@ -19,7 +19,7 @@ from numpy import ndarray
 from oed.design.collision import Surroundings
 from oed.design.constraints import LimitConstraints
 from oed.design.problem import DesignProblem
-from oed.errors import OedError
+from oed.errors import NoUsableResult
 
 AHEAD = 0.03  # [m] beyond what is wanted, within which a distance joins the program
 ROUNDS = 15
@@ -31,7 +31,7 @@ SHRINKING = 0.95  # of the motion, each time, where the program does not end
 SMALLEST = 0.01  # share of a motion below which it is none
 
 
-class NoClearMotion(OedError):
+class NoClearMotion(NoUsableResult):
     """No motion clear of collisions was found."""
 
 

@@ -10,21 +10,19 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.criteria import Criterion, column_scaling
-from oed.design.problem import DesignProblem
+from oed.design.effort import check_room, find_stand
+from oed.design.problem import DENSE, DesignProblem
+from oed.design.status import LimitStatus
 from oed.design.torque_range import check_torque_bounded
 from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
-from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import RobotError
 from oed.robot import Robot
 
-STANDING_SHARE = 0.9  # of an effort limit that gravity alone may take
-CANNOT_STAND = (
-    "torque is not limited: by the file's inertia the arm cannot even hold itself within its "
-    "effort limits at mid-range"
-)
 SCALING_STARTS = 5  # random motions whose mean information gives each column its unit
+SCALING_SEED = 0  # of these motions: what a scaled criterion means does not depend on a seed
+TORQUE = "torque"
 
 
 @dataclass(frozen=True)
@@ -38,6 +36,8 @@ class ProblemSettings:
         criterion: "J_k", "J_d", "A" or "E".
         at_rest: Whether the motion starts and ends at rest.
         torque: Whether the file's effort limits hold for the file's own inertia.
+        scaled: Whether columns are scaled before J_k, A and E are taken: to unit diagonal of the
+            mean information of a few random motions, always the same for an arm.
     """
 
     horizon: float = 10.0
@@ -46,31 +46,56 @@ class ProblemSettings:
     criterion: Criterion = "J_d"
     at_rest: bool = False
     torque: bool = True
+    scaled: bool = False
 
 
-def default_problem(
-    model: TorqueModel, settings: ProblemSettings, rng: np.random.Generator
-) -> tuple[DesignProblem, tuple[str, ...]]:
+@dataclass(frozen=True)
+class DefaultProblem:
+    """A problem, and what was assumed in posing it.
+
+    Attributes:
+        problem: Complete.
+        notes: What was assumed, a line each.
+        others: Limits of the robot that the problem does not hold, and why.
+    """
+
+    problem: DesignProblem
+    notes: tuple[str, ...]
+    others: tuple[LimitStatus, ...]
+
+
+@dataclass(frozen=True)
+class _Nominal:
+    """What torque is predicted by.
+
+    Attributes:
+        parameters: (p,) of the model; None where torque is not limited.
+        stand: (n,) a posture that the effort limits allow; None likewise.
+        notes: What was assumed.
+        others: Effort limits that are not held, and why.
+    """
+
+    parameters: Float[ndarray, " parameters"] | None = None
+    stand: Float[ndarray, " joints"] | None = None
+    notes: tuple[str, ...] = ()
+    others: tuple[LimitStatus, ...] = ()
+
+
+def default_problem(model: TorqueModel, settings: ProblemSettings) -> DefaultProblem:
     """A Fourier design for a model whose robot has finite limits.
-
-    Columns are scaled to unit diagonal of the information of random motions, so that criteria
-    other than J_d do not depend on the parameters' units.
 
     Args:
         model: Of the torque.
         settings: What to ask.
-        rng: Of the random motions.
-
-    Returns:
-        The problem, and notes on what was assumed or left out.
 
     Raises:
         RobotError: If torque is to be limited and the file states a mass that is not positive.
+        EffortTooSmall: If the effort limits leave no room for a design.
     """
     robot = model.robot
     base = base_parameters(model)
     trajectory = FourierClass(settings.horizon, robot.limits, settings.harmonics, settings.at_rest)
-    nominal, note = _nominal(model, enabled=settings.torque)
+    nominal = _nominal(model, enabled=settings.torque)
     problem = DesignProblem(
         model,
         base,
@@ -78,34 +103,58 @@ def default_problem(
         robot.limits,
         trajectory.instants(settings.instants),
         settings.criterion,
-        nominal=nominal,
+        nominal=nominal.parameters,
+        stand=nominal.stand,
     )
+    _check_room(problem)
+    if settings.scaled:
+        problem = dataclasses.replace(problem, scaling=_scaling(problem))
+    notes = (*nominal.notes, *((base.note,) if base.note else ()))
+    return DefaultProblem(problem, notes, nominal.others)
+
+
+def _scaling(problem: DesignProblem) -> Float[ndarray, " base"]:
+    rng = np.random.default_rng(SCALING_SEED)
     starts = [problem.random_start(rng) for _ in range(SCALING_STARTS)]
-    typical = np.mean([problem.information(z) for z in starts], axis=0)
-    scaled = dataclasses.replace(problem, scaling=column_scaling(typical))
-    replaced = () if nominal is None else _replaced(robot)
-    return scaled, (note, *replaced, *((base.note,) if base.note else ()))
+    return column_scaling(np.mean([problem.information(z) for z in starts], axis=0))
 
 
-def _nominal(
-    model: TorqueModel, *, enabled: bool
-) -> tuple[Float[ndarray, " parameters"] | None, str]:
+def _nominal(model: TorqueModel, *, enabled: bool) -> _Nominal:
     """The file's own inertia and nothing else, where it can be held against effort limits."""
     robot = model.robot
-    if not enabled:
-        return None, "torque is not limited: switched off"
     if not np.isfinite(robot.limits.torque).any():
-        return None, "torque is not limited: the robot's file states no effort limits"
+        return _Nominal(notes=("torque is not limited: the robot's file states no effort limits",))
+    if not enabled:
+        return _Nominal(others=(LimitStatus(TORQUE, "given up", "--no-torque"),))
     if not np.any(robot.parameters):
-        return None, "torque is not limited: the robot's file states no inertia"
+        reason = "the robot's file states effort limits and no inertia"
+        return _Nominal(others=(LimitStatus(TORQUE, "not checked", reason),))
     _check_mass(robot)
     nominal = np.zeros(len(model.parameters))
     nominal[: len(robot.parameters)] = robot.parameters
     check_torque_bounded(model, nominal)
-    standing = model.torque(nominal, _still(robot))[0]
-    if (np.abs(standing) > STANDING_SHARE * np.abs(robot.limits.torque).min(axis=1)).any():
-        return None, CANNOT_STAND
-    return nominal, "torque is limited for the file's own inertia, friction not counted"
+    stand = find_stand(model, nominal)
+    notes = ["torque is limited for the file's own inertia, friction not counted"]
+    if not np.array_equal(stand.posture, robot.limits.position.mean(axis=1)):
+        posture = ", ".join(f"{q:.3g}" for q in stand.posture)
+        notes.append(
+            "the arm cannot hold itself within its effort limits at mid-range: motions that need "
+            f"too much torque are brought towards the posture {posture}"
+        )
+    return _Nominal(nominal, stand.posture, (*notes, *_replaced(robot)))
+
+
+def _check_room(problem: DesignProblem) -> None:
+    """Refuse effort limits that leave hardly any motion."""
+    if problem.nominal is None:
+        return
+    free = dataclasses.replace(problem, nominal=None)
+    rng = np.random.default_rng(SCALING_SEED)
+    starts = [free.random_start(rng) for _ in range(SCALING_STARTS)]
+    t = np.linspace(0.0, problem.trajectory.horizon, DENSE)
+    motions = [problem.trajectory.motion(z, t) for z in starts]
+    shares = [problem.torque_factor(z) for z in starts]
+    check_room(problem.model, problem.nominal, motions, shares)
 
 
 def _check_mass(robot: Robot) -> None:
@@ -123,8 +172,3 @@ def _replaced(robot: Robot) -> tuple[str, ...]:
         f"{fault.text}; a ball of the same mass was taken in its place"
         for fault in robot.inertia_faults
     )
-
-
-def _still(robot: Robot) -> Motion:
-    middle = robot.limits.position.mean(axis=1)[None]
-    return Motion(np.zeros(1), middle, np.zeros_like(middle), np.zeros_like(middle))

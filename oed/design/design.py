@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +14,7 @@ from oed.design.criteria import condition, log10_det
 from oed.design.limits import MARGIN, Certificate
 from oed.design.optimisers.result import OptimiserResult
 from oed.design.problem import DesignProblem
+from oed.design.status import DesignStatus, LimitStatus, certified
 from oed.dynamics.motion import Motion
 
 PROOFS = 20  # attempts, each scaled down ten times more, at proving a point that repair returned
@@ -20,7 +22,7 @@ PROOFS = 20  # attempts, each scaled down ten times more, at proving a point tha
 
 @dataclass(frozen=True)
 class Design:
-    """A motion proven to keep its limits, with its criteria.
+    """A motion with its criteria, and what is proven of its limits.
 
     Attributes:
         problem: What it is the answer to.
@@ -31,12 +33,13 @@ class Design:
         J_d: log10 det Lambda at the instants, likewise.
         J_k_continuous: cond of the information averaged over continuous time.
         J_d_continuous: log10 det of N times that average, N the number of instants.
-        J_k_scaled: cond Lambda with column scaling and prior, as it was designed.
+        J_k_scaled: cond Lambda with column scaling, without prior; None where the problem scales
+            no columns.
         optimiser: Name of the optimiser.
         seed: Of its random generator.
         cpu_s: What it spent [s].
         evaluations: Likewise.
-        status: One plain sentence.
+        status: Everything that it was asked to keep, and whether it does.
     """
 
     problem: DesignProblem
@@ -47,12 +50,12 @@ class Design:
     J_d: float
     J_k_continuous: float
     J_d_continuous: float
-    J_k_scaled: float
+    J_k_scaled: float | None
     optimiser: str = ""
     seed: int | None = None
     cpu_s: float = 0.0
     evaluations: int = 0
-    status: str = ""
+    status: DesignStatus = field(default_factory=lambda: DesignStatus(()))
 
     @classmethod
     def from_result(
@@ -62,8 +65,17 @@ class Design:
         *,
         optimiser: str = "",
         seed: int | None = None,
+        others: Iterable[LimitStatus] = (),
     ) -> Design:
-        """Repair a result, prove it feasible and evaluate it exactly."""
+        """Repair a result, prove what can be proven of its limits, and evaluate it exactly.
+
+        Args:
+            problem: What was asked.
+            result: Of the optimiser.
+            optimiser: Its name.
+            seed: Of its random generator.
+            others: Limits beside those of the problem, such as effort limits left out of it.
+        """
         z, certificate = prove(problem, result.z)
         sampled = problem.information(z, scaled=False, prior=False)
         continuous = problem.continuous_information(z, scaled=False, prior=False)
@@ -76,12 +88,17 @@ class Design:
             J_d=log10_det(sampled),
             J_k_continuous=condition(continuous),
             J_d_continuous=log10_det(continuous),
-            J_k_scaled=condition(problem.information(z)),
+            J_k_scaled=None
+            if problem.scaling is None
+            else condition(problem.information(z, prior=False)),
             optimiser=optimiser,
             seed=seed,
             cpu_s=result.cpu_s,
             evaluations=result.evaluations,
-            status=_status(certificate, result.status),
+            status=DesignStatus(
+                (*certified(certificate, problem.limits, problem.model.robot.joint_names), *others),
+                result.status,
+            ),
         )
 
     @property
@@ -123,9 +140,3 @@ def prove(
         certificate = problem.certificate(z)
         margin = min(10 * margin, 0.5)
     return z, certificate
-
-
-def _status(certificate: Certificate, found: str) -> str:
-    if certificate.is_feasible:
-        return f"proven feasible; {found}"
-    return f"NOT feasible: {certificate.worst} by {certificate.violation:.2%}; {found}"

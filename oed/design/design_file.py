@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from numpy import ndarray
 
@@ -39,10 +41,12 @@ def design_record(
         "instants": len(problem.instants),
         "rows": problem.rows,
         "base_parameters": list(problem.base.names),
-        "criterion": problem.criterion,
+        "criterion": problem.criterion
+        if problem.scaling is None
+        else f"{problem.criterion}_scaled",
         "J_k": _number(design.J_k),
         "J_k_continuous": _number(design.J_k_continuous),
-        "J_k_scaled": _number(design.J_k_scaled),
+        "J_k_scaled": None if design.J_k_scaled is None else _number(design.J_k_scaled),
         "J_d_log10": _number(design.J_d),
         "J_d_log10_continuous": _number(design.J_d_continuous),
         "with_prior": _with_prior(design),
@@ -59,7 +63,9 @@ def design_record(
         "seed": design.seed,
         "cpu_s": design.cpu_s,
         "evaluations": design.evaluations,
-        "status": design.status,
+        "status": str(design.status),
+        "usable": design.status.is_usable,
+        "asked": [dataclasses.asdict(limit) for limit in design.status.limits],
         "notes": list(notes),
         "versions": versions,
     }

@@ -49,6 +49,8 @@ class DesignProblem:
         scaling: (b,) factors of the columns, so that parameters of different units compare.
         nominal: (p,) parameters of the model by which torque is predicted; None to leave
             torque free.
+        stand: (n,) posture in which the nominal torque is within its limits, towards which a
+            motion that needs too much of it is brought; its own centre if None.
         sign_width: Smoothing of the velocity sign where a gradient is asked for [rad/s].
         native: Whether to compile the regressor to machine code where possible.
     """
@@ -63,6 +65,7 @@ class DesignProblem:
     prior: Float[ndarray, "base base"] | None = None
     scaling: Float[ndarray, " base"] | None = None
     nominal: Float[ndarray, " parameters"] | None = None
+    stand: Float[ndarray, " joints"] | None = None
     sign_width: float = 0.02
     native: bool = True
 
@@ -187,8 +190,9 @@ class DesignProblem:
     def repair(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:
         """The motion brought within the limits by scaling and shifting each joint.
 
-        Where torque is limited, all joints then shrink by one factor until the torque at a
-        thousand instants stays a part in a hundred inside; the certificate proves the rest.
+        Where torque is limited, all joints then shrink by one factor, towards `stand`, until the
+        torque at a thousand instants stays a part in fifty inside; the certificate proves the
+        rest.
         """
         return self._within_torque(repair(self.trajectory, z, self.limits))
 
@@ -207,18 +211,30 @@ class DesignProblem:
             raise ValueError("no nominal parameters to limit the torque of")
         return NominalTorque.of(self.regressor, self.base, self.nominal, self.limits.torque)
 
-    def _within_torque(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:
+    def torque_factor(self, z: Float[ndarray, " size"]) -> float:
+        """Share of a motion, from 0 to 1, that the torque limits leave of it."""
         if not self.limits_torque:
-            return z
+            return 1.0
         t = np.linspace(0.0, self.trajectory.horizon, DENSE)
 
         def excess(factor: float) -> float:
-            smaller = self.trajectory.shrink(z, np.full(self.trajectory.joints, factor))
-            entries = self.regressor.entries(self.trajectory.motion(smaller, t))
-            return self._torque.excess(entries)
+            motion = self.trajectory.motion(self._smaller(z, factor), t)
+            return self._torque.excess(self.regressor.entries(motion))
 
-        factor = largest_factor(excess)
-        return self.trajectory.shrink(z, np.full(self.trajectory.joints, factor))
+        return largest_factor(excess)
+
+    def _within_torque(self, z: Float[ndarray, " size"]) -> Float[ndarray, " size"]:
+        factor = self.torque_factor(z)
+        return z if factor == 1.0 else self._smaller(z, factor)
+
+    def _smaller(self, z: Float[ndarray, " size"], factor: float) -> Float[ndarray, " size"]:
+        """The motion shrunk by a factor, its centre brought as much nearer to `stand`."""
+        smaller = self.trajectory.shrink(z, np.full(self.trajectory.joints, factor))
+        if self.stand is None:
+            return smaller
+        return self.trajectory.shift(
+            smaller, (1 - factor) * (self.stand - self.trajectory.centre(z))
+        )
 
     def _complete(
         self, information: Float[ndarray, "base base"], scaled: bool = True, prior: bool = True

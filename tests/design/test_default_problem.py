@@ -1,4 +1,4 @@
-"""The problem of an arm with a file and no wishes: scaled, limited in torque where that can be."""
+"""The problem of an arm with a file and no wishes: limited in torque where that can be."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import pytest
 from pydrake.multibody.tree import MultibodyForces
 
 from oed.design.default_limits import with_default_limits
-from oed.design.default_problem import CANNOT_STAND, ProblemSettings, default_problem
-from oed.design.problem import DesignProblem
+from oed.design.default_problem import DefaultProblem, ProblemSettings, default_problem
+from oed.design.effort import EffortTooSmall
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot, imi_scara, load_robot
@@ -33,9 +33,8 @@ def pendulum(folder: Path, effort: float, mass: float = MASS) -> Robot:
     return with_default_limits(load_robot(folder / "pendulum.urdf"))[0]
 
 
-def problem_of(robot: Robot, **wishes) -> tuple[DesignProblem, tuple[str, ...]]:
-    settings = ProblemSettings(instants=40, **wishes)
-    return default_problem(TorqueModel.standard(robot), settings, np.random.default_rng(0))
+def posed(robot: Robot, **wishes) -> DefaultProblem:
+    return default_problem(TorqueModel.standard(robot), ProblemSettings(instants=40, **wishes))
 
 
 def drakes_torque(robot: Robot, motion: Motion) -> np.ndarray:
@@ -51,8 +50,8 @@ def drakes_torque(robot: Robot, motion: Motion) -> np.ndarray:
     return np.array(torque)
 
 
-def test_random_motions_excite_every_scaled_column_alike() -> None:
-    problem, _ = problem_of(imi_scara())
+def test_scaled_columns_are_excited_alike_by_random_motions() -> None:
+    problem = posed(imi_scara(), scaled=True).problem
     rng = np.random.default_rng(7)
     fresh = [problem.information(problem.random_start(rng)) for _ in range(40)]
     diagonal = np.diag(np.mean(fresh, axis=0))
@@ -61,20 +60,22 @@ def test_random_motions_excite_every_scaled_column_alike() -> None:
     assert bare.max() / bare.min() > 10.0
 
 
-def test_the_condition_is_that_of_scaled_columns() -> None:
-    problem, _ = problem_of(imi_scara(), criterion="J_k")
-    assert problem.scaling is not None
+def test_the_condition_is_that_of_bare_columns_unless_scaling_is_asked_for() -> None:
+    problem = posed(imi_scara(), criterion="J_k").problem
     z = problem.random_start(np.random.default_rng(3))
     motion = problem.trajectory.motion(z, problem.instants)
     rows = problem.base.reduce(problem.model.regressor(motion)).reshape(-1, len(problem.base))
-    scaled = rows * problem.scaling
-    truth = np.log10(np.linalg.cond(scaled.T @ scaled))
+    truth = np.log10(np.linalg.cond(rows.T @ rows))
     assert problem.cost(z) == pytest.approx(truth, abs=1e-6)
-    assert abs(truth - np.log10(np.linalg.cond(rows.T @ rows))) > 0.5
+    other = posed(imi_scara(), criterion="J_k", scaled=True).problem
+    assert other.scaling is not None
+    scaled = rows * other.scaling
+    assert other.cost(z) == pytest.approx(np.log10(np.linalg.cond(scaled.T @ scaled)), abs=1e-6)
+    assert abs(other.cost(z) - truth) > 0.5
 
 
 def test_settings_are_kept() -> None:
-    problem, _ = problem_of(imi_scara(), horizon=4.0, harmonics=3, at_rest=True, criterion="E")
+    problem = posed(imi_scara(), horizon=4.0, harmonics=3, at_rest=True, criterion="E").problem
     assert (problem.trajectory.horizon, len(problem.instants)) == (4.0, 40)
     assert problem.criterion == "E"
     z = problem.random_start(np.random.default_rng(0))
@@ -92,8 +93,9 @@ def test_settings_are_kept() -> None:
 
 def test_random_motions_keep_the_effort_limits_by_drakes_reckoning(tmp_path: Path) -> None:
     robot = pendulum(tmp_path, effort=1.15 * HOLDING)
-    problem, notes = problem_of(robot)
-    assert any(note.startswith("torque is limited") for note in notes)
+    found = posed(robot)
+    problem = found.problem
+    assert any(note.startswith("torque is limited") for note in found.notes)
     rng = np.random.default_rng(0)
     t = np.linspace(0.0, problem.trajectory.horizon, 1500)
     largest = []
@@ -101,28 +103,68 @@ def test_random_motions_keep_the_effort_limits_by_drakes_reckoning(tmp_path: Pat
         motion = problem.trajectory.motion(problem.random_start(rng), t)
         largest.append(np.abs(drakes_torque(robot, motion)).max())
     assert max(largest) <= 1.15 * HOLDING
-    free, _ = problem_of(robot, torque=False)
+    free = posed(robot, torque=False).problem
     rng = np.random.default_rng(0)
     loose = [free.trajectory.motion(free.random_start(rng), t) for _ in range(5)]
     assert max(np.abs(drakes_torque(robot, m)).max() for m in loose) > 1.15 * HOLDING
 
 
-@pytest.mark.parametrize(("share", "is_limited"), [(0.5, False), (1.05, False), (1.2, True)])
-def test_effort_that_cannot_hold_the_arm_is_not_taken_for_a_limit(
-    share: float, is_limited: bool, tmp_path: Path
+def test_an_arm_that_cannot_be_held_at_mid_range_moves_where_it_can(tmp_path: Path) -> None:
+    # Gravity needs cos(q) of what it needs at mid-range, which is level: 0.07 at an end.
+    robot = pendulum(tmp_path, effort=0.5 * HOLDING)
+    found = posed(robot)
+    assert any("cannot hold itself" in note for note in found.notes)
+    t = np.linspace(0.0, found.problem.trajectory.horizon, 1500)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        z = found.problem.random_start(rng)
+        motion = found.problem.trajectory.motion(z, t)
+        assert np.ptp(motion.q) > 0.05
+        assert np.abs(drakes_torque(robot, motion)).max() <= 0.5 * HOLDING
+        assert found.problem.certificate(z).is_feasible
+
+
+def test_at_mid_range_nine_tenths_of_an_effort_limit_may_go_to_gravity(tmp_path: Path) -> None:
+    for share, is_middle in ((1.05, False), (1.2, True)):
+        stand = posed(pendulum(tmp_path, effort=share * HOLDING)).problem.stand
+        assert stand is not None
+        assert (stand[0] == 0.0) == is_middle
+
+
+def test_an_arm_that_can_be_held_nowhere_is_refused_with_joint_and_ratio(tmp_path: Path) -> None:
+    level = pendulum(tmp_path, effort=0.5 * HOLDING)
+    near = level.limits.with_(position=np.array([[-0.1, 0.1]]))
+    with pytest.raises(EffortTooSmall, match=r"joint swing needs 1\.99 times") as refusal:
+        posed(level.with_limits(near))
+    assert refusal.value.joint == "swing"
+    assert refusal.value.ratio == pytest.approx(np.cos(0.1) / 0.5, rel=1e-3)
+    free = posed(level.with_limits(near), torque=False)
+    assert [limit.standing for limit in free.others] == ["given up"]
+
+
+def test_inertia_in_other_units_is_told_by_the_torque_that_it_asks_for(tmp_path: Path) -> None:
+    robot = pendulum(tmp_path, effort=1.5 * HOLDING)
+    inertia = robot.parameters.copy()
+    inertia[robot.parameter_names.index("Iyy_1")] += 1e6 * MASS * ARM**2
+    with pytest.raises(EffortTooSmall, match=r"joint swing .* in other units") as refusal:
+        posed(robot.with_parameters(inertia))
+    # The default limit of acceleration is 15 rad/s^2; random motions reach most of it.
+    most = 1e6 * MASS * ARM**2 * 15.0 / (1.5 * HOLDING)
+    assert 0.1 * most < refusal.value.ratio <= most * 1.001
+
+
+@pytest.mark.parametrize(
+    ("effort", "mass", "wishes", "standing", "reason"),
+    [
+        (100.0, MASS, {"torque": False}, ["given up"], "--no-torque"),
+        (0.0, MASS, {}, [], "no effort limits"),
+        (100.0, 0.0, {}, ["not checked"], "no inertia"),
+    ],
+)
+def test_torque_that_is_not_limited_is_named(
+    effort: float, mass: float, *, wishes: dict, standing: list, reason: str, tmp_path: Path
 ) -> None:
-    # Gravity alone may take nine tenths of an effort limit.
-    problem, notes = problem_of(pendulum(tmp_path, effort=share * HOLDING))
-    assert problem.limits_torque == is_limited
-    assert (CANNOT_STAND in notes) != is_limited
-
-
-def test_torque_is_left_free_where_there_is_no_ground_for_a_limit(tmp_path: Path) -> None:
-    for robot, wish, reason in (
-        (pendulum(tmp_path, effort=100.0), {"torque": False}, "switched off"),
-        (pendulum(tmp_path, effort=0.0), {}, "no effort limits"),
-        (pendulum(tmp_path, effort=100.0, mass=0.0), {}, "no inertia"),
-    ):
-        problem, notes = problem_of(robot, **wish)
-        assert not problem.limits_torque
-        assert any(reason in note for note in notes)
+    found = posed(pendulum(tmp_path, effort=effort, mass=mass), **wishes)
+    assert not found.problem.limits_torque
+    assert [limit.standing for limit in found.others] == standing
+    assert reason in " ".join([*found.notes, *map(str, found.others)])

@@ -118,7 +118,8 @@ def test_beats_the_paper_and_is_proven(name, criterion, evaluations) -> None:
     found = optimise(problem, Budget(evaluations=evaluations), np.random.default_rng(0))
     design = Design.from_result(problem, found, optimiser="interior_point", seed=0)
     assert design.certificate.is_feasible
-    assert design.status.startswith("proven feasible")
+    assert design.status.is_proven
+    assert str(design.status).startswith("proven feasible: position, ")
     if criterion == "J_k":
         assert design.J_k < 13.34  # Calafiore 2001, section 5
     else:

@@ -77,9 +77,8 @@ def test_the_default_problem_limits_torque_beside_an_effect() -> None:
     robot = vertical_arm()
     limits = robot.limits.with_(torque=np.array([[-400.0, 400.0], [-100.0, 100.0]]))
     model = TorqueModel.standard(robot.with_limits(limits)).with_effects(effect("rotor_inertia"))
-    rng = np.random.default_rng(0)
-    problem, _ = default_problem(model, ProblemSettings(instants=40), rng)
-    certificate = problem.certificate(problem.random_start(rng))
+    problem = default_problem(model, ProblemSettings(instants=40)).problem
+    certificate = problem.certificate(problem.random_start(np.random.default_rng(0)))
     assert certificate.torque is not None
     assert certificate.is_feasible
 

@@ -7,10 +7,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from oed.design.default_problem import ProblemSettings, default_problem
+from oed.design.limits import Certificate
+from oed.design.problem import DesignProblem
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.robot import imi_scara
+from oed.robot import Robot, imi_scara
 from studies.design import main
 from tests.design.primitive_arm import arm_and_post, elbow_at, planar_arm, to_post
 from tests.experiment.tiny_dataset import urdf_text
@@ -107,17 +110,28 @@ def test_collisions_are_avoided_where_that_is_asked(tmp_path: Path) -> None:
     assert np.ptp(q, axis=0).min() > 0.1
 
 
-def test_the_box_is_kept_where_that_is_asked(tmp_path: Path) -> None:
+def test_a_box_out_of_reach_is_no_usable_result(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    arm_and_post(tmp_path)
+    robot = ("--robot", str(tmp_path / "planar.urdf"))
+    walls = ("--box", "5", "6", "5", "6", "5", "6")
+    assert "check the box" in refused(capfd, tmp_path / "out", *robot, *walls, code=3)
+
+
+def test_a_box_is_kept_where_it_is_given(tmp_path: Path) -> None:
     planar_arm(tmp_path)
     walls = ("-0.2", "0.6", "-0.45", "0.4", "-1", "1")
     record, motion = designed(
-        tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"), "--avoid-collision",
-        "--box", *walls,
+        tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"), "--box", *walls,
     )  # fmt: skip
     elbow = elbow_at(motion[["q_shoulder", "q_elbow"]].to_numpy())
     assert (elbow[:, 0] > -0.2).all()
     assert (elbow[:, 1] > -0.45).all()
     assert (elbow[:, 1] < 0.4).all()
+    assert record["usable"]
+    standing = {limit["limit"]: limit["standing"] for limit in record["asked"]}
+    assert standing["the box"] == "checked"
     assert record["clearance"]["least"] > 0.0
 
 
@@ -133,9 +147,9 @@ def test_an_overlap_is_told_where_nobody_asked_to_avoid_it(
     assert "--avoid-collision" in capsys.readouterr().out
 
 
-def refused(capfd: pytest.CaptureFixture[str], out: Path, *wishes: str) -> str:
+def refused(capfd: pytest.CaptureFixture[str], out: Path, *wishes: str, code: int = 2) -> str:
     """The one line on a wish that cannot be met; nothing is left behind."""
-    assert main([*wishes, "--out", str(out)]) == 2
+    assert main([*wishes, "--out", str(out)]) == code
     printed = capfd.readouterr()
     assert printed.out == ""
     assert printed.err.count("\n") == 1
@@ -166,7 +180,7 @@ def test_a_robot_that_is_not_there_is_one_line(
         (("--joints", "wrist"), "wrist"),
         (("--joints", "elbow", "elbow"), "named twice"),
         (("--prior", "nowhere/design.json"), "nowhere/design.json"),
-        (("--avoid-collision", "--box", "5", "6", "5", "6", "5", "6"), "check the box"),
+        (("--evaluations", "0"), "--evaluations 0"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else None,
 )
@@ -236,6 +250,87 @@ def test_results_are_not_put_where_a_file_is(
     assert main(["--robot", "builtin:imi_scara", "--out", str(tmp_path / "out")]) == 2
     assert capfd.readouterr().err.count("\n") == 1
     assert (tmp_path / "out").read_text() == "mine"
+
+
+FOR_A_CONTROLLER = ("motion.csv", "joint_trajectory.json", "joint_trajectory.yaml")
+
+
+def test_nothing_for_a_controller_is_left_where_a_limit_is_not_kept(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    planar_arm(tmp_path)
+    out = tmp_path / "out"
+    wishes = ("--robot", str(tmp_path / "planar.urdf"))
+    designed(out, *wishes)
+    assert all((out / name).exists() for name in FOR_A_CONTROLLER)
+
+    def careless(problem: DesignProblem, z: np.ndarray) -> tuple[np.ndarray, Certificate]:
+        beyond = z + 10.0 * (np.arange(len(z)) == 0)
+        return beyond, problem.certificate(beyond)
+
+    monkeypatch.setattr("oed.design.design.prove", careless)
+    capfd.readouterr()
+    assert main([*wishes, "--out", str(out), "--smoke"]) == 3
+    printed = capfd.readouterr()
+    assert "NOT usable: position: joint shoulder beyond its limit by" in printed.out
+    assert "proven feasible" not in printed.out
+    assert printed.err.count("\n") == 1
+    record = json.loads((out / "design.json").read_text())
+    assert not record["usable"]
+    assert record["status"].startswith("NOT usable: position: joint shoulder")
+    assert not any((out / name).exists() for name in FOR_A_CONTROLLER)
+
+
+def test_the_same_seed_and_evaluations_give_the_same_motion(tmp_path: Path) -> None:
+    wishes = ("--robot", "builtin:imi_scara", "--evaluations", "60", "--criterion", "J_k")
+    first, one = designed(tmp_path / "1", *wishes)
+    second, two = designed(tmp_path / "2", *wishes)
+    other, _ = designed(tmp_path / "3", *wishes, "--seed", "1")
+    assert first["coefficients"] == second["coefficients"]
+    pd.testing.assert_frame_equal(one, two, check_exact=True)
+    assert first["coefficients"] != other["coefficients"]
+    assert first["evaluations"] == second["evaluations"] >= 60
+    assert first["evaluations_asked"] == 60
+    assert first["criterion"] == "J_k"
+    assert first["J_k_scaled"] is None
+
+
+def test_a_budget_that_ends_the_search_first_is_said(tmp_path: Path) -> None:
+    wishes = ("--robot", "builtin:imi_scara", "--evaluations", "1000000", "--budget", "0.5")
+    record, _ = designed(tmp_path, *wishes)
+    assert "stopped by --budget 0.5 CPU s" in " ".join(record["notes"])
+
+
+def test_scaled_columns_do_not_depend_on_the_seed(tmp_path: Path) -> None:
+    arguments = ("--robot", "builtin:imi_scara", "--criterion", "J_k", "--scaled-columns")
+    records = [designed(tmp_path / s, *arguments, "--seed", s)[0] for s in ("0", "1")]
+    assert all(record["criterion"] == "J_k_scaled" for record in records)
+    scale = scaling_of(imi_scara())
+    for record in records:
+        information = experiment_information(record)
+        truth = np.linalg.cond(information * np.outer(scale, scale))
+        assert record["J_k_scaled"] == pytest.approx(truth, rel=1e-6)
+        assert record["J_k"] == pytest.approx(np.linalg.cond(information), rel=1e-6)
+
+
+def scaling_of(robot: Robot) -> np.ndarray:
+    settings = ProblemSettings(instants=40, criterion="J_k", scaled=True)
+    scaling = default_problem(TorqueModel.standard(robot), settings).problem.scaling
+    assert scaling is not None
+    return scaling
+
+
+def test_a_bound_that_fails_leaves_the_motion(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object, **__: object) -> None:
+        raise np.linalg.LinAlgError("Matrix is not positive definite")
+
+    monkeypatch.setattr("oed.design.bound.efficiency.information_bound", fails)
+    monkeypatch.setattr("oed.design.bound.efficiency.estimated_bound", fails)
+    record, _ = designed(tmp_path, "--robot", "builtin:imi_scara")
+    assert record["d_efficiency"] is None
+    assert "no bound was found: Matrix is not positive definite" in " ".join(record["notes"])
 
 
 def test_a_mass_that_cannot_be_is_refused_where_torque_is_limited_by_it(

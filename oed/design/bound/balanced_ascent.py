@@ -15,6 +15,8 @@ import scipy.linalg
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.design.bound.deadline import NEVER, Deadline
+
 PROJECTION_STEPS = 30  # of Newton; two or three suffice where the weights were balanced before
 BALANCED = 1e-9  # what the weighted mean of the scaled equalities may be off by
 DAMPING = 1e-10  # of Newton's matrix: equalities may depend on each other
@@ -45,6 +47,7 @@ def ascend(
     weights: Float[ndarray, " atoms"],
     *,
     steps: int,
+    deadline: Deadline = NEVER,
 ) -> AscentPoint:
     """Raise log det sum_i w_i F_i' F_i over w >= 0 with sum w = 1 and sum w_i b_i = 0.
 
@@ -53,6 +56,10 @@ def ascend(
         balance: b_i, what has to cancel over all atoms.
         weights: To start from; positive, not necessarily balanced.
         steps: How many.
+        deadline: When to give up.
+
+    Raises:
+        OutOfTime: At the deadline.
     """
     scale = np.abs(balance).max(axis=0, initial=0.0)
     scale = np.where(scale > 0, scale, 1.0)
@@ -61,6 +68,7 @@ def ascend(
     weights, _ = project(weights, scaled)
     y = np.zeros(balance.shape[1])
     for _ in range(steps):
+        deadline.check()
         gain = gradient(factors, information_of(factors, weights))
         # The exponent of a step is the gradient over b: its mean over the weights is 1.
         weights, y = project(weights * np.exp(gain / columns - gain.max() / columns), scaled)

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.design.bound.deadline import NEVER, Deadline
 from oed.design.bound.tape import ROUNDING, Tape
 
 CHUNK = 4096  # boxes at a time: intermediate results stay in the processor's cache
@@ -126,6 +127,7 @@ def prove_maximum(
     at_least: float = -np.inf,
     most_boxes: int = 1_000_000,
     points: int = 500,
+    deadline: Deadline = NEVER,
 ) -> ProvenMaximum:
     """A proven upper bound on the maximum over all boxes.
 
@@ -136,11 +138,18 @@ def prove_maximum(
         at_least: A value below which the bound need not go.
         most_boxes: Bounded in all; when they are used up the bound is what is left open.
         points: Number of good points to return.
+        deadline: When to give up.
+
+    Raises:
+        OutOfTime: At the deadline.
     """
     attained, proven, done = -np.inf, -np.inf, 0
     found: list[tuple[ndarray, ndarray, ndarray]] = []
     while len(boxes):
-        parts = [function.bounds(boxes[i : i + CHUNK]) for i in range(0, len(boxes), CHUNK)]
+        parts = []
+        for i in range(0, len(boxes), CHUNK):
+            deadline.check()
+            parts.append(function.bounds(boxes[i : i + CHUNK]))
         value, upper, by_axis = (np.concatenate(part) for part in zip(*parts, strict=True))
         done += len(boxes)
         attained = max(attained, float(value.max()))

@@ -20,6 +20,7 @@ from numpy import ndarray
 
 from oed.design.bound.balance import Monomials
 from oed.design.bound.balanced_ascent import AscentPoint, ascend, gradient
+from oed.design.bound.deadline import NEVER, Deadline
 from oed.design.bound.information_bound import InformationBound
 from oed.design.bound.states import ViableStates
 from oed.design.criteria import whitening
@@ -88,6 +89,7 @@ def estimated_bound(
     z: Float[ndarray, " size"],
     rng: np.random.Generator,
     settings: SearchSettings | None = None,
+    deadline: Deadline = NEVER,
 ) -> InformationBound:
     """Estimate the largest log10 det of the mean information of a periodic motion.
 
@@ -96,6 +98,10 @@ def estimated_bound(
         z: A design. Its states are among those looked at, so that it cannot beat the estimate.
         rng: Of states and moves.
         settings: How hard to look.
+        deadline: When to give up.
+
+    Raises:
+        OutOfTime: At the deadline.
     """
     settings = settings or SearchSettings()
     source = _Source.of(problem)
@@ -103,20 +109,22 @@ def estimated_bound(
     atoms = own.joined(source.random(settings.first_states, rng))
     weights = np.full(len(atoms.x), 0.5 / (len(atoms.x) - len(own.x)))
     weights[: len(own.x)] = 0.5 / len(own.x)  # a design's own states balance
-    point = ascend(atoms.rows, atoms.rates, weights, steps=settings.steps)
+    point = ascend(atoms.rows, atoms.rates, weights, steps=settings.steps, deadline=deadline)
     for _ in range(settings.rounds):
-        found = source.search(point, atoms, settings, rng)
+        found = source.search(point, atoms, settings, rng, deadline)
         # The design's states stay, so that weights that balance always exist.
         is_kept = (point.weights > settings.forgotten) | (np.arange(len(atoms.x)) < len(own.x))
         atoms = atoms[is_kept].joined(found)
         weights = np.concatenate(
             [0.9 * point.weights[is_kept], np.full(len(found.x), 0.1 / len(found.x))]
         )
-        point = ascend(atoms.rows, atoms.rates, weights, steps=settings.steps)
-    point = ascend(atoms.rows, atoms.rates, point.weights, steps=settings.last_steps)
+        point = ascend(atoms.rows, atoms.rates, weights, steps=settings.steps, deadline=deadline)
+    point = ascend(
+        atoms.rows, atoms.rates, point.weights, steps=settings.last_steps, deadline=deadline
+    )
     highest = max(
         float(atoms.dual(point).max()),
-        float(source.search(point, atoms, settings, rng).dual(point).max()),
+        float(source.search(point, atoms, settings, rng, deadline).dual(point).max()),
     )
     return InformationBound.of_measure(
         point.information,
@@ -184,6 +192,7 @@ class _Source:
         atoms: _Atoms,
         settings: SearchSettings,
         rng: np.random.Generator,
+        deadline: Deadline,
     ) -> _Atoms:
         """States where the dual is large: the best of many, moved at random while that helps."""
         lower, upper = self.states.box.T
@@ -196,6 +205,7 @@ class _Source:
         least, most = np.log(settings.reach)
         x, ddq, value = x[best], ddq[best], value[best]
         for _ in range(settings.sweeps):
+            deadline.check()
             reach = np.exp(rng.uniform(least, most, (len(x), 1)))
             moves = rng.random(x.shape) < 2 / x.shape[1]
             step = reach * moves * (upper - lower) * rng.standard_normal(x.shape)

@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from oed.design.bound.balance import Monomials
 from oed.design.bound.branch_and_bound import ProvenMaximum, prove_maximum
+from oed.design.bound.deadline import NEVER, Deadline, OutOfTime
 from oed.design.bound.state_information import StateInformation, dual_values
 from oed.design.bound.states import ViableStates
 from oed.design.bound.weights import WeightedDesign, WeightsNotFound, optimal_weights
@@ -140,6 +141,7 @@ def information_bound(
     covariance: Float[ndarray, "..."] | None = None,
     settings: BoundSettings | None = None,
     certify: bool | None = None,
+    deadline: Deadline = NEVER,
 ) -> InformationBound:
     """Bound log10 det of the mean information of every periodic motion within the limits.
 
@@ -152,10 +154,12 @@ def information_bound(
         covariance: R_v at one instant; the identity if None.
         settings: How hard to work.
         certify: Whether to prove the bound; by default up to two joints.
+        deadline: When to stop; the lowest bound until then counts.
 
     Raises:
         ValueError: If the set of states is not bounded or the model not affine in acceleration.
         WeightsNotFound: If the weights of the atoms cannot be found.
+        OutOfTime: If there is no bound at the deadline.
     """
     settings = settings or BoundSettings()
     states = ViableStates(limits)
@@ -164,17 +168,21 @@ def information_bound(
     functions = Monomials.up_to(settings.degree, centre, scale, even=settings.even)
     source = StateInformation(model, base, states, functions, covariance)
     certify = states.joints <= 2 if certify is None else certify
-    bounds = [
-        InformationBound.of_measure(
-            design.information,
-            highest,
-            kind="certified" if boxes else "estimated",
-            functions=len(functions),
-            boxes=boxes,
-            longest_return=states.longest_return,
-        )
-        for design, highest, boxes in _tighten(source, rng, settings, certify)
-    ]
+    bounds: list[InformationBound] = []
+    try:
+        for design, highest, boxes in _tighten(source, rng, settings, certify, deadline):
+            bound = InformationBound.of_measure(
+                design.information,
+                highest,
+                kind="certified" if boxes else "estimated",
+                functions=len(functions),
+                boxes=boxes,
+                longest_return=states.longest_return,
+            )
+            bounds.append(bound)
+    except OutOfTime:
+        if not bounds:
+            raise
     return min(bounds, key=lambda bound: bound.log10_det)
 
 
@@ -183,6 +191,7 @@ def _tighten(
     rng: np.random.Generator,
     settings: BoundSettings,
     certify: bool,
+    deadline: Deadline,
 ) -> Iterator[tuple[WeightedDesign, float, int]]:
     """Designs of ever more atoms, each with the dual's maximum and the boxes that prove it.
 
@@ -191,13 +200,15 @@ def _tighten(
     """
     x, ddq = source.states.sample(settings.first_atoms, rng)
     atoms = (x, ddq, *source.atoms(x, ddq))
-    design, highest, is_proven = optimal_weights(*atoms[2:]), np.inf, False
+    design = optimal_weights(*atoms[2:], deadline=deadline)
+    highest, is_proven = np.inf, False
     for _ in range(settings.rounds):
+        deadline.check()
         more, highest = _search(source, design, (x, ddq, design.weights), rng, settings)
         if highest <= (1 + settings.tolerance) * design.mass_multiplier:
             if not certify:
                 break
-            proof = _prove(source, design, settings)
+            proof = _prove(source, design, settings, deadline)
             yield design, proof.upper, proof.boxes
             is_proven = True
             if proof.attained <= (1 + settings.tolerance) * design.mass_multiplier:
@@ -211,7 +222,7 @@ def _tighten(
         )
         atoms = (x, ddq, rows, rates)
         try:
-            design = optimal_weights(rows, rates)
+            design = optimal_weights(rows, rates, deadline=deadline)
         except WeightsNotFound:
             if is_proven:  # what is proven stays proven
                 return
@@ -219,7 +230,7 @@ def _tighten(
     if not certify:
         yield design, highest, 0
     elif not is_proven:
-        proof = _prove(source, design, settings)
+        proof = _prove(source, design, settings, deadline)
         yield design, proof.upper, proof.boxes
 
 
@@ -267,7 +278,10 @@ def _search(
 
 
 def _prove(
-    source: StateInformation, design: WeightedDesign, settings: BoundSettings
+    source: StateInformation,
+    design: WeightedDesign,
+    settings: BoundSettings,
+    deadline: Deadline,
 ) -> ProvenMaximum:
     return prove_maximum(
         source.dual(design),
@@ -275,4 +289,5 @@ def _prove(
         tolerance=settings.proof_tolerance,
         at_least=design.mass_multiplier,
         most_boxes=settings.most_boxes,
+        deadline=deadline,
     )

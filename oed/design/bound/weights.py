@@ -10,6 +10,7 @@ import scipy.linalg
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.design.bound.deadline import NEVER, Deadline
 from oed.errors import OedError
 
 ITERATIONS = 100
@@ -62,6 +63,7 @@ def optimal_weights(
     balance: Float[ndarray, "atoms equalities"],
     *,
     tolerance: float = 1e-7,
+    deadline: Deadline = NEVER,
 ) -> WeightedDesign:
     """Maximise log det sum_i w_i F_i' F_i over w >= 0 with sum w = 1 and sum w_i b_i = 0.
 
@@ -69,15 +71,18 @@ def optimal_weights(
         factors: F_i, the regressor rows of each atom.
         balance: b_i, what has to cancel over all atoms.
         tolerance: On the mean complementarity and on the equalities.
+        deadline: When to give up.
 
     Raises:
         WeightsNotFound: If it does not converge.
+        OutOfTime: At the deadline.
     """
     scale = np.abs(balance).max(axis=0, initial=0.0)
     scale = np.where(scale > 0, scale, 1.0)
     equalities = np.column_stack([np.ones(len(factors)), balance / scale])
     iterate = _Iterate.first(factors, equalities)
     for _ in range(ITERATIONS):
+        deadline.check()
         if iterate.is_optimal(tolerance, tolerance):
             break
         try:

@@ -133,6 +133,8 @@ class _Scaled:
         return self._last
 
     def limits(self, u: ndarray) -> ndarray:
+        if self._held.came:  # while feasibility is restored, only limits are evaluated
+            return np.full(self.constraints.count, np.nan)
         return self.constraints.values(self.outward(u))
 
     def jacobian(self, u: ndarray) -> casadi.DM:

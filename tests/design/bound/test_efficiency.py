@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.design.bound.efficiency import QUICK, Effort, d_efficiency
+from oed.design.bound.efficiency import QUICK, Effort, NoBound, d_efficiency
 from oed.design.bound.estimated_bound import SearchSettings, estimated_bound
 from oed.design.bound.information_bound import BoundSettings, information_bound
 from oed.design.design import Design
@@ -43,7 +43,6 @@ def test_no_design_beats_an_estimate_that_hardly_looked(design: Design) -> None:
 
 def test_two_joints_are_certified(design: Design) -> None:
     found = d_efficiency(design, np.random.default_rng(0), QUICK)
-    assert found is not None
     assert found.kind == "certified"
     assert 0.1 < found.value < 0.6
     gap = design.J_d_continuous - found.J_d_bound
@@ -52,7 +51,6 @@ def test_two_joints_are_certified(design: Design) -> None:
 
 def test_without_a_proof_it_is_an_estimate_and_says_so(design: Design) -> None:
     found = d_efficiency(design, np.random.default_rng(0), Effort(proofs=(), search=FEW))
-    assert found is not None
     assert found.kind == "estimated"
     assert "not proven" in found.how
 
@@ -60,6 +58,18 @@ def test_without_a_proof_it_is_an_estimate_and_says_so(design: Design) -> None:
 def test_with_a_prior_there_is_none(design: Design) -> None:
     prior = np.eye(len(design.problem.base))
     problem = dataclasses.replace(design.problem, prior=prior)
-    assert (
-        d_efficiency(dataclasses.replace(design, problem=problem), np.random.default_rng(0)) is None
-    )
+    with pytest.raises(NoBound, match="earlier experiments"):
+        d_efficiency(dataclasses.replace(design, problem=problem), np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("proofs", [QUICK.proofs, ()], ids=["proof", "estimate"])
+def test_at_the_deadline_there_is_none_and_that_is_why(design: Design, proofs) -> None:
+    with pytest.raises(NoBound, match="within 0 s of CPU time"):
+        d_efficiency(design, np.random.default_rng(0), Effort(proofs, FEW, cpu_seconds=0.0))
+
+
+def test_a_bound_that_fails_is_no_error_of_the_design(design: Design) -> None:
+    impossible = np.diag([1.0, -1.0])  # no noise has it
+    problem = dataclasses.replace(design.problem, covariance=impossible)
+    with pytest.raises(NoBound, match="no bound was found: Matrix is not positive definite"):
+        d_efficiency(dataclasses.replace(design, problem=problem), np.random.default_rng(0), QUICK)
