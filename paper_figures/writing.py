@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import importlib
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from oed.commands.options import parse
 from oed.report.json_file import write_atomically
 from oed.report.style import save_figure
 
@@ -17,13 +18,23 @@ RESULTS = HERE.parent / "results" / "paper"
 NAMES = (*(f"figure_{number:02d}" for number in range(2, 12)), "figure_bode")
 
 
+@dataclass(frozen=True)
+class Folders:
+    """Draw one figure of the paper.
+
+    Attributes:
+        results: What the paper's experiment left.
+        out: Where PNG and PDF go.
+    """
+
+    results: Path = RESULTS
+    out: Path = HERE
+
+
 def write(draw: Callable[[Path], Figure], name: str) -> None:
     """Command line of one figure: read the results, draw, write PNG and PDF."""
-    parser = argparse.ArgumentParser(description=f"Draw {name}.")
-    parser.add_argument("--results", type=Path, default=RESULTS)
-    parser.add_argument("--out", type=Path, default=HERE)
-    given = parser.parse_args()
-    save_figure(draw(given.results), given.out / name)
+    folders = parse(Folders, prog=f"python -m paper_figures.{name}")
+    save_figure(draw(folders.results), folders.out / name)
 
 
 def write_all(results: Path = RESULTS, out: Path = HERE) -> tuple[Path, ...]:

@@ -9,15 +9,16 @@ cond Lambda without column scaling, position, velocity and effort limits of the 
 
 from __future__ import annotations
 
-import argparse
 import json
 import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
+from oed.commands.options import Count, parse
 from oed.design.criteria import condition, information, log10_det
 from oed.design.limits import violation_of
 from oed.design.optimisers import interior_point, slsqp
@@ -29,13 +30,12 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import Robot, arm_joints, load_robot
 from studies.data_folders import EXAMPLE_ROBOTS
 from studies.interrupt import leave
-from studies.whole_numbers import from_one
+from studies.study_options import StudyOptions
 
 Row = dict[str, str | int | float]
 
@@ -110,8 +110,16 @@ def _peer_row(problem: DesignProblem, source: str, seed: int, config: Config, ou
     robot = problem.model.robot
     if not file.is_file():
         out.mkdir(parents=True, exist_ok=True)
-        command = [config.peer_python, str(PEER_SCRIPT), source, str(file), str(seed)]
-        command += [str(config.iterations), *robot.joint_names]
+        request = out / f"figaroh_{seed}_request.json"
+        asked = {
+            "urdf": source,
+            "out": str(file),
+            "seed": seed,
+            "iterations": config.iterations,
+            "joints": list(robot.joint_names),
+        }
+        request.write_text(json.dumps(asked), encoding="utf-8")
+        command = [config.peer_python, str(PEER_SCRIPT), str(request)]
         try:
             subprocess.run(command, check=True, timeout=config.timeout, capture_output=True)  # noqa: S603 - the caller's own interpreter
         except (OSError, subprocess.SubprocessError) as error:
@@ -204,26 +212,42 @@ def statement(rows: Sequence[Row]) -> str:
     return "\n".join(sentences)
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+@dataclass(frozen=True, kw_only=True)
+class Options(StudyOptions):
+    """The same arm, limits and cost with figaroh.
+
+    Attributes:
+        peer_python: Interpreter of an environment that has figaroh 1.0.2.
+        robot: URDF file; the UR5 if not given.
+        seeds: Of both.
+        iterations: IPOPT's, for figaroh.
+        seconds: CPU time of each of our optimisers [s].
+    """
+
+    study: ClassVar[str] = "compare_figaroh"
+
+    peer_python: str
+    robot: str = ""
+    seeds: Count = Config.seeds
+    iterations: Count = Config.iterations
+    seconds: float = Config.cpu_seconds
+
+    @property
+    def config(self) -> Config:
+        """What is compared."""
+        return Config(
+            self.peer_python,
+            self.robot,
+            seeds=1 if self.smoke else self.seeds,
+            iterations=self.iterations,
+            cpu_seconds=1.0 if self.smoke else self.seconds,
+        )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--peer-python", required=True)
-    parser.add_argument("--robot", default="")
-    parser.add_argument("--seeds", type=from_one, default=Config.seeds)
-    parser.add_argument("--iterations", type=from_one, default=Config.iterations)
-    parser.add_argument("--seconds", type=float, default=Config.cpu_seconds)
-    parser.add_argument("--out", type=output_folder, default=Path("results/compare_figaroh"))
-    arguments = parser.parse_args(argv)
-    config = Config(
-        arguments.peer_python,
-        arguments.robot,
-        seeds=arguments.seeds,
-        iterations=arguments.iterations,
-        cpu_seconds=arguments.seconds,
-    )
-    write(run(config, arguments.out), config, arguments.out)
+    options = parse(Options, prog="python -m studies.compare_figaroh", arguments=arguments)
+    write(run(options.config, options.results), options.config, options.results)
     return 0
 
 

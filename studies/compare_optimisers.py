@@ -9,7 +9,6 @@ interruption: lines that are there are kept.
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import itertools
 import time
@@ -17,10 +16,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy import ndarray
 
+from oed.commands.options import Count, parse
 from oed.design.criteria import Criterion, condition, log10_det
 from oed.design.optimisers import (
     evolution,
@@ -36,14 +37,13 @@ from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.robot import JointLimits, Robot, arm_joints, load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.data_folders import PANDA
 from studies.interrupt import RESUMES, leave
 from studies.optimiser_summary import write_summary
-from studies.whole_numbers import from_one
+from studies.study_options import CaseOptions
 
 OPTIMISERS = {
     "genetic": genetic.optimise,
@@ -242,31 +242,44 @@ def write(config: Config, rows: RowFile, out: Path) -> None:
     Provenance.collect(config, seed=None).write(out / "provenance.json")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+@dataclass(frozen=True)
+class Options(CaseOptions):
+    """Which optimiser wins where, at equal evaluations and equal CPU time?
+
+    Attributes:
+        seeds: Seeds a cell.
+        optimisers: Which of them.
+    """
+
+    study: ClassVar[str] = "compare_optimisers"
+
+    seeds: Count = Config.seeds
+    optimisers: tuple[str, ...] = Config.optimisers
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if unknown := set(self.optimisers) - set(OPTIMISERS):
+            raise ValueError(
+                f"--optimisers {' '.join(sorted(unknown))}: there are {', '.join(OPTIMISERS)}"
+            )
+
+    @property
+    def config(self) -> Config:
+        """What is compared."""
+        if self.smoke:
+            return dataclasses.replace(Config.smoke(), optimisers=self.optimisers)
+        return Config(seeds=self.seeds, optimisers=self.optimisers)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--out", type=output_folder, help="results/compare_optimisers if not given")
-    parser.add_argument("--workers", type=from_one, default=1, help="processes on this machine")
-    parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
-    parser.add_argument("--seeds", type=from_one, help="seeds a cell; 30 if not given")
-    parser.add_argument(
-        "--optimisers", nargs="+", choices=sorted(OPTIMISERS), help="all if not given"
-    )
-    parser.add_argument("--smoke", action="store_true", help="a minute's worth")
-    arguments = parser.parse_args(argv)
-    arguments.out = arguments.out or results_folder("compare_optimisers", smoke=arguments.smoke)
-    config = Config.smoke() if arguments.smoke else Config()
-    if arguments.seeds is not None:
-        config = dataclasses.replace(config, seeds=arguments.seeds)
-    if arguments.optimisers:
-        config = dataclasses.replace(config, optimisers=tuple(arguments.optimisers))
-    if is_finished(RowFile(arguments.out / "runs.csv", KEY, VALUES), config.cases(), config):
-        print(f"nothing left to do; {arguments.out} stays as it is")
+    options = parse(Options, prog="python -m studies.compare_optimisers", arguments=arguments)
+    config, out = options.config, options.results
+    if is_finished(RowFile(out / "runs.csv", KEY, VALUES), config.cases(), config):
+        print(f"nothing left to do; {out} stays as it is")
         return 0
-    rows = run(config, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler)
-    write(config, rows, arguments.out)
+    rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
+    write(config, rows, out)
     return 0
 
 

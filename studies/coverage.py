@@ -8,11 +8,11 @@ draws a motion and a noise, estimates, and asks of each interval whether it hold
 
 from __future__ import annotations
 
-import argparse
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
@@ -20,13 +20,13 @@ from numpy import ndarray
 from scipy import stats
 from scipy.signal import butter, lfilter, sosfilt
 
+from oed.commands.options import parse
 from oed.dynamics.motion import Motion
 from oed.dynamics.planar import planar_regressor
 from oed.estimation.covariance import CovarianceMethod, estimate_covariance
 from oed.estimation.least_squares import batch_least_squares
 from oed.estimation.noise import whiten
 from oed.estimation.weights import variances_from_residuals
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
@@ -37,6 +37,7 @@ from oed.robot.builtin import (
     IMI_VISCOUS,
 )
 from studies.interrupt import leave
+from studies.study_options import StudyOptions
 
 TRUTH = np.array(
     [*IMI_BASE_PARAMETERS, IMI_COULOMB[0], IMI_VISCOUS[0], IMI_COULOMB[1], IMI_VISCOUS[1]]
@@ -206,16 +207,19 @@ def write(rows: list[dict[str, str | int | float]], config: Config, out: Path) -
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
-def main(arguments: list[str] | None = None) -> None:
+@dataclass(frozen=True)
+class Options(StudyOptions):
+    """Do 95 % intervals hold the truth in 95 % of estimates, with white and with coloured noise?"""
+
+    study: ClassVar[str] = "coverage"
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(description="Coverage of confidence intervals by Monte Carlo.")
-    parser.add_argument("--smoke", action="store_true", help="a few runs, to see that it works")
-    parser.add_argument("--out", type=output_folder, help="results/coverage if not given")
-    options = parser.parse_args(arguments)
-    options.out = options.out or results_folder("coverage", smoke=options.smoke)
+    options = parse(Options, prog="python -m studies.coverage", arguments=arguments)
     config = SMOKE if options.smoke else Config()
     rows = run(config)
-    write(rows, config, options.out)
+    write(rows, config, options.results)
     print(summarise(rows, config))
 
 

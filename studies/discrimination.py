@@ -10,25 +10,25 @@ diagnosis designs one motion, the arm runs it, and the fit decides.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from scipy.stats import norm
 
+from oed.commands.options import Count, parse
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import error_rate, separation
 from oed.diagnosis.terms.scores import Score
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.discrimination_summary import write_summary
 from studies.interrupt import RESUMES, leave
 from studies.rival_experiment import Decision, Duel, Table, design, lay, tune
-from studies.whole_numbers import from_one
+from studies.study_options import CaseOptions
 
 # Two forms of the bench that look alike, and the joint at which they act.
 PAIRS = (
@@ -189,10 +189,11 @@ def run_case(case: Case) -> Outcome:
     }
 
 
-def run(config: Config, out: Path, *, workers: int = 1) -> RowFile:
+def run(config: Config, out: Path, *, workers: int = 1, scheduler: str | None = None) -> RowFile:
     """Do all cases that `out`/runs.csv does not hold yet."""
     rows = RowFile(out / "runs.csv", KEY, VALUES)
-    CaseRunner(run_case, rows, "pairs").run(config.cases(), workers=workers)
+    runner = CaseRunner(run_case, rows, "pairs")
+    runner.run(config.cases(), workers=workers, scheduler=scheduler)
     return rows
 
 
@@ -204,26 +205,30 @@ def write(config: Config, rows: RowFile, out: Path) -> None:
     Provenance.collect(config, seed=0).write(out / "provenance.json")
 
 
+@dataclass(frozen=True)
+class Options(CaseOptions):
+    """Is the predicted chance of naming the wrong rival right, and does one motion decide?
+
+    Attributes:
+        seeds: Of every pair and arm.
+    """
+
+    study: ClassVar[str] = "discrimination"
+
+    seeds: Count = Config.seeds
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--out", type=output_folder, help="results/discrimination if not given")
-    parser.add_argument(
-        "--seeds", type=from_one, default=Config.seeds, help="of every pair and arm"
-    )
-    parser.add_argument("--workers", type=from_one, default=1, help="processes on this machine")
-    parser.add_argument("--smoke", action="store_true", help="two cases, to see that it works")
-    given = parser.parse_args(arguments)
-    given.out = given.out or results_folder("discrimination", smoke=given.smoke)
-    config = Config.smoke() if given.smoke else Config(seeds=given.seeds)
-    if is_finished(RowFile(given.out / "runs.csv", KEY, VALUES), config.cases(), config):
-        print(f"nothing left to do; {given.out} stays as it is")
+    options = parse(Options, prog="python -m studies.discrimination", arguments=arguments)
+    config = Config.smoke() if options.smoke else Config(seeds=options.seeds)
+    out = options.results
+    if is_finished(RowFile(out / "runs.csv", KEY, VALUES), config.cases(), config):
+        print(f"nothing left to do; {out} stays as it is")
         return 0
-    rows = run(config, given.out, workers=given.workers)
-    write(config, rows, given.out)
-    print((given.out / "summary.md").read_text(encoding="utf-8"))
+    rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
+    write(config, rows, out)
+    print((out / "summary.md").read_text(encoding="utf-8"))
     return 0
 
 

@@ -11,14 +11,15 @@ was interrupted goes on where it stopped.
 
 from __future__ import annotations
 
-import argparse
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import ClassVar
 
+from oed.commands.options import Count, Seed, parse
 from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.data.prepared import Prepared
@@ -30,7 +31,6 @@ from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.read_dataset import read_dataset
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from studies.bench.case import KEY_COLUMNS, Case, NoiseKind
 from studies.bench.forms import forms_of
@@ -40,7 +40,7 @@ from studies.bench.truth import HiddenTruth
 from studies.case_runner import CaseRunner, RowFile
 from studies.interrupt import RESUMES, leave
 from studies.interval_summary import Interval, packed, page
-from studies.whole_numbers import from_one, from_zero
+from studies.study_options import CaseOptions
 
 RUNS = "runs.csv"
 VALUE_COLUMNS = ("status", "effect", "intervals", "seconds")
@@ -161,10 +161,13 @@ def _with_role(prepared: Sequence[Prepared], role: str) -> tuple[Prepared, ...]:
     return tuple(p for p in prepared if p.role == role)
 
 
-def run(config: Config, out: Path, workers: int) -> list[dict[str, str]]:
+def run(
+    config: Config, out: Path, *, workers: int = 1, scheduler: str | None = None
+) -> list[dict[str, str]]:
     """Do the cases that have no line yet, and return all lines."""
     rows = RowFile(out / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
-    CaseRunner(work, rows, "effect intervals").run(cases_of(config), workers=workers)
+    runner = CaseRunner(work, rows, "effect intervals")
+    runner.run(cases_of(config), workers=workers, scheduler=scheduler)
     return rows.rows()
 
 
@@ -175,23 +178,36 @@ def write(rows: Sequence[dict[str, str]], config: Config, out: Path) -> None:
     Provenance.collect(config, seed=config.first_seed).write(out / "provenance.json")
 
 
+@dataclass(frozen=True)
+class Options(CaseOptions):
+    """How often do the intervals of named effects hold what was injected?
+
+    Attributes:
+        forms: Of the bench, by key.
+        seeds: Data sets of each form.
+        first_seed: Seed of the first.
+    """
+
+    study: ClassVar[str] = "effect_intervals"
+
+    forms: tuple[str, ...] = COMPARED
+    seeds: Count = Config.seeds
+    first_seed: Seed = Config.first_seed
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if unknown := set(self.forms) - set(COMPARED):
+            raise ValueError(
+                f"--forms {' '.join(sorted(unknown))}: there are {', '.join(COMPARED)}"
+            )
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(description="Coverage of the intervals of named effects.")
-    parser.add_argument("--out", type=output_folder, help="results/effect_intervals if not given")
-    parser.add_argument("--forms", nargs="+", choices=COMPARED, default=list(COMPARED))
-    parser.add_argument(
-        "--seeds", type=from_one, default=Config.seeds, help="data sets of each form"
-    )
-    parser.add_argument("--first-seed", type=from_zero, default=0)
-    parser.add_argument("--workers", type=from_one, default=1)
-    parser.add_argument("--smoke", action="store_true", help="one case, to see that it works")
-    options = parser.parse_args(arguments)
-    options.out = options.out or results_folder("effect_intervals", smoke=options.smoke)
-    config = Config(tuple(options.forms), options.seeds, options.first_seed)
-    config = SMOKE if options.smoke else config
-    rows = run(config, options.out, options.workers)
-    write(rows, config, options.out)
+    options = parse(Options, prog="python -m studies.effect_intervals", arguments=arguments)
+    config = SMOKE if options.smoke else Config(options.forms, options.seeds, options.first_seed)
+    rows = run(config, options.results, workers=options.workers, scheduler=options.scheduler)
+    write(rows, config, options.results)
     print(page(rows))
 
 

@@ -11,18 +11,20 @@ one that is wrong by a third.
 
 from __future__ import annotations
 
-import argparse
+import dataclasses
 import itertools
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.commands.options import Seed, parse
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion, random_motion
@@ -37,7 +39,6 @@ from oed.estimation.feasible.mass_matrix import (
     share_positive_definite,
 )
 from oed.estimation.feasible.regularisation import Regularisation
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, write_csv
@@ -46,7 +47,7 @@ from oed.robot.inertia import parameters_from_pseudo_inertia, pseudo_inertia
 from studies.elbow_arm import COULOMB, VISCOUS, elbow_arm
 from studies.feasibility_summary import summarise
 from studies.interrupt import leave
-from studies.whole_numbers import from_zero
+from studies.study_options import StudyOptions
 
 
 @dataclass(frozen=True)
@@ -273,20 +274,25 @@ def write(rows: list[Row], config: Config, out: Path) -> None:
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
-def main(arguments: list[str] | None = None) -> None:
+@dataclass(frozen=True)
+class Options(StudyOptions):
+    """What does physical feasibility cost in prediction, and what does it save?
+
+    Attributes:
+        seed: Of everything random.
+    """
+
+    study: ClassVar[str] = "feasibility_price"
+
+    seed: Seed = Config.seed
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(
-        prog="python -m studies.feasibility_price", description=__doc__
-    )
-    parser.add_argument("--smoke", action="store_true", help="one case, to see that it works")
-    parser.add_argument("--out", type=output_folder, help="results/feasibility_price if not given")
-    parser.add_argument("--seed", type=from_zero, default=Config.seed)
-    options = parser.parse_args(arguments)
-    options.out = options.out or results_folder("feasibility_price", smoke=options.smoke)
-    chosen = SMOKE if options.smoke else Config()
-    config = Config(**{**vars(chosen), "seed": options.seed})
+    options = parse(Options, prog="python -m studies.feasibility_price", arguments=arguments)
+    config = dataclasses.replace(SMOKE if options.smoke else Config(), seed=options.seed)
     rows = run(config)
-    write(rows, config, options.out)
+    write(rows, config, options.results)
     sys.stdout.write(summarise(rows, repeats=config.repeats, poses=config.poses))
 
 

@@ -1,6 +1,6 @@
 """Design an excitation with figaroh 1.0.2: run by the interpreter of an environment that has it.
 
-    PYTHON_OF_THAT_ENVIRONMENT studies/figaroh_design.py URDF RESULT.json SEED ITERATIONS JOINT ...
+    PYTHON_OF_THAT_ENVIRONMENT studies/figaroh_design.py REQUEST.json
 
 `studies.compare_figaroh` runs it.
 
@@ -9,10 +9,10 @@ and solver are figaroh's own; only its reading of a configuration file is bypass
 left out: no geometry is loaded. One segment of five waypoints, two seconds apart, at 20 Hz.
 """
 
-import argparse
 import json
 import sys
 import time
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, cast
@@ -26,7 +26,7 @@ try:
         BaseTrajectoryIPOPTProblem,
     )
 except ModuleNotFoundError as error:
-    # Help must be had without it; `main` refuses to go further.
+    # `main` says what is missing.
     if error.name is None or error.name.partition(".")[0] != "figaroh":
         raise
     BaseOptimalTrajectory = BaseTrajectoryIPOPTProblem = cast("Any", object)
@@ -79,24 +79,35 @@ class Problem(BaseTrajectoryIPOPTProblem):
         return self.opt_traj.constraint_manager.get_constraint_bounds(samples or self.Ns)
 
 
+@dataclass(frozen=True)
+class Request:
+    """What is asked of figaroh.
+
+    Attributes:
+        urdf: Robot file.
+        out: JSON file to write.
+        seed: Of figaroh's random starts.
+        iterations: Of IPOPT at most.
+        joints: Names of the joints that move.
+    """
+
+    urdf: str
+    out: str
+    seed: int
+    iterations: int
+    joints: list[str]
+
+
 def main() -> int:
     """Design, and leave the motion, the objective and the time as JSON; 2 without figaroh."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("urdf", help="robot file")
-    parser.add_argument("out", type=Path, help="JSON file to write")
-    parser.add_argument("seed", type=int, help="of figaroh's random starts")
-    parser.add_argument("iterations", type=int, help="of IPOPT at most")
-    parser.add_argument("joints", nargs="+", help="joints that move")
-    given = parser.parse_args()
     if BaseOptimalTrajectory is object:
         sys.stderr.write(
             f"studies.figaroh_design: {sys.executable} has no package figaroh; run it with the "
             "Python of an environment that has figaroh 1.0.2\n"
         )
         return 2
-    joints: list[str] = given.joints
+    given = Request(**json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))
+    joints = given.joints
     np.random.seed(given.seed)  # noqa: NPY002 - figaroh draws from the global generator
     model = pin.buildModelFromUrdf(given.urdf)
     locked = [i for i in range(1, model.njoints) if model.names[i] not in joints]
@@ -123,7 +134,7 @@ def main() -> int:
             "iterations": len(details["iterations"]),
             "cond_W": float(details["obj_values"][-1]),
         }
-    given.out.write_text(json.dumps(record), encoding="utf-8")
+    Path(given.out).write_text(json.dumps(record), encoding="utf-8")
     return 0
 
 

@@ -10,15 +10,16 @@ written where nothing is left to do.
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
+from oed.commands.options import parse
 from oed.design.criteria import Criterion
 from oed.design.design import Design
 from oed.design.optimisers import hopping
@@ -29,13 +30,12 @@ from oed.design.trajectories import HarmonicClass
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.robot import load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
 from studies.free_frequency_summary import write_summary
 from studies.interrupt import RESUMES, leave
-from studies.whole_numbers import from_one
+from studies.study_options import CaseOptions
 
 INSTANTS = 80  # the paper's, section 5
 
@@ -170,23 +170,22 @@ def write(config: Config, rows: RowFile, out: Path) -> None:
     Provenance.collect(config, seed=None).write(out / "provenance.json")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+@dataclass(frozen=True)
+class Options(CaseOptions):
+    """What do free frequencies under exact limits reach, and at what cost?"""
+
+    study: ClassVar[str] = "free_frequencies"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--out", type=output_folder, help="results/free_frequencies if not given")
-    parser.add_argument("--workers", type=from_one, default=1, help="processes on this machine")
-    parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
-    parser.add_argument("--smoke", action="store_true", help="a few seconds' worth")
-    arguments = parser.parse_args(argv)
-    arguments.out = arguments.out or results_folder("free_frequencies", smoke=arguments.smoke)
-    config = Config.smoke() if arguments.smoke else Config()
-    if is_finished(RowFile(arguments.out / "runs.csv", KEY, VALUES), config.cases(), config):
-        print(f"nothing left to do; {arguments.out} stays as it is")
+    options = parse(Options, prog="python -m studies.free_frequencies", arguments=arguments)
+    config, out = Config.smoke() if options.smoke else Config(), options.results
+    if is_finished(RowFile(out / "runs.csv", KEY, VALUES), config.cases(), config):
+        print(f"nothing left to do; {out} stays as it is")
         return 0
-    rows = run(config, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler)
-    write(config, rows, arguments.out)
+    rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
+    write(config, rows, out)
     return 0
 
 

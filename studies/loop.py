@@ -9,7 +9,6 @@ motions running show nothing, or when the budget is spent; rounds.csv says what 
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import sys
 from collections.abc import Callable, Sequence
@@ -18,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oed.commands.options import Count, Seed, parse
 from oed.design.limits import fill
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass
@@ -35,11 +35,10 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.imi_laboratory import ImiLaboratory
 from oed.experiment.recording import HELD_OUT, Recording, Role
 from oed.experiment.simulation import Setup, simulate
-from oed.report.output_folder import output_folder
+from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 from oed.report.table import Row, text_table, write_csv
 from studies.interrupt import leave
-from studies.whole_numbers import from_one, from_zero
 
 PERIOD = 10.0  # [s] of every motion
 REPETITIONS = 4
@@ -61,15 +60,21 @@ class Config:
         out: Folder for the table.
         hidden: Key of `HIDDEN`, or "nothing".
         rounds: Most experiments.
-        smoke: Whether to look fast.
+        smoke: Few designs and surrogates.
         seed: Of everything random.
     """
 
     out: Path
     hidden: str = "stribeck"
-    rounds: int = 4
+    rounds: Count = 4
     smoke: bool = False
-    seed: int = 0
+    seed: Seed = 0
+
+    def __post_init__(self) -> None:
+        check_output_folder(self.out)
+        if self.hidden not in (*HIDDEN, "nothing"):
+            known = ", ".join((*sorted(HIDDEN), "nothing"))
+            raise ValueError(f"--hidden {self.hidden}: there are {known}")
 
     @property
     def settings(self) -> DiagnosisSettings:
@@ -150,7 +155,7 @@ def write(rows: list[Row], config: Config) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
-    config = _parse(arguments)
+    config = parse(Config, prog="python -m studies.loop", arguments=arguments)
     rows = run(config)
     write(rows, config)
     _say(text_table(rows))
@@ -227,19 +232,6 @@ def _label(name: str, joint: int | None) -> str:
 
 def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
-
-
-def _parse(arguments: Sequence[str] | None) -> Config:
-    parser = argparse.ArgumentParser(
-        prog="studies.loop", description=(__doc__ or "").partition("\n")[0]
-    )
-    parser.add_argument("--out", type=output_folder, required=True, help="folder for the table")
-    parser.add_argument("--hidden", default="stribeck", choices=[*sorted(HIDDEN), "nothing"])
-    parser.add_argument("--rounds", type=from_one, default=4, help="most experiments")
-    parser.add_argument("--smoke", action="store_true", help="few designs and surrogates")
-    parser.add_argument("--seed", type=from_zero, default=0, help="of everything random")
-    given = parser.parse_args(arguments)
-    return Config(given.out, given.hidden, given.rounds, given.smoke, given.seed)
 
 
 if __name__ == "__main__":

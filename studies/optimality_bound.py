@@ -8,14 +8,15 @@ parametrisation, and holds designs of several classes against it.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
+from oed.commands.options import Count, Seed, parse
 from oed.design.bound.information_bound import BoundSettings, InformationBound, information_bound
 from oed.design.criteria import log10_det
 from oed.design.optimisers import hopping, interior_point, slsqp
@@ -25,13 +26,12 @@ from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import JointLimits, load_robot
 from studies.interrupt import leave
-from studies.whole_numbers import from_one, from_zero
+from studies.study_options import StudyOptions
 
 INSTANTS = 80
 OPTIMISERS = {
@@ -165,26 +165,35 @@ certified {EARLIER["fourier"]} for periodic motions and {EARLIER["harmonic"]} fo
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--out", type=output_folder, help="results/optimality_bound if not given")
-    parser.add_argument("--degrees", type=from_one, nargs="+", default=Config.degrees)
-    parser.add_argument("--seconds", type=float, default=Config.cpu_seconds)
-    parser.add_argument("--seed", type=from_zero, default=Config.seed)
-    parser.add_argument("--smoke", action="store_true", help="degree 2 and one quick design")
-    arguments = parser.parse_args(argv)
-    arguments.out = arguments.out or results_folder("optimality_bound", smoke=arguments.smoke)
-    config = Config(
-        degrees=tuple(arguments.degrees), cpu_seconds=arguments.seconds, seed=arguments.seed
-    )
-    if arguments.smoke:
+@dataclass(frozen=True)
+class Options(StudyOptions):
+    """How far any motion could still be better: a bound on the information.
+
+    Attributes:
+        degrees: Total degrees of the test functions, one bound each.
+        seconds: CPU time of each design [s].
+        seed: Of designs and random states.
+    """
+
+    study: ClassVar[str] = "optimality_bound"
+
+    degrees: tuple[Count, ...] = Config.degrees
+    seconds: float = Config.cpu_seconds
+    seed: Seed = Config.seed
+
+    @property
+    def config(self) -> Config:
+        """What is bounded."""
+        if not self.smoke:
+            return Config(degrees=self.degrees, cpu_seconds=self.seconds, seed=self.seed)
         quick = BoundSettings(first_atoms=800, states_per_round=4000, proof_tolerance=0.03)
-        config = replace(config, degrees=(2,), harmonics=(3,), cpu_seconds=0.3, bound=quick)
-    result = run(config)
-    write(result, config, arguments.out)
+        return Config((2,), harmonics=(3,), cpu_seconds=0.3, seed=self.seed, bound=quick)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line."""
+    options = parse(Options, prog="python -m studies.optimality_bound", arguments=arguments)
+    write(run(options.config), options.config, options.results)
     return 0
 
 

@@ -9,7 +9,6 @@ hidden effect: it is for trying out what reads data sets.
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import sys
 from collections.abc import Sequence
@@ -18,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oed.commands.options import Count, Seed, parse
 from oed.design.limits import repair
 from oed.design.trajectories import FourierClass
 from oed.dynamics.effects import State
@@ -31,11 +31,10 @@ from oed.experiment.plant import TruePlant
 from oed.experiment.recording import Recording, Role
 from oed.experiment.simulation import Setup, simulate
 from oed.experiment.write_dataset import write_dataset
-from oed.report.output_folder import output_folder
+from oed.report.output_folder import check_output_folder
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB
 from studies.interrupt import leave
-from studies.whole_numbers import from_zero
 
 HIDDEN = ("cable", "stribeck", "none")
 STATIC_RISE = 0.6  # of the Coulomb friction of joint 1, towards standstill
@@ -64,13 +63,20 @@ class Config:
         period: Of each motion [s].
         repetitions: Of each motion.
         seed: Of motions and noise.
+        smoke: Two repetitions of each motion.
     """
 
     out: Path
     hidden: str = "cable"
     period: float = 10.0
-    repetitions: int = 6
-    seed: int = 0
+    repetitions: Count = 6
+    seed: Seed = 0
+    smoke: bool = False
+
+    def __post_init__(self) -> None:
+        check_output_folder(self.out)
+        if self.hidden not in HIDDEN:
+            raise ValueError(f"--hidden {self.hidden}: there are {', '.join(HIDDEN)}")
 
 
 def run(config: Config) -> DataSet:
@@ -90,7 +96,7 @@ def run(config: Config) -> DataSet:
                 setup,
                 _random_motion(config.period, setup.controller.period, rng),
                 rng,
-                repetitions=config.repetitions,
+                repetitions=2 if config.smoke else config.repetitions,
                 periodic=True,
                 name=name,
                 role=role,
@@ -110,14 +116,7 @@ def run(config: Config) -> DataSet:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(prog="python -m studies.scara_recordings", description=__doc__)
-    parser.add_argument("--out", type=output_folder, required=True)
-    parser.add_argument("--hidden", choices=HIDDEN, default=Config.hidden)
-    parser.add_argument("--seed", type=from_zero, default=Config.seed)
-    parser.add_argument("--smoke", action="store_true", help="two repetitions of each motion")
-    given = parser.parse_args(arguments)
-    repetitions = 2 if given.smoke else Config.repetitions
-    config = Config(given.out, hidden=given.hidden, seed=given.seed, repetitions=repetitions)
+    config = parse(Config, prog="python -m studies.scara_recordings", arguments=arguments)
     write_dataset(run(config), config.out)
     sys.stdout.write(f"wrote {config.out}\n")
     return 0

@@ -8,15 +8,16 @@ both alike.
 
 from __future__ import annotations
 
-import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pinocchio
 
+from oed.commands.options import Count, Seed, parse
 from oed.design.criteria import cost_and_slope
 from oed.design.fast_information import FastInformation
 from oed.dynamics.compiled import CompiledRegressor, compile_regressor
@@ -24,12 +25,11 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.report.json_file import write_json
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
 from studies.interrupt import leave
-from studies.whole_numbers import from_one, from_zero
+from studies.study_options import StudyOptions
 
 SIGN_WIDTH = 0.02  # [rad/s]
 
@@ -155,24 +155,34 @@ def write(result: Result, config: Config, out: Path) -> None:
     Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
-def main(argv: list[str] | None = None) -> None:
+@dataclass(frozen=True)
+class Options(StudyOptions):
+    """What do value and gradient of a criterion cost, beside Pinocchio's regressor?
+
+    Attributes:
+        robot: URDF file.
+        instants: Number N.
+        seed: Of the states.
+    """
+
+    study: ClassVar[str] = "speed"
+
+    robot: str = str(PANDA)
+    instants: Count = Config.instants
+    seed: Seed = Config.seed
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--robot", default=str(PANDA), help="URDF file; the Panda by default")
-    parser.add_argument("--instants", type=from_one, default=Config.instants)
-    parser.add_argument("--seed", type=from_zero, default=Config.seed)
-    parser.add_argument("--smoke", action="store_true", help="few instants, few repetitions")
-    parser.add_argument("--out", type=output_folder, help="results/speed if not given")
-    given = parser.parse_args(argv)
-    given.out = given.out or results_folder("speed", smoke=given.smoke)
+    options = parse(Options, prog="python -m studies.speed", arguments=arguments)
     config = Config(
-        robot=given.robot,
-        instants=50 if given.smoke else given.instants,
-        repetitions=2 if given.smoke else Config.repetitions,
-        seed=given.seed,
+        robot=options.robot,
+        instants=50 if options.smoke else options.instants,
+        repetitions=2 if options.smoke else Config.repetitions,
+        seed=options.seed,
     )
     result = run(config)
-    write(result, config, given.out)
+    write(result, config, options.results)
     print(
         f"{result.joints} joints, {result.base} base parameters, {config.instants} instants: "
         f"Lambda {result.value_ms:.1f} ms, J_d with gradient {result.gradient_ms:.1f} ms "

@@ -8,30 +8,30 @@ package; the regressor alone; and Pinocchio computing the same regressor rows on
 
 from __future__ import annotations
 
-import argparse
 import resource
 import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pinocchio
 
+from oed.commands.options import Count, Seed, parse
 from oed.dynamics.compiled import compile_regressor
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.streaming import StreamingLeastSquares
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
 from studies.interrupt import leave
-from studies.whole_numbers import from_one, from_zero
+from studies.study_options import StudyOptions
 
 BLOCK = 2000  # samples taken in at once
 PINOCCHIO_SAMPLES = 5000  # enough for a rate; the comparison is per sample
@@ -90,17 +90,26 @@ def run(config: Config) -> Row:
     }
 
 
+@dataclass(frozen=True)
+class Options(StudyOptions):
+    """Does a million samples of a seven-joint arm stream through in bounded memory?
+
+    Attributes:
+        samples: Samples of seven joints; 20,000 with --smoke.
+        seed: Of the motion and the noise.
+    """
+
+    study: ClassVar[str] = "streaming"
+
+    samples: Count = Config.samples
+    seed: Seed = Config.seed
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(prog="python -m studies.streaming", description=__doc__)
-    parser.add_argument("--out", type=output_folder, help="results/streaming if not given")
-    parser.add_argument("--samples", type=from_one, default=Config.samples)
-    parser.add_argument("--seed", type=from_zero, default=Config.seed)
-    parser.add_argument("--smoke", action="store_true", help="20,000 samples")
-    given = parser.parse_args(arguments)
-    given.out = given.out or results_folder("streaming", smoke=given.smoke)
-    samples = 20_000 if given.smoke else given.samples
-    config = Config(out=given.out, samples=samples, seed=given.seed)
+    options = parse(Options, prog="python -m studies.streaming", arguments=arguments)
+    samples = 20_000 if options.smoke else options.samples
+    config = Config(out=options.results, samples=samples, seed=options.seed)
     row = run(config)
     config.out.mkdir(parents=True, exist_ok=True)
     write_csv(config.out / "runs.csv", [row])

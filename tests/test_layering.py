@@ -16,6 +16,7 @@ ORDER = (
     "diagnosis",
     "report",
     "export",
+    "commands",
 )
 SHARED_BY_ALL = ("errors",)
 # Within the diagnosis the same holds; its settings serve all, and diagnosis.py stands above.

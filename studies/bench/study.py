@@ -7,16 +7,16 @@ A run that was interrupted goes on where it stopped. `--make` only makes the dat
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
+from oed.commands.options import Count, Seed, parse
 from oed.errors import OedError
 from oed.report.bench_plots import plot_confusion, plot_detection, plot_errors
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
@@ -26,7 +26,7 @@ from studies.bench.plan import GROUPS, plan, smoke
 from studies.bench.rates import BenchRow, done
 from studies.bench.summary import confusion, detection, page
 from studies.case_runner import CaseRunner, RowFile
-from studies.whole_numbers import from_one, from_zero
+from studies.study_options import CaseOptions
 
 RUNS = "runs.csv"
 NOTE = (
@@ -56,12 +56,18 @@ class Config:
 
 
 def run(
-    config: Config, cases: Sequence[Case], out: Path, folder: Path, workers: int
+    config: Config,
+    cases: Sequence[Case],
+    out: Path,
+    folder: Path,
+    *,
+    workers: int = 1,
+    scheduler: str | None = None,
 ) -> list[BenchRow]:
     """Do the cases that have no line yet, and return all lines."""
     rows = RowFile(out / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
     judge = Judge(folder, config.module, config.limit)
-    CaseRunner(judge, rows, "bench").run(cases, workers=workers)
+    CaseRunner(judge, rows, "bench").run(cases, workers=workers, scheduler=scheduler)
     return list(rows.rows())
 
 
@@ -96,28 +102,46 @@ def write(rows: Sequence[BenchRow], config: Config, out: Path) -> None:
     save_figure(plot_errors(groups, ratios), out / "errors", ("png",))
 
 
+@dataclass(frozen=True)
+class Options(CaseOptions):
+    """How often is a diagnosis right, wrong or silent, on forms that its author has not seen?
+
+    Attributes:
+        cases: Groups of cases.
+        seeds: Rounds.
+        first_seed: Seed of the first round.
+        folder: For the data sets.
+        summarise: Only the lines that are there.
+        make: Only make the data sets.
+    """
+
+    study: ClassVar[str] = "bench"
+
+    cases: tuple[str, ...] = GROUPS
+    seeds: Count = Config.seeds
+    first_seed: Seed = 0
+    folder: Path = Path("out/bench")
+    summarise: bool = False
+    make: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if unknown := set(self.cases) - set(GROUPS):
+            raise ValueError(f"--cases {' '.join(sorted(unknown))}: there are {', '.join(GROUPS)}")
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(
-        prog="python -m studies.bench", description="A blind test of the diagnosis."
-    )
-    parser.add_argument("--out", type=output_folder, help="results/bench if not given")
-    parser.add_argument("--cases", nargs="+", choices=GROUPS, default=list(GROUPS))
-    parser.add_argument("--seeds", type=from_one, default=Config.seeds, help="rounds")
-    parser.add_argument("--first-seed", type=from_zero, default=0)
-    parser.add_argument("--workers", type=from_one, default=1)
-    parser.add_argument("--folder", type=Path, default=Path("out/bench"), help="for data sets")
-    parser.add_argument("--smoke", action="store_true", help="two cases, to see that it works")
-    parser.add_argument("--summarise", action="store_true", help="only the lines that are there")
-    parser.add_argument("--make", action="store_true", help="only make the data sets")
-    options = parser.parse_args(arguments)
-    options.out = options.out or results_folder("bench", smoke=options.smoke)
-    config = Config(tuple(options.cases), options.seeds, options.first_seed)
+    options = parse(Options, prog="python -m studies.bench", arguments=arguments)
+    config = Config(options.cases, options.seeds, options.first_seed)
     cases = smoke() if options.smoke else plan(config.seeds, config.groups, first=config.first_seed)
+    sets = options.folder
     if options.make:
-        print(f"{make(cases, options.folder)} data sets in {options.folder / 'data'}")
+        print(f"{make(cases, sets)} data sets in {sets / 'data'}")
         return
     todo = [] if options.summarise else cases
-    rows = run(config, todo, options.out, options.folder, options.workers)
-    write(rows, config, options.out)
+    rows = run(
+        config, todo, options.results, sets, workers=options.workers, scheduler=options.scheduler
+    )
+    write(rows, config, options.results)
     print(page(rows, NOTE))

@@ -9,42 +9,57 @@ claims.csv and summary.md. Stages that nothing has changed for are read back fro
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
-from oed.experiment.paper_signals import PROCESSINGS
-from oed.report.output_folder import output_folder, results_folder
+from oed.commands.options import Count, Seed, parse
+from oed.experiment.paper_signals import Processing
 from studies.paper_experiment.campaign import CampaignConfig
 from studies.paper_experiment.config import Config
 from studies.paper_experiment.stages import run_stages
 from studies.paper_experiment.writing import write
-from studies.whole_numbers import from_one, from_zero
+from studies.study_options import StudyOptions
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+@dataclass(frozen=True)
+class Options(StudyOptions):
+    """The paper's experiment, in simulation.
+
+    Attributes:
+        cache: Where finished stages are kept.
+        experiments: Of the Monte Carlo, a cell.
+        processings: Of the signals in the Monte Carlo.
+        workers: Processes on this machine.
+        seed: Of everything random.
+    """
+
+    study: ClassVar[str] = "paper"
+
+    cache: Path = Config.cache
+    experiments: Count = Config.experiments
+    processings: tuple[Processing, ...] = Config.processings
+    workers: Count = Config.workers
+    seed: Seed = CampaignConfig.seed
+
+    @property
+    def config(self) -> Config:
+        """The whole study."""
+        whole = Config(
+            out=self.results,
+            cache=self.cache,
+            experiments=self.experiments,
+            processings=self.processings,
+            workers=self.workers,
+            campaign=CampaignConfig(seed=self.seed),
+        )
+        return whole.smoke() if self.smoke else whole
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description="The paper's experiment, in simulation.")
-    parser.add_argument("--out", type=output_folder, help="results/paper if not given")
-    parser.add_argument("--cache", type=Path, default=Config.cache)
-    parser.add_argument("--experiments", type=from_one, default=Config.experiments)
-    parser.add_argument(
-        "--processings", nargs="+", choices=PROCESSINGS[:-1], default=Config.processings
-    )
-    parser.add_argument("--workers", type=from_one, default=Config.workers)
-    parser.add_argument("--seed", type=from_zero, default=CampaignConfig.seed)
-    parser.add_argument("--smoke", action="store_true", help="as small as can be")
-    given = parser.parse_args(argv)
-    given.out = given.out or results_folder("paper", smoke=given.smoke)
-    config = Config(
-        out=given.out,
-        cache=given.cache,
-        experiments=given.experiments,
-        processings=tuple(given.processings),
-        workers=given.workers,
-        campaign=CampaignConfig(seed=given.seed),
-    )
-    config = config.smoke() if given.smoke else config
+    config = parse(Options, prog="python -m studies.paper_experiment", arguments=arguments).config
     print("The paper's experiment", flush=True)
     write(run_stages(config), config)
     print(f"left in {config.out}", flush=True)

@@ -230,8 +230,8 @@ def test_a_run_goes_on_where_it_stopped(tmp_path, monkeypatch):
     cases = [Case("clean", "scara", (), 1.0, "white", True, seed) for seed in range(3)]
     config = Config(("clean",), 3, module="stand_in")
     out, folder = tmp_path / "results", tmp_path / "work"
-    run(config, cases[:2], out, folder, 1)
-    rows = run(config, cases, out, folder, 1)
+    run(config, cases[:2], out, folder)
+    rows = run(config, cases, out, folder)
     assert made == cases
     assert [row["status"] for row in rows] == ["done"] * 3
     main(["--summarise", "--out", str(out), "--folder", str(folder)])
@@ -245,7 +245,7 @@ def test_a_diagnosis_that_fails_is_a_line(tmp_path, monkeypatch):
     monkeypatch.setattr(judge_module, "make_dataset", lambda case, folder: truth())
     case = Case("clean", "scara", (), 1.0, "white", True, 0)
     config = Config(("clean",), 1, module="no_such_module_anywhere")
-    (row,) = run(config, [case], tmp_path / "results", tmp_path / "work", 1)
+    (row,) = run(config, [case], tmp_path / "results", tmp_path / "work")
     assert str(row["status"]).startswith("failed: DiagnosisFailed")
 
 

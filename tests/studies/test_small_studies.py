@@ -74,21 +74,17 @@ def test_data_sets_are_found_alone_or_in_a_folder(tmp_path: Path, count: int) ->
     assert data_sets(tmp_path / "a") == (tmp_path / "a",)
 
 
-def test_the_script_for_another_environment_gives_help_and_says_what_it_lacks() -> None:
-    command = [sys.executable, "-m", "studies.figaroh_design"]
-    asked = subprocess.run(
-        [*command, "--help"], check=False, capture_output=True, text=True, cwd=REPO
+@pytest.mark.skipif(
+    importlib.util.find_spec("figaroh") is not None, reason="figaroh is installed here"
+)
+def test_the_script_for_another_environment_says_what_it_lacks() -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "studies.figaroh_design", "request.json"],
+        check=False,
+        capture_output=True,
+        text=True,
+        cwd=REPO,
     )
-    assert asked.returncode == 0
-    assert "ITERATIONS" in asked.stdout
-    if importlib.util.find_spec("figaroh") is None:
-        run = subprocess.run(
-            [*command, "a.urdf", "b.json", "1", "2", "j"],
-            check=False,
-            capture_output=True,
-            text=True,
-            cwd=REPO,
-        )
-        assert run.returncode == 2
-        assert "has no package figaroh" in run.stderr
-        assert run.stderr.count("\n") == 1
+    assert run.returncode == 2
+    assert "has no package figaroh" in run.stderr
+    assert run.stderr.count("\n") == 1

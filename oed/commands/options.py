@@ -1,0 +1,88 @@
+"""How a command line becomes a frozen configuration: one way for every command and study.
+
+The fields of the configuration are the options, their types what is accepted, their defaults the
+defaults, and the attributes of its docstring the help (tyro reads them). What cannot be meant is
+refused by `__post_init__`, with a ValueError that names the option.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import tyro
+from tyro.constructors import PrimitiveConstructorSpec
+
+ConfigT = TypeVar("ConfigT")
+
+# Nested settings are options like all others, a switch has no opposite, and what may be left out
+# is left out.
+STYLE = (
+    tyro.conf.OmitArgPrefixes,
+    tyro.conf.FlagCreatePairsOff,
+    tyro.conf.DisallowNone,
+)
+
+
+def parse(
+    configuration: type[ConfigT],
+    *,
+    prog: str,
+    arguments: Sequence[str] | None = None,
+    description: str | None = None,
+) -> ConfigT:
+    """The configuration that a command line asks for.
+
+    Args:
+        configuration: A frozen dataclass.
+        prog: How the command is called.
+        arguments: What follows it; `sys.argv` if None.
+        description: What help says first; the configuration's docstring if None.
+
+    Raises:
+        SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
+    """
+    return tyro.cli(configuration, prog=prog, args=arguments, description=description, config=STYLE)
+
+
+def _whole_number(text: Sequence[str], *, least: int) -> int:
+    value = int(text[0])
+    if value < least:
+        raise ValueError(f"{value} is no whole number from {least} on")
+    return value
+
+
+def _number_type(least: int) -> PrimitiveConstructorSpec[int]:
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="N",
+        instance_from_str=partial(_whole_number, least=least),
+        is_instance=lambda value: isinstance(value, int),
+        str_from_instance=lambda value: [str(value)],
+    )
+
+
+def _existing_folder(text: Sequence[str]) -> Path:
+    folder = Path(text[0])
+    if not folder.is_dir():
+        raise ValueError(f"{folder}: no such folder")
+    return folder
+
+
+# Of what there must be one at least.
+Count = Annotated[int, _number_type(1)]
+# Of random draws.
+Seed = Annotated[int, _number_type(0)]
+# A folder that is there.
+Folder = Annotated[
+    Path,
+    PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="FOLDER",
+        instance_from_str=_existing_folder,
+        is_instance=lambda value: isinstance(value, Path),
+        str_from_instance=lambda value: [str(value)],
+    ),
+]

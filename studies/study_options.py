@@ -1,0 +1,47 @@
+"""What every study that answers a question can be told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from oed.commands.options import Count
+from oed.report.output_folder import check_output_folder
+
+
+@dataclass(frozen=True)
+class StudyOptions:
+    """Where results go, and whether the study only shows that it works.
+
+    Attributes:
+        out: Folder for the results; results/STUDY if not given, out/STUDY with --smoke.
+        smoke: As small as it can be, to see that it works.
+    """
+
+    study: ClassVar[str] = ""
+
+    out: Path | None = None
+    smoke: bool = False
+
+    def __post_init__(self) -> None:
+        check_output_folder(self.results)
+
+    @property
+    def results(self) -> Path:
+        """Where the results go: a try must not replace what is kept."""
+        kept = Path("out" if self.smoke else "results") / self.study
+        return kept if self.out is None else self.out
+
+
+@dataclass(frozen=True)
+class CaseOptions(StudyOptions):
+    """The same, for a study of many cases.
+
+    Attributes:
+        workers: Processes on this machine.
+        scheduler: Address of a Dask scheduler that does the work instead: tcp://host:8786.
+    """
+
+    workers: Count = 1
+    scheduler: str | None = None

@@ -1,0 +1,102 @@
+"""A frozen configuration is a command line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
+
+import pytest
+
+from oed.commands.options import Count, Folder, Seed, parse
+from studies.study_options import CaseOptions
+
+
+@dataclass(frozen=True)
+class Nested:
+    """How.
+
+    Attributes:
+        horizon: Length of the motion [s].
+    """
+
+    horizon: float = 10.0
+
+
+@dataclass(frozen=True)
+class Config:
+    """Do something.
+
+    Attributes:
+        data: Where the data are.
+        count: How many.
+        seed: Of draws.
+        joints: Names.
+        how: Settings.
+    """
+
+    data: Folder
+    count: Count = 3
+    seed: Seed = 0
+    joints: tuple[str, ...] = ()
+    how: Nested = field(default_factory=Nested)
+
+    def __post_init__(self) -> None:
+        if "base" in self.joints:
+            raise ValueError("--joints base: the base does not move")
+
+
+@dataclass(frozen=True)
+class Options(CaseOptions):
+    """Which is better?"""
+
+    study: ClassVar[str] = "which"
+
+
+def told(arguments: list[str]) -> Config:
+    return parse(Config, prog="oed something", arguments=arguments)
+
+
+def test_options_fill_the_configuration_nested_ones_too(tmp_path: Path) -> None:
+    line = ["--data", str(tmp_path), "--joints", "a", "b", "--horizon", "5", "--count", "1"]
+    assert told(line) == Config(tmp_path, 1, 0, ("a", "b"), Nested(5.0))
+
+
+def test_help_says_what_the_docstring_says(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        told(["--help"])
+    text = capsys.readouterr().out
+    assert all(t in text for t in ("oed something", "Do something.", "[s]", "(default: 3)"))
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "reason"),
+    [
+        ("--count", "0", "0 is no whole number from 1 on"),
+        ("--count", "2.5", "'2.5'"),
+        ("--seed", "-1", "-1 is no whole number from 0 on"),
+        ("--data", "nowhere", "nowhere: no such folder"),
+        ("--joints", "base", "the base does not move"),
+        ("--speed", "3", "Unrecognized options"),
+    ],
+)
+def test_what_cannot_be_meant_ends_with_two_and_says_why(
+    option: str, value: str, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        told(["--data", str(tmp_path), option, value])
+    assert reason in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_try_does_not_replace_what_is_kept(tmp_path: Path) -> None:
+    assert Options().results == Path("results/which")
+    assert Options(smoke=True).results == Path("out/which")
+    assert Options(smoke=True, out=tmp_path).results == tmp_path
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_the_work(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        parse(Options, prog="which", arguments=["--out", "/proc/oed"])
+    assert "--out /proc/oed: cannot be written" in " ".join(capsys.readouterr().err.split())
