@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+NOT_FINITE = "not_finite"
+
 
 def plain_value(value: object, place: str = "$") -> object:
     """A value in the types that JSON has.
@@ -27,36 +29,32 @@ def plain_value(value: object, place: str = "$") -> object:
         ValueError: If a number is NaN or infinite, which JSON cannot say.
         TypeError: If a type or a key has no counterpart in JSON.
     """
-    if value is None or isinstance(value, (bool, str, int)):
-        return value
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            raise ValueError(f"{place} is {value}: JSON has no such number; write null instead")
-        return float(value)
-    if isinstance(value, (np.ndarray, np.generic)):
-        return plain_value(value.tolist(), place)
-    if isinstance(value, (Path, datetime, date)):
-        return str(value) if isinstance(value, Path) else value.isoformat()
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-        return plain_value(fields, place)
-    if isinstance(value, Mapping):
-        return {_key(k, place): plain_value(v, f"{place}.{k}") for k, v in value.items()}
-    if isinstance(value, (set, frozenset)):
-        value = sorted(value)
-    if isinstance(value, (list, tuple)):
-        return [plain_value(v, f"{place}[{i}]") for i, v in enumerate(value)]
-    raise TypeError(f"{place} is a {type(value).__name__}, which JSON has no type for")
+    nulled: dict[str, str] = {}
+    plain = _plain(value, place, nulled)
+    if nulled:
+        where, number = next(iter(nulled.items()))
+        raise ValueError(f"{where} is {number}: JSON has no such number; write null instead")
+    return plain
 
 
 def write_json(path: str | Path, value: object) -> None:
     """Write a value as indented JSON.
 
+    JSON has neither NaN nor infinities: they become null, and an object that holds any says
+    under `not_finite` where each stood and what it was. Work that is done is not lost for them.
+
     Raises:
-        ValueError: As `plain_value`; nothing is written.
+        ValueError: If there is such a number in what is no object and cannot say so.
         TypeError: As `plain_value`; nothing is written.
     """
-    text = json.dumps(plain_value(value), indent=2, ensure_ascii=False, allow_nan=False)
+    nulled: dict[str, str] = {}
+    plain = _plain(value, "$", nulled)
+    if nulled:
+        if not isinstance(plain, dict):
+            place, number = next(iter(nulled.items()))
+            raise ValueError(f"{place} is {number}: JSON has no such number; write null instead")
+        plain = {**plain, NOT_FINITE: nulled}
+    text = json.dumps(plain, indent=2, ensure_ascii=False, allow_nan=False)
     write_atomically(path, text + "\n")
 
 
@@ -92,6 +90,31 @@ def write_atomically(path: str | Path, text: str) -> None:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def _plain(value: object, place: str, nulled: dict[str, str]) -> object:
+    """As `plain_value`, with None for each number that JSON lacks, noted in `nulled`."""
+    if value is None or isinstance(value, (bool, str, int)):
+        return value
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            nulled[place] = str(float(value))
+            return None
+        return float(value)
+    if isinstance(value, (np.ndarray, np.generic)):
+        return _plain(value.tolist(), place, nulled)
+    if isinstance(value, (Path, datetime, date)):
+        return str(value) if isinstance(value, Path) else value.isoformat()
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+        return _plain(fields, place, nulled)
+    if isinstance(value, Mapping):
+        return {_key(k, place): _plain(v, f"{place}.{k}", nulled) for k, v in value.items()}
+    if isinstance(value, (set, frozenset)):
+        value = sorted(value)
+    if isinstance(value, (list, tuple)):
+        return [_plain(v, f"{place}[{i}]", nulled) for i, v in enumerate(value)]
+    raise TypeError(f"{place} is a {type(value).__name__}, which JSON has no type for")
 
 
 def _key(key: object, place: str) -> str:

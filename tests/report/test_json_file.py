@@ -39,13 +39,25 @@ def test_numpy_values_become_plain_ones(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, np.float64("nan")])
-def test_refuses_what_json_cannot_say_and_keeps_the_old_file(tmp_path: Path, bad) -> None:
+def test_what_json_cannot_say_is_null_with_its_place(tmp_path: Path, bad) -> None:
+    file = tmp_path / "result.json"
+    write_json(file, {"y": 2.0, "x": np.array([1.0, bad])})
+    assert read_json(file) == {
+        "y": 2.0,
+        "x": [1.0, None],
+        "not_finite": {"$.x[1]": str(float(bad))},
+    }
+
+
+def test_a_list_cannot_say_what_was_null_and_the_old_file_is_kept(tmp_path: Path) -> None:
     file = tmp_path / "result.json"
     write_json(file, {"x": 1})
-    with pytest.raises(ValueError, match=r"\$\.x\[1\]"):
-        write_json(file, {"x": np.array([1.0, bad])})
+    with pytest.raises(ValueError, match=r"\$\[1\] is nan"):
+        write_json(file, [1.0, np.nan])
     assert read_json(file) == {"x": 1}
     assert list(tmp_path.iterdir()) == [file]
+    with pytest.raises(ValueError, match=r"\$\.x is inf"):
+        plain_value({"x": np.inf})
 
 
 def test_refuses_nan_when_reading(tmp_path: Path) -> None:

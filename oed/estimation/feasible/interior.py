@@ -44,6 +44,7 @@ class Certificate:
         inequality: (k,) share of each inequality row.
         equality: (m,) price of each equality row.
         residual: How far the combination is from constant, recomputed: of a unit vector.
+        matrices: (n, 4, 4) Y_i, for whoever checks the proof.
     """
 
     bound: float
@@ -51,6 +52,7 @@ class Certificate:
     inequality: Float[ndarray, " k"]
     equality: Float[ndarray, " m"]
     residual: float
+    matrices: Float[ndarray, "links 4 4"]
 
 
 @dataclass(frozen=True)
@@ -90,12 +92,7 @@ def most_interior(coordinates: Coordinates, inequality: Rows, equality: Rows) ->
     rows = [inequality.matrix @ x - inequality.bound >= margin] if len(inequality) else []
     equal = [equality.matrix @ x == equality.bound] if len(equality) else []
     problem = cp.Problem(cp.Maximize(margin), [*links, *rows, *equal, margin <= 1.0])
-    try:
-        problem.solve(solver="CLARABEL")
-    except cp.SolverError as error:
-        raise SolverFailed("no most interior point", (f"clarabel: {error}",)) from error
-    if problem.status not in SOLVED or x.value is None:
-        raise SolverFailed("no most interior point", (f"clarabel: {problem.status}",))
+    _solve(problem)
     found = np.asarray(x.value)
     slack = inequality.matrix @ found - inequality.bound
     eigenvalues = np.linalg.eigvalsh(coordinates.relative_inertias(found))
@@ -113,6 +110,21 @@ def most_interior(coordinates: Coordinates, inequality: Rows, equality: Rows) ->
     )
 
 
+def _solve(problem: cp.Problem) -> None:
+    """By an interior-point method, else by a first-order one, which hardly ever stops early."""
+    attempts = []
+    for solver in ("CLARABEL", "SCS"):
+        try:
+            problem.solve(solver=solver)
+        except cp.SolverError as error:
+            attempts.append(f"{solver.lower()}: {error}")
+            continue
+        if problem.status in SOLVED:
+            return
+        attempts.append(f"{solver.lower()}: {problem.status}")
+    raise SolverFailed("no most interior point", tuple(attempts))
+
+
 def _certificate(
     duals: Float[ndarray, "links 4 4"],
     prices: Float[ndarray, " k"],
@@ -127,7 +139,9 @@ def _certificate(
     if total <= TAKES_PART:
         # The cap of the margin is all that binds: every demand can be exceeded by one.
         none = np.zeros(len(equality))
-        return Certificate(1.0, np.zeros(len(links)), np.zeros(len(prices)), none, 0.0)
+        return Certificate(
+            1.0, np.zeros(len(links)), np.zeros(len(prices)), none, 0.0, np.zeros_like(links)
+        )
     links, prices = links / total, prices / total
     combined = np.zeros(coordinates.size)
     combined[: ENTRIES * coordinates.links] = adjoint(links)
@@ -141,4 +155,5 @@ def _certificate(
         inequality=prices,
         equality=price,
         residual=float(np.linalg.norm(left)),
+        matrices=links,
     )

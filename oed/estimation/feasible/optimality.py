@@ -47,9 +47,14 @@ class Optimality:
     decrement: float
     gap: float
 
+    @property
+    def suboptimality(self) -> float:
+        """Bound on how far the objective is above its optimum, relative to it."""
+        return self.decrement + self.gap
+
     def holds(self, tolerance: float = TOLERANCE) -> bool:
         """Whether the point is feasible and optimal to a relative tolerance."""
-        return self.primal <= FEASIBLE_TO and self.decrement + self.gap <= tolerance
+        return self.primal <= FEASIBLE_TO and self.suboptimality <= tolerance
 
 
 def check_optimality(

@@ -5,12 +5,15 @@ import time
 
 import numpy as np
 import pytest
+from scipy.linalg import null_space
 
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.models import build_model
+from oed.dynamics.motion import Motion
 from oed.estimation.feasible import solve
 from oed.estimation.feasible.barrier_solver import solve_barrier
 from oed.estimation.feasible.conic_solver import solve_conic
+from oed.estimation.feasible.data_factor import DataFactor
 from oed.estimation.feasible.estimate import estimate_feasible
 from oed.estimation.feasible.feasible_set import FeasibleSet, MassRegion
 from oed.estimation.feasible.interior import SolverFailed
@@ -175,10 +178,10 @@ def test_a_solver_that_fails_is_reported_and_the_next_is_tried(monkeypatch):
     problem = arm_problem()
     broken = dataclasses.replace(problem, margin=problem.margin)
 
-    def fail(problem):
+    def fail(problem, solver, at=None):
         raise SolverFailed("no solution", ("clarabel: made to fail",))
 
-    monkeypatch.setitem(solve._SOLVERS, "clarabel", fail)
+    monkeypatch.setattr(solve, "solve_conic", fail)
     solution = solve_problem(broken)
     assert solution.solver == "barrier"
     assert solution.attempts[0] == "clarabel: made to fail"
@@ -211,6 +214,80 @@ def test_a_tree_of_thirty_links_takes_less_than_twenty_seconds():
     estimate = estimate_feasible(model, data, regularisation=Regularisation(1e-4))
     assert time.process_time() - start < 20.0
     assert estimate.relative_margins.min() >= estimate.problem.margin * (1 - 1e-6)
+
+
+def poor_problem(weight):
+    """A motion too small to tell its masses: they are hundreds of times those of the reference."""
+    rng = np.random.default_rng(16)
+    model = small_model()
+    motion = Motion(np.arange(60.0), *(0.02 * rng.standard_normal((3, 60, 3))))
+    regressor = model.regressor(motion)
+    torque = rng.standard_normal((60, 3))
+    data = DataFactor.of(regressor, torque, np.full(3, 0.01))
+    return build_problem(
+        model,
+        data,
+        FeasibleSet.of(model),
+        neutral_bodies(model.robot),
+        Regularisation(weight),
+    )
+
+
+@pytest.mark.parametrize("weight", [1e-8, 1e-6, 1e-4])
+def test_data_that_hardly_tell_the_masses_are_solved_all_the_same(weight):
+    problem = poor_problem(weight)
+    conic, barrier = (solve_problem(problem, (name,)) for name in ("clarabel", "barrier"))
+    assert conic.is_accurate
+    assert barrier.is_accurate
+    assert conic.objective == pytest.approx(barrier.objective, rel=1e-7)
+    if weight < 1e-7:
+        assert problem.coordinates.relative_inertias(conic.x).max() > 100
+
+
+def test_there_is_an_estimate_with_the_accuracy_that_it_reached():
+    problem = arm_problem()
+    best = solve_problem(problem)
+    asked_too_much = solve_problem(problem, tolerance=0.0)
+    assert not asked_too_much.is_accurate
+    assert "where 0e+00 was asked for" in asked_too_much.accuracy
+    assert "all demands are met" in asked_too_much.accuracy
+    # What it says of itself holds against the other solver's optimum.
+    reached = asked_too_much.optimality.suboptimality
+    assert 0 < reached < 1e-6
+    lowest = min(best.objective, problem.objective(solve_barrier(problem).x))
+    assert asked_too_much.objective <= lowest * (1 + reached + 1e-9)
+    assert len(asked_too_much.attempts) == 3
+
+
+def test_a_point_outside_is_drawn_inside_and_says_so(monkeypatch):
+    problem = arm_problem(total_mass=6.0)
+    outside = solve_conic(problem)
+    wrong = dataclasses.replace(outside, x=outside.x * (1 + 1e-3))
+    monkeypatch.setattr(solve, "solve_conic", lambda problem, solver, at=None: wrong)
+    found = solve_problem(problem, ("clarabel",))
+    assert found.optimality.primal <= 1e-9
+    assert problem.link_margins(found.x).min() >= problem.margin * (1 - 1e-5)
+    assert not found.is_accurate
+    assert found.objective > solve_problem(problem, ("barrier",)).objective
+
+
+def test_a_certificate_is_checked_by_its_eigenvalues():
+    problem = arm_problem(total_mass=3.0, known_masses={1: 2.0, 2: 1.5})
+    with pytest.raises(ContradictoryDemands) as caught:
+        solve_problem(problem)
+    proof = caught.value.certificate
+    assert np.linalg.eigvalsh(proof.matrices).min() >= -1e-12
+    assert proof.inequality.min(initial=0.0) >= 0
+    # For points that obey the equalities the weighted demands add up to the bound: below zero.
+    free = null_space(problem.equality.matrix)
+    some = np.linalg.lstsq(problem.equality.matrix, problem.equality.bound, rcond=None)[0]
+    rng = np.random.default_rng(17)
+    for _ in range(5):
+        x = some + free @ rng.standard_normal(free.shape[1])
+        inertias = problem.coordinates.relative_inertias(x)
+        weighted = np.sum(proof.matrices * inertias) + proof.inequality @ problem.slack(x)
+        assert weighted == pytest.approx(proof.bound, abs=1e-5)
+    assert proof.bound < 0
 
 
 def test_barrier_needs_a_strict_interior():
