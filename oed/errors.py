@@ -10,13 +10,28 @@ from collections.abc import Callable
 
 from numpy import ndarray
 
+LONGEST_MESSAGE = 1500  # letters: a dozen lines of a terminal, which is what anybody reads
+
 
 class OedError(Exception):
     """Base class of all outcomes that this package reports as errors."""
 
+    def __str__(self) -> str:
+        """The message in one line of bounded length."""
+        return one_line(super().__str__())
+
     def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
         """As it is, evidence and all, whatever its making asks for: a process may pass it on."""
         return _remade, (type(self), self.args, self.__dict__)
+
+
+def one_line(message: object) -> str:
+    """A message without line breaks, its middle left out where it is longer than one reads."""
+    text = " ".join(str(message).split())
+    if len(text) <= LONGEST_MESSAGE:
+        return text
+    start, end = 2 * LONGEST_MESSAGE // 3, LONGEST_MESSAGE // 3
+    return f"{text[:start]} … ({len(text) - start - end} letters left out) … {text[-end:]}"
 
 
 def _remade(

@@ -20,7 +20,7 @@ from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
-from oed.robot import arm_joints, load_robot
+from oed.robot import load_arm
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS
 from studies.interrupt import leave
 from studies.whole_numbers import from_zero
@@ -80,15 +80,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows = run(config)
     config.out.mkdir(parents=True, exist_ok=True)
     write(rows, config)
-    sys.stdout.write(text_table(rows, columns=[c for c in rows[0] if c != "note"], digits=2) + "\n")
+    # What was replaced comes before what was found of it.
     for row in rows:
         if row.get("note"):
             sys.stdout.write(f"{row['robot']}: {row['note']}\n")
+    columns = dict.fromkeys(name for row in rows for name in row if name != "note")
+    sys.stdout.write(text_table(rows, columns=list(columns), digits=2) + "\n")
     return 0 if all(row.get("agrees") for row in rows) else 1
 
 
 def _row(source: str, config: Config) -> Row:
-    robot = load_robot(source, joints=arm_joints(source))
+    robot = load_arm(source)
     check = cross_check(robot, states=config.states, seed=config.seed)
     torque, energy = (rigid_body_base_parameters(robot, route=r) for r in ("torque", "energy"))
     as_written = (torque.singular_values > 1e-8 * torque.singular_values[0]).sum()
@@ -103,7 +105,7 @@ def _row(source: str, config: Config) -> Row:
         "base_torque": len(torque),
         "base_energy": len(energy),
         "as_written": int(as_written),
-        "note": torque.note,
+        "note": "; ".join(filter(None, (*robot.notes, torque.note))),
     }
 
 

@@ -50,7 +50,7 @@ from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
 from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.study_files import DESIGN
 from oed.report.style import save_figure
-from oed.robot import Robot, arm_joints, load_robot
+from oed.robot import Robot, load_arm
 from studies.design_summary import summary
 from studies.interrupt import BAD_INPUT, NO_USABLE_RESULT, leave
 
@@ -143,7 +143,7 @@ class Result:
 def run(config: Config) -> Result:
     """Design a motion."""
     robot, assumed = with_default_limits(_robot(config))
-    notes = [*assumed, *([ROTORS] if config.model == "standard" else [])]
+    notes = [*robot.notes, *assumed, *([ROTORS] if config.model == "standard" else [])]
     rng = np.random.default_rng(config.seed)
     surroundings, unchecked = _surroundings(robot, config)
     room = None
@@ -209,7 +209,7 @@ def _check_information(design: Design) -> None:
 def _robot(config: Config) -> Robot:
     if config.data:
         return read_dataset(config.data, joints=config.joints or None).robot
-    return load_robot(config.robot, joints=config.joints or arm_joints(config.robot))
+    return load_arm(config.robot, joints=config.joints)
 
 
 def _surroundings(robot: Robot, config: Config) -> tuple[Surroundings | None, str]:

@@ -18,7 +18,7 @@ ORDER = (
     "export",
     "commands",
 )
-SHARED_BY_ALL = ("errors",)
+SHARED_BY_ALL = ("errors", "input_file")
 # Within the diagnosis the same holds; its settings serve all, and diagnosis.py stands above.
 DIAGNOSIS_ORDER = (
     "data",

@@ -141,7 +141,7 @@ def _nominal(model: TorqueModel, *, enabled: bool) -> _Nominal:
             "the arm cannot hold itself within its effort limits at mid-range: motions that need "
             f"too much torque are brought towards the posture {posture}"
         )
-    return _Nominal(nominal, stand.posture, (*notes, *_replaced(robot)))
+    return _Nominal(nominal, stand.posture, tuple(notes))
 
 
 def _check_room(problem: DesignProblem) -> None:
@@ -165,10 +165,3 @@ def _check_mass(robot: Robot) -> None:
                 f"{robot.source}: {fault.text}, so torque cannot be held against effort limits; "
                 "correct the file, or design without torque limits (--no-torque)"
             )
-
-
-def _replaced(robot: Robot) -> tuple[str, ...]:
-    return tuple(
-        f"{fault.text}; a ball of the same mass was taken in its place"
-        for fault in robot.inertia_faults
-    )

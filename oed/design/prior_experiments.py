@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -12,6 +12,12 @@ from numpy import ndarray
 
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass
+from oed.errors import one_line
+from oed.input_file import UnreadableFile, read_json
+
+# A design has hundreds and five; beyond these, what is kept of every instant fills the memory.
+MOST_INSTANTS = 100_000
+MOST_HARMONICS = 200
 
 
 def prior_information(
@@ -32,25 +38,32 @@ def prior_information(
 def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base base"]:
     robot = problem.model.robot
     try:
-        record = json.loads(file.read_text(encoding="utf-8"))
+        record = _object(read_json(file))
         joints, name, count = record["joints"], record["class"], int(record["instants"])
         horizon = float(record["horizon"])
         given = {key: np.array(x, dtype=float) for key, x in record["coefficients"].items()}
-    except OSError as error:
-        raise ValueError(f"{file}: cannot be read: {error.strerror}") from error
-    except json.JSONDecodeError as error:
-        raise ValueError(f"{file}: not JSON: {error}") from error
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise ValueError(f"{file}: not a design file: {error!r}") from error
+    except FileNotFoundError as error:
+        raise ValueError(f"{file}: no such file") from error
+    except UnreadableFile as error:
+        raise ValueError(str(error)) from error
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"{file}: not a design file: {one_line(repr(error))}") from error
     if name != FourierClass.name:
-        raise ValueError(f"{file}: a motion of class {name!r}, not {FourierClass.name!r}")
+        what = one_line(repr(name))
+        raise ValueError(f"{file}: a motion of class {what}, not {FourierClass.name!r}")
     if joints != list(robot.joint_names):
-        raise ValueError(f"{file}: it moves {joints}, not {list(robot.joint_names)}")
-    if not (0 < horizon < np.inf and count > 0):
-        raise ValueError(f"{file}: {horizon=} and {count} instants: both must be positive")
+        what = one_line(repr(joints))
+        raise ValueError(f"{file}: it moves {what}, not {list(robot.joint_names)}")
+    if not (0 < horizon < np.inf and 0 < count <= MOST_INSTANTS):
+        raise ValueError(
+            f"{file}: {horizon=} and {count} instants: both must be positive, and the instants at "
+            f"most {MOST_INSTANTS}"
+        )
     parts = [given.get(part, np.empty(0)) for part in ("offset", "sine", "cosine")]
     shapes = [part.shape for part in parts]
     harmonics = shapes[1][1] if parts[1].ndim == 2 else 0
+    if harmonics > MOST_HARMONICS:
+        raise ValueError(f"{file}: {harmonics} harmonics are more than {MOST_HARMONICS}")
     if shapes != [(robot.n,), (robot.n, harmonics), (robot.n, harmonics)] or not harmonics:
         raise ValueError(
             f"{file}: offset, sine and cosine have shapes {shapes}, "
@@ -62,3 +75,9 @@ def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base 
         raise ValueError(f"{file}: a coefficient is not a finite number")
     series = FourierClass(horizon, problem.limits, harmonics)
     return problem.fast.information(series.motion(z, series.instants(count)))
+
+
+def _object(value: object) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise TypeError(f"it holds {type(value).__name__}, not an object")
+    return value

@@ -20,8 +20,8 @@ from pydrake.systems.framework import DiagramBuilder
 
 from oed.design.meshes import ReadableUrdf, with_readable_meshes
 from oed.errors import RobotError
-from oed.robot import Robot
-from oed.robot.robot_file import warnings_off, weld_free_bodies
+from oed.robot import Robot, described
+from oed.robot.robot_file import add_shapes, warnings_off, weld_free_bodies
 
 # What a URDF is read without, until Drake can read it, and the note on that.
 LESS_AND_LESS = (
@@ -71,15 +71,15 @@ def load_scene(robot: Robot) -> Scene:
     Raises:
         RobotError: If the robot did not come from a file, or the file cannot be read even so.
     """
-    source = Path(robot.source)
-    if robot.source.startswith("builtin:") or not source.is_file():
+    file = robot.description
+    if file is None:
         raise RobotError(f"{robot.name} does not come from a file: it has no geometry")
     with warnings_off():
-        if source.suffix.lower() != ".urdf":
-            return _parse(robot, source, None, "")
-        readable = _readable_file(source.resolve(), source.stat().st_mtime_ns)
+        if file.format != "urdf":
+            return _parse(robot, None, None, "")
+        readable = _readable_file(file.path.resolve(), file.text)
         missing = _missing_note(readable.urdf.missing)
-        edited = readable.folder / source.name
+        edited = readable.folder / f"{file.path.stem}.urdf"
         refused = RobotError(f"{robot.source}: no geometry")
         # A colour that Drake refuses should cost the picture, not the check for collisions.
         for left_out, note in LESS_AND_LESS:
@@ -104,22 +104,24 @@ class _Readable:
 
 
 @lru_cache(maxsize=1)
-def _readable_file(source: Path, _: int) -> _Readable:
-    """Converted once for the check and the picture; anew where the file's time has changed."""
+def _readable_file(source: Path, text: str) -> _Readable:
+    """Converted once for the check and the picture."""
     folder = Path(tempfile.mkdtemp(prefix="oed-meshes-"))
     try:
-        text = source.read_text(encoding="utf-8")
         return _Readable(with_readable_meshes(text, source, folder), folder)
-    except (ElementTree.ParseError, UnicodeDecodeError) as error:
+    except ElementTree.ParseError as error:
         shutil.rmtree(folder, ignore_errors=True)
         raise RobotError(f"{source}: no geometry: {error}") from error
 
 
-def _parse(robot: Robot, file: Path, readable: _Readable | None, note: str) -> Scene:
+def _parse(robot: Robot, edited: Path | None, readable: _Readable | None, note: str) -> Scene:
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     try:
-        Parser(plant).AddModels(file)
+        if edited is None:
+            add_shapes(Parser(plant), described(robot))
+        else:
+            Parser(plant).AddModels(edited)
     except (RuntimeError, ValueError) as error:
         raise RobotError(f"{robot.source}: no geometry: {error}") from error
     weld_free_bodies(plant)

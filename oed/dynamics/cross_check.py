@@ -22,8 +22,8 @@ from oed.dynamics.effects import RigidBody
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.newton_euler import rigid_body_regressor, rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
-from oed.robot import Robot
-from oed.robot.pinocchio_pose import held_displacement
+from oed.robot import Robot, described
+from oed.robot.pinocchio_pose import held_displacement, pinocchio_model
 from oed.robot.robot_file import load_plant
 
 AGREEMENT = 1e-10  # of the largest torque: a thousand times what rounding explains
@@ -66,15 +66,16 @@ def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck
     """Compare the inverse dynamics of a robot's bodies with Drake's at random states.
 
     Args:
-        robot: Loaded from a file that Drake can parse, with the file's inertial parameters, or
-            a built-in one, of which Drake is given the bodies and joints.
+        robot: With the inertial parameters of its file, in which impossible ones were replaced
+            for all three programs alike; or a built-in one, of which Drake is given the bodies
+            and joints.
         states: Number of states.
         seed: Of the random states.
     """
     motion = random_motion(robot, states, np.random.default_rng(seed))
-    is_builtin = robot.source.startswith("builtin:")
-    reference = drake_torque(robot, motion) if is_builtin else file_torque(robot, motion)
-    is_urdf = robot.source.lower().endswith(".urdf")
+    file = robot.description
+    reference = drake_torque(robot, motion) if file is None else file_torque(robot, motion)
+    is_urdf = file is not None and file.format == "urdf"
     largest = np.abs(reference).max()
 
     def disagreement(torque: Float[ndarray, "samples joints"]) -> float:
@@ -96,7 +97,7 @@ def file_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"
 
     Rotor inertias that the file states are left out: a robot here is its bodies alone.
     """
-    plant = load_plant(robot.source)
+    plant = load_plant(described(robot))
     plant.mutable_gravity_field().set_gravity_vector(robot.gravity)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
     context = plant.CreateDefaultContext()
     joints = [plant.GetJointByName(name) for name in robot.joint_names]
@@ -113,7 +114,7 @@ def file_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"
 
 def pinocchio_torque(robot: Robot, motion: Motion) -> Float[ndarray, "samples joints"]:
     """Torque by Pinocchio of the robot's own URDF, other joints where they are held."""
-    model = pinocchio.buildModelFromUrdf(robot.source)
+    model = pinocchio_model(described(robot))
     model.gravity.linear = robot.gravity
     data = model.createData()
     order = [model.joints[model.getJointId(name)].idx_v for name in robot.joint_names]

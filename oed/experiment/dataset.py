@@ -117,9 +117,9 @@ class DataSet:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is doubtful about the recordings' numbers, to be shown to the user."""
+        """What is doubtful about the robot's file and the recordings' numbers, for the user."""
         of_each = tuple(note for recording in self.recordings for note in recording.notes)
-        return of_each + missing_notes(self.recordings)
+        return self.robot.notes + of_each + missing_notes(self.recordings)
 
     def _with_role(self, role: Role) -> tuple[Recording, ...]:
         return tuple(recording for recording in self.recordings if recording.role == role)

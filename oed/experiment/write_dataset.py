@@ -19,8 +19,6 @@ from oed.experiment.recording import Recording
 from oed.experiment.recording_file import write_columns
 from oed.robot import Robot, load_robot
 
-BUILTIN = "builtin:"
-
 
 def write_dataset(
     dataset: DataSet,
@@ -30,7 +28,8 @@ def write_dataset(
 ) -> None:
     """Write a data set to a new folder: all of it, or nothing.
 
-    The robot is written as its source: the built-in's name, or a copy of its file.
+    The robot is written as its source: the built-in's name, or a copy of its file, which of xacro
+    and of a table of Denavit-Hartenberg parameters is the URDF that they become.
     Torques go back to currents where the drive has `current_to_torque`. Columns that the
     reader did not use are not in `dataset` and so are not written.
 
@@ -93,10 +92,14 @@ def _changed_limits(robot: Robot) -> dict[str, Float[ndarray, "joints 2"]]:
 
 
 def _write_robot(robot: Robot, folder: Path) -> str:
-    if robot.source.startswith(BUILTIN):
+    file = robot.description
+    if file is None:
         return robot.source
-    name = f"robot{Path(robot.source).suffix}"
-    shutil.copyfile(robot.source, folder / name)
+    name = f"robot{file.path.suffix}" if file.is_as_written else f"robot.{file.format}"
+    if file.is_as_written:
+        shutil.copyfile(file.path, folder / name)
+    else:
+        (folder / name).write_text(file.text, encoding="utf-8")
     return name
 
 

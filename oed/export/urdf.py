@@ -8,9 +8,12 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from oed.export.calibrated_robot import CalibratedRobot, link_inertial
 from oed.export.xml_text import number, numbers, roll_pitch_yaw, write_xml
+from oed.robot.description import RobotDescription
+from oed.robot.xml_tree import parse_xml
 
 DRAKE = "https://drake.mit.edu/"
 # Drake reads no actuator, and so no rotor inertia, where a joint may not push at all.
@@ -22,7 +25,7 @@ def write_urdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
 
     A robot that came from a URDF file keeps all else that is in it: visuals, collision geometry,
     limits. What was merged into a link when it was identified loses its own inertial,
-    and joints that were held become fixed where they were held at zero.
+    and joints that were held become fixed where they were held.
 
     Args:
         calibrated: To write.
@@ -32,25 +35,26 @@ def write_urdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
         The path.
     """
     path = Path(path)
-    source = Path(calibrated.robot.source)
-    is_urdf = source.suffix.lower() == ".urdf" and source.is_file()
+    file = calibrated.robot.description
     ElementTree.register_namespace("drake", DRAKE)
-    root = _edited(calibrated, source, path.parent) if is_urdf else _generated(calibrated)
+    if file is not None and file.format == "urdf":
+        root = _edited(calibrated, file, path.parent)
+    else:
+        root = _generated(calibrated)
     _set_joints(calibrated, root)
     write_xml(path, root)
     return path
 
 
-def _edited(calibrated: CalibratedRobot, source: Path, folder: Path) -> ElementTree.Element:
+def _edited(
+    calibrated: CalibratedRobot, file: RobotDescription, folder: Path
+) -> ElementTree.Element:
     robot = calibrated.robot
-    # The file is the robot that the user loaded: no stranger wrote it.
-    builder = ElementTree.TreeBuilder(insert_comments=True)
-    parser = ElementTree.XMLParser(target=builder)  # noqa: S314
-    root = ElementTree.parse(source, parser).getroot()  # noqa: S314
+    root = parse_xml(file.text.encode(), str(file.path)).root
     column = {joint.name: i for i, joint in enumerate(robot.joints)}
-    for joint in root.iter("joint"):
-        if joint.get("name") in robot.locked:
-            joint.set("type", "fixed")
+    for joint in root.findall("joint"):
+        if joint.get("name") in robot.held:
+            _fix(joint, robot.held[joint.get("name", "")])
     links = {link.get("name"): link for link in root.findall("link")}
     for name, carrier in _carriers(root, column).items():
         if carrier is None:
@@ -60,8 +64,33 @@ def _edited(calibrated: CalibratedRobot, source: Path, folder: Path) -> ElementT
         if name == robot.joints[carrier].link:
             _add_inertial(links[name], calibrated, carrier, in_source_link=True)
     for mesh in root.iter("mesh"):
-        _keep_reachable(mesh, source.parent, folder)
+        _keep_reachable(mesh, file.path.parent, folder)
     return root
+
+
+def _fix(joint: ElementTree.Element, position: float) -> None:
+    """Make a joint fixed at a position [rad or m]: its origin takes the motion up to there."""
+    axis = joint.find("axis")
+    words = "1 0 0" if axis is None else axis.get("xyz", "1 0 0")
+    direction = np.array([float(word) for word in words.split()])
+    direction /= np.linalg.norm(direction)
+    origin = joint.find("origin")
+    if position and origin is None:
+        origin = ElementTree.SubElement(joint, "origin")
+    if position and origin is not None:
+        xyz, rpy = (
+            np.array([float(word) for word in origin.get(key, "0 0 0").split()])
+            for key in ("xyz", "rpy")
+        )
+        turned = Rotation.from_euler("xyz", rpy)  # about fixed axes
+        if joint.get("type") == "prismatic":
+            origin.set("xyz", numbers(xyz + turned.apply(position * direction)))
+        else:
+            turn = Rotation.from_rotvec(position * direction)
+            origin.set("rpy", roll_pitch_yaw((turned * turn).as_matrix()))
+    joint.set("type", "fixed")
+    for mimic in joint.findall("mimic"):
+        joint.remove(mimic)
 
 
 def _carriers(root: ElementTree.Element, column: Mapping[str, int]) -> dict[str, int | None]:

@@ -9,7 +9,7 @@ from oed.robot.inertia import (
     transform_parameters,
 )
 from oed.robot.limits import JointLimits
-from oed.robot.load import arm_joints, load_robot
+from oed.robot.load import arm_joints, described, load_arm, load_robot
 from oed.robot.robot import Joint, Robot
 
 __all__ = [
@@ -20,7 +20,9 @@ __all__ = [
     "JointLimits",
     "Robot",
     "arm_joints",
+    "described",
     "imi_scara",
+    "load_arm",
     "load_robot",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia",

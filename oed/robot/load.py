@@ -1,7 +1,8 @@
-"""Robots from URDF, SDF and MJCF: kinematics, inertia and limits, nothing else."""
+"""Robots from files of any format: kinematics, inertia and limits, nothing else."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -10,14 +11,17 @@ from jaxtyping import Float
 from numpy import ndarray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint as DrakeJoint
+from pydrake.multibody.tree import WeldJoint
 
 from oed.errors import RobotError
+from oed.robot.arm_chain import ArmChain, find_arm
 from oed.robot.builtin import BUILTIN_ROBOTS
+from oed.robot.description import RobotDescription
 from oed.robot.limits import JointLimits
 from oed.robot.merged_tree import MergedTree
+from oed.robot.mimics import Mimic, held_position
 from oed.robot.robot import Robot
-from oed.robot.robot_file import is_movable, joints_of, load_plant, outward_names
-from oed.robot.urdf_file import UrdfFacts, read_urdf
+from oed.robot.robot_file import is_movable, joints_of, open_robot, outward_names
 
 EARTH_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 
@@ -32,76 +36,128 @@ def load_robot(
     """Load a fixed-base arm.
 
     Args:
-        source: Path of a URDF, SDF or MJCF file, or "builtin:NAME".
+        source: Path of a URDF, xacro, SDF or MJCF file or of a table of Denavit-Hartenberg
+            parameters (see `read_description`), or "builtin:NAME".
         joints: Names of the active joints in the order of the columns; if None all revolute
             and prismatic joints that do not mimic another, from the base outward. The others
             are held still.
-        locked: Position [rad or m] at which a joint is held; 0 if not given.
+        locked: Position [rad or m] at which a joint is held; 0 if not given, or where its leader
+            has it if it mimics another.
         gravity: In the base frame [m/s^2].
 
+    Returns:
+        The robot; its `notes` say what was replaced, fixed or assumed, and its `description` is
+        what any other program must be given.
+
     Raises:
-        RobotError: If the file cannot be read, contradicts itself, or lacks a joint that was
-            named, or if such a joint mimics another or is mimicked.
+        RobotError: If the file cannot be read, contradicts itself, or lacks a joint that was named.
     """
     if str(source).startswith("builtin:"):
         return _builtin(str(source), joints, np.asarray(gravity, dtype=float))
-    facts = read_urdf(Path(source))  # first: what it refuses would make Drake give up
-    plant = load_plant(source)
+    description, plant = open_robot(source)
+    return _of_plant(description, plant, joints, locked or {}, np.asarray(gravity, dtype=float))
+
+
+def load_arm(
+    source: str | Path,
+    *,
+    joints: Sequence[str] = (),
+    gravity: Sequence[float] = EARTH_GRAVITY,
+) -> Robot:
+    """Load the named joints, or where none is named the arm proper.
+
+    Of several arms in one file the longest is taken, the first of equals; the robot's notes say
+    so and name the joints of the others.
+
+    Args:
+        source: As of `load_robot`.
+        joints: Names of the active joints; the arm proper if empty.
+        gravity: In the base frame [m/s^2].
+    """
+    if joints or str(source).startswith("builtin:"):
+        return load_robot(source, joints=tuple(joints) or None, gravity=gravity)
+    description, plant = open_robot(source)
+    arm = _arm(description, plant)
+    robot = _of_plant(description, plant, arm.names, {}, np.asarray(gravity, dtype=float))
+    return dataclasses.replace(robot, notes=(*arm.notes, *robot.notes))
+
+
+def arm_joints(source: str | Path) -> tuple[str, ...]:
+    """Names of the joints of the arm proper, from the base to where a hand branches off."""
+    if str(source).startswith("builtin:"):
+        return load_robot(source).joint_names
+    return _arm(*open_robot(source)).names
+
+
+def described(robot: Robot) -> RobotDescription:
+    """What other programs must be given of a robot.
+
+    Raises:
+        RobotError: If it is a built-in one, which has no file.
+    """
+    if robot.description is None:
+        raise RobotError(f"{robot.source or robot.name} does not come from a file")
+    return robot.description
+
+
+def _arm(description: RobotDescription, plant: MultibodyPlant) -> ArmChain:
+    # Fingers that mimic one another fork like others.
+    names = outward_names(plant)
+    _check_any(description, names)
+    tree = _tree(description, plant, names, {})
+    return find_arm(names, [joint.parent for joint in tree.joints])
+
+
+def _of_plant(
+    description: RobotDescription,
+    plant: MultibodyPlant,
+    joints: Sequence[str] | None,
+    locked: Mapping[str, float],
+    gravity: Float[ndarray, "3"],
+) -> Robot:
+    where, mimics = str(description.path), description.mimics
     movable = {joint.name(): joint for joint in joints_of(plant) if is_movable(joint)}
     names = (
         tuple(joints)
         if joints is not None
-        else tuple(name for name in outward_names(plant) if name not in facts.mimics)
+        else tuple(name for name in outward_names(plant) if name not in mimics)
     )
-    if not names:
-        raise RobotError(f"{source}: no revolute or prismatic joint to identify")
-    _check_names(str(source), names, movable)
-    if joints is not None:
-        _check_mimics(str(source), names, facts.mimics, movable)
-    held = _check_locked(str(source), locked or {}, names, movable)
-    tree = MergedTree(plant, names, held)
+    _check_any(description, names)
+    _check_names(where, names, movable)
+    held = _held(where, locked, names, movable, mimics)
+    tree = _tree(description, plant, names, held)
+    _check_loops(description, tree)
+    faults = tuple(f for link, f in description.faults.items() if link in tree.carried)
     return Robot(
-        name=Path(source).stem,
+        name=description.path.stem,
         joints=tree.joints,
         parameters=tree.parameters,
-        gravity=np.asarray(gravity, dtype=float),
-        limits=_limits(plant, [movable[name] for name in names], facts),
-        source=str(source),
+        gravity=gravity,
+        limits=_limits(plant, [movable[name] for name in names], description.effort),
+        source=str(description.source),
         locked=tuple(held),
         locked_at=tuple(held.values()),
-        inertia_faults=tuple(f for link, f in facts.faults.items() if link in tree.carried),
+        inertia_faults=faults,
+        description=description,
+        notes=(
+            *description.notes,
+            *(fault.replacement for fault in faults),
+            *_mimic_notes(names, held, mimics),
+            *_free_notes(where, plant, tree),
+        ),
     )
 
 
-def arm_joints(source: str | Path) -> tuple[str, ...]:
-    """Names of the joints of the arm proper, from the base to where a hand branches off.
-
-    At a fork the walk follows the side with the most moving joints; it ends where that
-    side moves two joints or fewer beyond the fork (the fingers of a gripper), or at a tie.
-    """
-    if str(source).startswith("builtin:"):
-        return load_robot(source).joint_names
-    plant = load_plant(source)
-    names = outward_names(plant)  # fingers that mimic one another fork like others
-    tree = MergedTree(plant, names, held={})
-    children = {
-        i: [c for c in range(len(names)) if tree.joints[c].parent == i]
-        for i in range(-1, len(names))
-    }
-
-    def moving(joint: int) -> int:
-        return 1 + sum(moving(child) for child in children[joint])
-
-    arm: list[int] = []
-    ahead = children[-1]
-    while ahead:
-        ahead = sorted(ahead, key=moving, reverse=True)
-        is_fork = len(ahead) > 1
-        if is_fork and arm and (moving(ahead[0]) <= 2 or moving(ahead[0]) == moving(ahead[1])):
-            break
-        arm.append(ahead[0])
-        ahead = children[ahead[0]]
-    return tuple(names[i] for i in arm)
+def _tree(
+    description: RobotDescription,
+    plant: MultibodyPlant,
+    names: Sequence[str],
+    held: Mapping[str, float],
+) -> MergedTree:
+    try:
+        return MergedTree(plant, names, held)
+    except (RobotError, RuntimeError) as error:  # such as two models' joints of one name
+        raise RobotError(f"{description.path}: {error}") from error
 
 
 def _builtin(source: str, joints: Sequence[str] | None, gravity: Float[ndarray, "3"]) -> Robot:
@@ -114,50 +170,96 @@ def _builtin(source: str, joints: Sequence[str] | None, gravity: Float[ndarray, 
     return robot.with_gravity(gravity)
 
 
-def _check_names(source: str, names: Sequence[str], movable: Mapping[str, DrakeJoint]) -> None:
+def _check_any(description: RobotDescription, names: Sequence[str]) -> None:
+    if not names:
+        raise RobotError(f"{description.path}: no revolute or prismatic joint to identify")
+
+
+def _check_names(where: str, names: Sequence[str], movable: Mapping[str, DrakeJoint]) -> None:
     for name in names:
         if name not in movable:
-            raise RobotError(f"{source}: no joint {name!r}; its joints are {sorted(movable)}")
+            raise RobotError(f"{where}: no joint {name!r}; its joints are {sorted(movable)}")
     if len(set(names)) != len(names):
-        raise RobotError(f"{source}: a joint is named twice in {tuple(names)}")
+        raise RobotError(f"{where}: a joint is named twice in {tuple(names)}")
 
 
-def _check_mimics(
-    source: str,
-    names: Sequence[str],
-    mimics: Mapping[str, str],
-    movable: Mapping[str, DrakeJoint],
-) -> None:
-    """Joints that move together have no place in the model: neither may be active."""
-    for follower, leader in mimics.items():
-        if follower in names or (leader in names and follower in movable):
-            raise RobotError(
-                f"{source}: joint {follower!r} mimics {leader!r}, and joints that move together "
-                f"are not modelled: leave out {follower!r} and {leader!r}, or make {follower!r} "
-                "`fixed` in the file if what it moves weighs little"
-            )
-
-
-def _check_locked(
-    source: str,
+def _held(
+    where: str,
     locked: Mapping[str, float],
     names: Sequence[str],
     movable: Mapping[str, DrakeJoint],
+    mimics: Mapping[str, Mimic],
 ) -> dict[str, float]:
+    """Where each joint that is not active stands [rad or m]."""
     for name in locked:
         if name in names or name not in movable:
-            raise RobotError(f"{source}: cannot lock {name!r}: it is active or does not exist")
-    return {name: float(locked.get(name, 0.0)) for name in movable if name not in names}
+            raise RobotError(f"{where}: cannot lock {name!r}: it is active or does not exist")
+    return {name: held_position(name, mimics, locked) for name in movable if name not in names}
 
 
-def _limits(plant: MultibodyPlant, joints: Sequence[DrakeJoint], facts: UrdfFacts) -> JointLimits:
+def _mimic_notes(
+    names: Sequence[str], held: Mapping[str, float], mimics: Mapping[str, Mimic]
+) -> tuple[str, ...]:
+    """On followers that do not do as the file says."""
+    notes = []
+    for follower, mimic in mimics.items():
+        if follower in names:
+            notes.append(
+                f"joint {follower!r} mimics {mimic.leader!r} in the file: it was named, and is "
+                "taken as a joint of its own"
+            )
+        elif mimic.leader in names and follower in held:
+            notes.append(
+                f"joint {follower!r} mimics {mimic.leader!r}: it is held at {held[follower]:g}, "
+                f"and what it carries moves with {mimic.leader!r} only where that carries it"
+            )
+    return tuple(notes)
+
+
+def _free_notes(where: str, plant: MultibodyPlant, tree: MergedTree) -> tuple[str, ...]:
+    """On joints of other kinds, which are held where the file has them if nothing moves them."""
+    notes = []
+    for joint in joints_of(plant):
+        if is_movable(joint) or isinstance(joint, WeldJoint):
+            continue
+        if joint.parent_body().name() in tree.carried:
+            raise RobotError(
+                f"{where}: joint {joint.name()!r} is {joint.type_name()} and hangs from a joint "
+                "that moves: only revolute and prismatic ones can be modelled inside a chain; make "
+                "it fixed, or remove what it carries"
+            )
+        notes.append(f"joint {joint.name()!r} is {joint.type_name()}: it is held still")
+    return tuple(notes)
+
+
+def _check_loops(description: RobotDescription, tree: MergedTree) -> None:
+    """Bodies that are tied to each other must not move against each other."""
+    for first, second in description.loops:
+        if _carrier(description, tree, first) != _carrier(description, tree, second):
+            raise RobotError(
+                f"{description.path}: bodies {first!r} and {second!r} are tied to each other: that "
+                "is a closed loop, and only open chains can be modelled; choose joints that do not "
+                "move them against each other, or remove the tie"
+            )
+
+
+def _carrier(description: RobotDescription, tree: MergedTree, body: str) -> int:
+    try:
+        return tree.carrier(body)
+    except RobotError as error:
+        raise RobotError(f"{description.path}: a tie of two bodies: {error}") from error
+
+
+def _limits(
+    plant: MultibodyPlant, joints: Sequence[DrakeJoint], stated: Mapping[str, float]
+) -> JointLimits:
     def bounds(lower: str, upper: str) -> np.ndarray:
         return np.array([[getattr(j, lower)()[0], getattr(j, upper)()[0]] for j in joints])
 
     # Drake keeps a URDF's effort limits only where a transmission is declared.
     actuators = [plant.get_joint_actuator(i) for i in plant.GetJointActuatorIndices()]
     effort = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
-    effort |= facts.effort
+    effort |= stated
     largest = np.array([effort.get(joint.name(), np.inf) for joint in joints])
     # A file that leaves a limit out often writes 0, which would forbid all motion.
     largest[largest == 0.0] = np.inf

@@ -58,6 +58,18 @@ class MergedTree:
         self.joints = tuple(found[i] for i in range(len(names)))
         self.parameters = self._merge_inertia(len(names))
 
+    def carrier(self, body: str) -> int:
+        """Column of the active joint that carries a body; -1 of one that stands still.
+
+        Raises:
+            RobotError: If there is no such body.
+        """
+        if body in ("", "world"):
+            return -1
+        if not self._plant.HasBodyNamed(body):
+            raise RobotError(f"there is no body {body!r}")
+        return self._carrier[int(self._plant.GetBodyByName(body).index())][0]
+
     def _place(self, joint: DrakeJoint, found: dict[int, Joint]) -> None:
         parent, X_CP = self._carrier[int(joint.parent_body().index())]
         X_CF = X_CP @ joint.frame_on_parent().GetFixedPoseInBodyFrame()

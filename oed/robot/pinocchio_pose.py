@@ -1,4 +1,4 @@
-"""Where a robot's held joints are, as Pinocchio counts joints."""
+"""A robot's file in Pinocchio, and where its held joints are as Pinocchio counts joints."""
 
 from __future__ import annotations
 
@@ -7,7 +7,21 @@ import pinocchio
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.errors import RobotError
+from oed.robot.description import RobotDescription
 from oed.robot.robot import Robot
+
+
+def pinocchio_model(description: RobotDescription) -> pinocchio.Model:
+    """Pinocchio's model of a URDF.
+
+    Raises:
+        RobotError: If Pinocchio cannot read what Drake can.
+    """
+    try:
+        return pinocchio.buildModelFromXML(description.text)
+    except (ValueError, RuntimeError) as error:
+        raise RobotError(f"{description.path}: Pinocchio cannot read this file: {error}") from error
 
 
 def held_displacement(model: pinocchio.Model, robot: Robot) -> Float[ndarray, " velocities"]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
@@ -11,8 +11,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.robot.description import RobotDescription
 from oed.robot.inertia import PARAMETER_SYMBOLS, PARAMETER_UNITS
 from oed.robot.limits import JointLimits
+from oed.robot.possible_inertia import InertiaFault
 
 # Radius at which a turning drive's velocity is that of a slide: pinions, pulleys and the leads of
 # fast screws lie within a factor of a few.
@@ -66,21 +68,6 @@ class Joint:
 
 
 @dataclass(frozen=True)
-class InertiaFault:
-    """A link whose inertia in the robot's file is that of no body.
-
-    Attributes:
-        link: Its name.
-        text: What is wrong, in one line.
-        has_mass: Whether at least its mass is positive.
-    """
-
-    link: str
-    text: str
-    has_mass: bool
-
-
-@dataclass(frozen=True)
 class Robot:
     """A robot as the dynamics see it.
 
@@ -95,6 +82,8 @@ class Robot:
         locked: Names of the joints of the source that are held still.
         locked_at: Where each of them is held [rad or m]; all at 0 if empty.
         inertia_faults: Of moving links in the source; `parameters` hold others in their place.
+        description: The file as it was read, for other programs; None of a built-in robot.
+        notes: What was replaced, fixed or assumed when the file was read, for the user.
     """
 
     name: str
@@ -106,6 +95,8 @@ class Robot:
     locked: tuple[str, ...] = ()
     locked_at: tuple[float, ...] = ()
     inertia_faults: tuple[InertiaFault, ...] = ()
+    description: RobotDescription | None = field(default=None, repr=False)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.parameters) != 10 * self.n:

@@ -1,4 +1,4 @@
-"""Robot files read by Drake's own Parser into a plant.
+"""A robot's description read by Drake's own Parser into a plant.
 
 A plant without a scene graph leaves meshes unread, so missing ones stop nobody; only of MJCF are
 they read, and left out where they cannot be.
@@ -6,7 +6,9 @@ they read, and left out where they cannot be.
 
 from __future__ import annotations
 
+import dataclasses
 import logging
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,48 +19,93 @@ from pydrake.multibody.tree import BodyIndex, PrismaticJoint, RevoluteJoint, Rig
 from pydrake.multibody.tree import Joint as DrakeJoint
 
 from oed.errors import RobotError
+from oed.robot.description import RobotDescription, read_description
 from oed.robot.mjcf_file import without_meshes
+from oed.robot.xml_tree import parse_xml
 
-SUFFIXES = (".urdf", ".sdf", ".xml", ".mjcf")
+FILE_TYPES = {"urdf": "urdf", "sdf": "sdf", "mjcf": "xml"}  # as Drake calls them
+# Where Drake found a fault in a text that is no file.
+PLACE = re.compile(r"<literal-string>\.\w+:(\d+): (error: )?(ERROR: )?")
 
 
-def load_plant(source: str | Path) -> MultibodyPlant:
-    """Parse a file into a finalized continuous plant whose base is welded to the world."""
-    path = Path(source)
-    if not path.is_file():
-        raise RobotError(f"{path}: no such robot file; give a URDF, SDF or MJCF file")
-    if path.suffix.lower() not in SUFFIXES:
-        raise RobotError(f"{path}: unknown kind of robot file; expected one of {SUFFIXES}")
+def open_robot(source: str | Path) -> tuple[RobotDescription, MultibodyPlant]:
+    """Open a robot's file as one that Drake can read.
+
+    Returns:
+        The description, without meshes where these cannot be read, and a plant of it.
+
+    Raises:
+        RobotError: In one line that names the file.
+    """
+    description = read_description(source)
     try:
-        plant = _parsed(path, None)
+        return description, load_plant(description)
     except RobotError:
-        text = without_meshes(path)
-        if text is None:
+        if description.format != "mjcf":
             raise
-        plant = _parsed(path, text)
-    weld_free_bodies(plant)
-    plant.Finalize()
-    return plant
+        tree = parse_xml(description.text.encode(), str(description.path))
+        if tree.root.find("asset/mesh") is None:
+            raise
+        lost = without_meshes(tree.root)
+        note = f"meshes cannot be read, so that bodies have no inertia: {', '.join(lost[:5])}"
+        bare = dataclasses.replace(
+            description,
+            text=tree.text(),
+            notes=(*description.notes, *((note,) if lost else ())),
+        )
+        return bare, load_plant(bare)
 
 
-def _parsed(path: Path, text: str | None) -> MultibodyPlant:
-    """The plant of a file, or of the text in its place."""
+def load_plant(source: str | Path | RobotDescription) -> MultibodyPlant:
+    """Parse a robot into a finalized continuous plant whose base is welded to the world.
+
+    Raises:
+        RobotError: In one line that names the file.
+    """
+    if not isinstance(source, RobotDescription):
+        return open_robot(source)[1]
     plant = MultibodyPlant(time_step=0.0)
     with warnings_off():
         try:
-            if text is None:
-                Parser(plant).AddModels(path)
-            else:
-                Parser(plant).AddModelsFromString(text, "xml")
-        except RuntimeError as error:
-            raise RobotError(f"{path}: Drake cannot read this file: {error}") from error
+            _add_models(plant, source)
+            weld_free_bodies(plant)
+            plant.Finalize()
+        except (RuntimeError, ValueError) as error:
+            raise RobotError(
+                f"{source.path}: Drake cannot read this file: {_told(error)}"
+            ) from error
         except SystemExit as error:  # Drake's failed assertions
             condition = str(error).partition("condition ")[2] or str(error)
             raise RobotError(
-                f"{path}: Drake cannot read this file: {condition} Look for a lower limit above "
-                "its upper one, or a mass that is not positive"
+                f"{source.path}: Drake cannot read this file: {condition} Look for a lower limit "
+                "above its upper one, or a mass that is not positive"
             ) from error
     return plant
+
+
+def _add_models(plant: MultibodyPlant, description: RobotDescription) -> None:
+    parser = Parser(plant)
+    # What an SDF includes is found from where it lies.
+    if description.format == "sdf" and "<include" in description.text:
+        parser.AddModels(description.path)
+    else:
+        parser.AddModelsFromString(description.text, FILE_TYPES[description.format])
+
+
+def add_shapes(parser: Parser, description: RobotDescription) -> None:
+    """Let a parser that has a scene graph read a robot with its shapes."""
+    # Meshes that an SDF names are found from where it lies.
+    if description.format == "sdf":
+        parser.AddModels(description.path)
+    else:
+        parser.AddModelsFromString(description.text, FILE_TYPES[description.format])
+
+
+def _told(error: Exception) -> str:
+    text = PLACE.sub(r"line \1: ", str(error))
+    if "form one or more loops" in text:
+        return "its joints form a closed loop, and only open chains can be modelled; cut the loop"
+    return text
 
 
 @contextmanager

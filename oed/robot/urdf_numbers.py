@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -23,12 +22,12 @@ LINK_NUMBERS: dict[str, dict[str, int]] = {
 }
 
 
-def check_numbers(root: ElementTree.Element, path: Path) -> None:
+def check_numbers(root: ElementTree.Element, where: str) -> None:
     """Refuse attributes of joints and inertias that are not as many numbers as they must be.
 
     Args:
         root: Of the URDF.
-        path: For the message.
+        where: Name of the file, for the message.
 
     Raises:
         RobotError: Naming the joint or link, the element, its attribute and what is there.
@@ -39,7 +38,7 @@ def check_numbers(root: ElementTree.Element, path: Path) -> None:
                 if not _holds(text, count):
                     what = "a number" if count == 1 else f"{count} numbers"
                     raise RobotError(
-                        f"{path}: {kind} {owner.get('name', '')!r}: {key}={text!r} of "
+                        f"{where}: {kind} {owner.get('name', '')!r}: {key}={text!r} of "
                         f"<{element.rpartition('/')[2]}> is not {what}{_advice(text)}"
                     )
 
@@ -65,8 +64,6 @@ def _holds(text: str, count: int) -> bool:
 
 
 def _advice(text: str) -> str:
-    if "${" in text or "$(" in text:
-        return "; this is xacro: expand it with `xacro robot.urdf.xacro > robot.urdf`"
     if "," in text:
         return "; write numbers with a decimal point, and spaces between them"
     return ""

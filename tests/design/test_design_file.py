@@ -99,11 +99,14 @@ def refused(content: str, folder: Path) -> str:
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"absent\.json: cannot be read: No such file"):
+    with pytest.raises(ValueError, match=r"absent\.json: no such file"):
         prior_information([tmp_path / "absent.json"], next_problem())
 
 
-@pytest.mark.parametrize("content", ["", "{", "no design", '{"joints": [1,}'])
+@pytest.mark.parametrize(
+    "content",
+    ["", "{", "no design", '{"joints": [1,}', "[" * 200_000, '{"horizon": Infinity}', "1e999"],
+)
 def test_a_file_that_is_not_json_is_refused(content: str, tmp_path: Path) -> None:
     assert "not JSON" in refused(content, tmp_path)
 
@@ -111,6 +114,29 @@ def test_a_file_that_is_not_json_is_refused(content: str, tmp_path: Path) -> Non
 @pytest.mark.parametrize("content", ["[]", "3", '"text"', "null", "{}", '{"joints": ["a"]}'])
 def test_json_that_is_no_design_is_refused(content: str, tmp_path: Path) -> None:
     assert "not a design file" in refused(content, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "why"),
+    [
+        ("instants", 10**9, "instants at most"),
+        ("instants", -1, "must be positive"),
+        ("joints", ["joint"] * 1_000_000, "letters left out"),
+        ("class", "x" * 1_000_000, "letters left out"),
+        (
+            "coefficients",
+            {"offset": [0, 0], "sine": [[0] * 999] * 2, "cosine": []},
+            "999 harmonics",
+        ),
+    ],
+)
+def test_a_design_beyond_all_bounds_is_refused(
+    key: str, value: object, why: str, tmp_path: Path
+) -> None:
+    _, file = earlier(tmp_path)
+    message = refused(json.dumps(json.loads(file.read_text()) | {key: value}), tmp_path)
+    assert why in message
+    assert len(message) < 4000
 
 
 def test_another_robots_motion_is_refused(tmp_path: Path) -> None:

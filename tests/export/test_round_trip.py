@@ -18,7 +18,7 @@ from oed.export.round_trip import (
 from oed.export.sdf import write_sdf
 from oed.export.simulation_plant import build_simulation, build_simulation_plant
 from oed.export.urdf import write_urdf
-from oed.robot import load_robot
+from oed.robot import arm_joints, load_robot
 from oed.robot.robot_file import load_plant
 from tests.estimation.feasible.cases import random_body, random_tree, true_parameters
 from tests.paths import example_robot
@@ -52,6 +52,23 @@ def test_drake_computes_the_same_torques(tmp_path, name, kind):
     calibrated, motion, _, _ = identified(robot)
     path = WRITERS[name](calibrated, tmp_path / name)
     assert require_round_trip(calibrated, path, motion) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("file", "held"),
+    [
+        (PANDA, {"panda_joint4": -1.2, "panda_joint2": 0.4}),
+        ("tiago_description/robots/tiago.urdf", {"torso_lift_joint": 0.2, "arm_3_joint": 0.9}),
+    ],
+)
+def test_joints_that_were_held_are_fixed_where_they_were(tmp_path, file, held):
+    path = example_robot(file)
+    joints = [name for name in arm_joints(path) if name not in held]
+    robot = load_robot(path, joints=joints, locked=held)
+    calibrated, motion, _, _ = identified(robot)
+    written = write_urdf(calibrated, tmp_path / "robot.urdf")
+    assert require_round_trip(calibrated, written, motion) < 1e-9
+    assert set(arm_joints(written)) == set(joints)
 
 
 @pytest.mark.parametrize("name", ["robot.urdf", "robot.xml"])

@@ -64,9 +64,50 @@ def test_what_else_is_wrong_is_still_said(tmp_path: Path) -> None:
         load_robot(path)
 
 
-def test_a_missing_mesh_is_named_where_the_file_includes_another(tmp_path: Path) -> None:
-    path = arm(tmp_path, '<mesh name="part" file="absent.stl"/>')
-    path.write_text(path.read_text().replace("<asset>", '<include file="other.xml"/><asset>'))
-    (tmp_path / "other.xml").write_text("<mujocoinclude/>")
-    with pytest.raises(RobotError, match=r"absent\.stl"):
+def test_what_is_included_is_taken_in(tmp_path: Path) -> None:
+    path = arm(tmp_path, "", geom="")
+    whole = load_robot(path)
+    text = path.read_text()
+    start, end = text.index("<worldbody>"), text.index("</worldbody>") + len("</worldbody>")
+    (tmp_path / "body.xml").write_text(f"<mujocoinclude>{text[start:end]}</mujocoinclude>")
+    path.write_text(text[:start] + '<include file="body.xml"/>' + text[end:])
+    assert np.array_equal(load_robot(path).parameters, whole.parameters)
+
+
+def test_files_that_include_one_another_are_refused(tmp_path: Path) -> None:
+    path = arm(tmp_path, "", geom="")
+    path.write_text(path.read_text().replace("<worldbody>", '<include file="arm.xml"/><worldbody>'))
+    with pytest.raises(RobotError, match=r"arm\.xml: files include one another by 'arm\.xml'"):
         load_robot(path)
+
+
+def test_a_body_whose_inertia_is_that_of_a_missing_mesh_is_told_of(tmp_path: Path) -> None:
+    path = arm(tmp_path, '<mesh name="part" file="absent.stl"/>')
+    (note,) = load_robot(path).notes
+    assert note == "meshes cannot be read, so that bodies have no inertia: base"
+
+
+TIE = '<equality><connect body1="fore" body2="base" anchor="0 0 0"/></equality>'
+
+
+def test_bodies_tied_to_each_other_are_a_closed_loop(tmp_path: Path) -> None:
+    path = arm(tmp_path, "", geom="")
+    path.write_text(path.read_text().replace("<actuator>", TIE + "<actuator>"))
+    with pytest.raises(RobotError, match=r"arm\.xml: bodies 'fore' and 'base' are tied"):
+        load_robot(path)
+
+
+def test_a_tie_of_what_does_not_move_against_each_other_is_none(tmp_path: Path) -> None:
+    path = arm(tmp_path, "", geom="")
+    text = path.read_text().replace("<actuator>", TIE.replace('"base"', '"upper"') + "<actuator>")
+    path.write_text(text)
+    assert load_robot(path, joints=["lift"]).joint_names == ("lift",)
+
+
+def test_an_impossible_inertia_is_replaced_here_too(tmp_path: Path) -> None:
+    path = arm(tmp_path, "", geom="")
+    path.write_text(path.read_text().replace("0.02 0.03 0.04", "0.02 0.03 0.4"))
+    robot = load_robot(path)
+    assert "'upper': no body has principal moments of inertia 0.02, 0.03, 0.4" in robot.notes[0]
+    radius = np.cbrt(3 * 2 / (4 * np.pi * 1000))
+    assert robot.parameters[4] == pytest.approx(0.4 * 2 * radius**2 + 2 * 0.02**2)  # Ixx, Steiner

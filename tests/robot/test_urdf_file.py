@@ -3,8 +3,10 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from oed.dynamics.cross_check import cross_check
 from oed.errors import RobotError
 from oed.robot import arm_joints, load_robot
 from tests.experiment.tiny_dataset import urdf_text
@@ -69,10 +71,44 @@ def test_a_joint_that_mimics_another_is_held_like_one_that_was_not_named(tmp_pat
     assert robot.locked == ("joint_3",)
 
 
-@pytest.mark.parametrize("joints", [["joint_1", "joint_2", "joint_3"], ["joint_1"], ["joint_3"]])
-def test_joints_that_move_together_are_refused(tmp_path: Path, joints: list[str]) -> None:
-    with pytest.raises(RobotError, match="joint 'joint_3' mimics 'joint_1'"):
-        load_robot(mimicking(tmp_path, "joint_3"), joints=joints)
+def test_a_follower_of_an_active_joint_is_held_and_told_of(tmp_path: Path) -> None:
+    robot = load_robot(mimicking(tmp_path, "joint_3"), joints=["joint_1", "joint_2"])
+    assert robot.held == {"joint_3": 0.0}
+    (note,) = robot.notes
+    assert "joint 'joint_3' mimics 'joint_1': it is held at 0, and what it carries" in note
+
+
+def test_a_follower_that_is_named_is_a_joint_of_its_own(tmp_path: Path) -> None:
+    names = ("joint_1", "joint_2", "joint_3")
+    robot = load_robot(mimicking(tmp_path, "joint_3"), joints=names)
+    assert robot.joint_names == names
+    assert "taken as a joint of its own" in robot.notes[0]
+
+
+def test_a_follower_stands_where_its_leader_puts_it(tmp_path: Path) -> None:
+    path = mimicking(tmp_path, "joint_3")
+    path.write_text(path.read_text().replace('multiplier="-1"', 'multiplier="-2" offset="0.1"'))
+    robot = load_robot(path, joints=["joint_2"], locked={"joint_1": 0.3})
+    assert robot.held == {"joint_1": 0.3, "joint_3": pytest.approx(0.1 - 2 * 0.3)}
+    assert robot.notes == ()
+
+
+@pytest.mark.parametrize("leader", ["joint_3", "joint_2"])
+def test_joints_that_mimic_in_a_circle_are_refused(tmp_path: Path, leader: str) -> None:
+    path = mimicking(tmp_path, "joint_3")
+    text = path.read_text().replace('mimic joint="joint_1"', f'mimic joint="{leader}"')
+    head = '<joint name="joint_2" type="revolute">'
+    path.write_text(text.replace(head, f'{head}<mimic joint="joint_3"/>'))
+    with pytest.raises(RobotError, match=r"arm\.urdf: joint 'joint_\d' mimics itself"):
+        load_robot(path)
+
+
+def test_who_mimics_nobody_is_a_joint_of_its_own(tmp_path: Path) -> None:
+    path = mimicking(tmp_path, "joint_3")
+    path.write_text(path.read_text().replace('mimic joint="joint_1"', 'mimic joint="absent"'))
+    robot = load_robot(path)
+    assert robot.joint_names == ("joint_1", "joint_2", "joint_3")
+    assert "mimics 'absent', which the file does not have" in robot.notes[0]
 
 
 def test_the_arm_of_a_robot_whose_fingers_mimic_is_as_before() -> None:
@@ -83,8 +119,6 @@ def test_the_arm_of_a_robot_whose_fingers_mimic_is_as_before() -> None:
         "panda_finger_joint1",
         "panda_finger_joint2",
     }
-    with pytest.raises(RobotError, match="'panda_finger_joint2' mimics"):
-        load_robot(path, joints=["panda_joint1", "panda_finger_joint2"])
 
 
 @pytest.mark.parametrize(
@@ -104,6 +138,12 @@ def test_an_inertia_of_no_body_is_told_of_and_loads(
     assert fault.link == "link_1"
     assert why in fault.text
     assert fault.has_mass == has_mass
+    assert robot.notes == (fault.replacement,)
+    assert cross_check(robot, states=20).agrees  # Drake and Pinocchio, on the file as replaced
+    # A ball of water: 0.4 m r^2, its volume 4/3 pi r^3 being m / 1000 kg/m^3; at the origin.
+    ball = 0.4 * (3 / (4 * np.pi * 1000)) ** (2 / 3)
+    expected = [1.0, 0, 0, 0, ball, 0, 0, ball, 0, ball] if has_mass else [0.0] * 10
+    assert robot.parameters[:10] == pytest.approx(expected)
 
 
 def test_what_does_not_move_or_has_no_inertia_at_all_is_no_fault(tmp_path: Path) -> None:

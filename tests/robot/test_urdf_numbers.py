@@ -31,7 +31,6 @@ def arm(folder: Path, old: str, new: str) -> Path:
         (ORIGIN, 'xyz="0.3,0,0"', "xyz='0.3,0,0' of <origin> is not 3 numbers; write numbers with"),
         (ORIGIN, 'xyz="0.3 0"', "xyz='0.3 0' of <origin> is not 3 numbers"),
         (ORIGIN, 'xyz="nan 0 0"', "xyz='nan 0 0' of <origin> is not 3 numbers"),
-        (ORIGIN, 'xyz="${l_1} 0 0"', "of <origin> is not 3 numbers; this is xacro: expand it with"),
         ('upper="3"', 'upper="inf"', "upper='inf' of <limit> is not a number"),
         ('velocity="4"', 'velocity="2,2"', "velocity='2,2' of <limit> is not a number"),
         ('axis xyz="0 0 1"', 'axis xyz="z"', "xyz='z' of <axis> is not 3 numbers"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pinocchio
@@ -12,8 +11,8 @@ from numpy import ndarray
 
 from oed.errors import RobotError
 from oed.estimation.feasible.feasible_set import MassRegion
-from oed.robot import Robot
-from oed.robot.pinocchio_pose import held_displacement
+from oed.robot import Robot, described
+from oed.robot.pinocchio_pose import held_displacement, pinocchio_model
 
 # Covers and cables stick out of a collision shape by about this much.
 CLEARANCE = 0.01  # [m]
@@ -34,15 +33,15 @@ def collision_regions(robot: Robot, *, clearance: float = CLEARANCE) -> tuple[Ma
     Raises:
         RobotError: If the robot came from no URDF file, or its shapes cannot be read.
     """
-    path = Path(robot.source)
-    if path.suffix.lower() != ".urdf" or not path.is_file():
+    file = described(robot)
+    if file.format != "urdf":
         raise RobotError(f"{robot.source!r}: collision geometry is read from a URDF file")
-    model = pinocchio.buildModelFromUrdf(str(path))
+    path, model = file.path, pinocchio_model(file)
     # package://NAME/ is a folder of that name above the file.
     folders = [str(folder) for folder in itertools.islice(path.resolve().parents, PACKAGE_DEPTH)]
     try:
-        shapes = pinocchio.buildGeomFromUrdf(
-            model, str(path), pinocchio.GeometryType.COLLISION, package_dirs=folders
+        shapes = pinocchio.buildGeomFromUrdfString(
+            model, file.text, pinocchio.GeometryType.COLLISION, package_dirs=folders
         )
     except (ValueError, RuntimeError) as error:
         raise RobotError(f"{path}: its shapes cannot be read: {error}") from error

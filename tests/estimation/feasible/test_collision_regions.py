@@ -70,5 +70,5 @@ def test_the_makers_bodies_lie_inside_their_meshes():
 
 
 def test_refuses_a_robot_without_a_file():
-    with pytest.raises(RobotError, match="URDF"):
+    with pytest.raises(RobotError, match="does not come from a file"):
         collision_regions(small_model().robot)

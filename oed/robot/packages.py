@@ -1,0 +1,56 @@
+"""Where a ROS package lies: in a workspace that is set up, or around the file that names it.
+
+Standard library alone: the reader of xacro runs this in a process of its own.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+
+def find_package(name: str, near: Path) -> Path | None:
+    """The folder of a package.
+
+    Looked for in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, then among the folders above `near` and
+    those beside them: one that is called after the package, or whose package.xml gives its name.
+
+    Args:
+        name: Of the package.
+        near: The file that names it.
+
+    Returns:
+        None where it is not found.
+    """
+    if not re.fullmatch(r"[A-Za-z0-9_.-]+", name) or name in (".", ".."):
+        return None
+    for folder in _candidates(name, near):
+        if folder.is_dir() and (folder.name == name or package_name(folder) == name):
+            return folder
+    return None
+
+
+def package_name(folder: Path) -> str | None:
+    """The name in a folder's package.xml; None where there is none."""
+    description = folder / "package.xml"
+    if not description.is_file():
+        return None
+    found = re.search(r"<name>\s*([^<\s]+)\s*</name>", description.read_text(errors="replace"))
+    return found.group(1) if found else None
+
+
+def _candidates(name: str, near: Path) -> Iterator[Path]:
+    for root in _listed("ROS_PACKAGE_PATH"):
+        yield root / name
+        yield root
+    for prefix in _listed("AMENT_PREFIX_PATH"):
+        yield prefix / "share" / name
+    for folder in near.resolve().parents:
+        yield folder / name
+        yield folder
+
+
+def _listed(variable: str) -> list[Path]:
+    return [Path(part) for part in os.environ.get(variable, "").split(os.pathsep) if part]
