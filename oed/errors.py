@@ -90,3 +90,8 @@ class DataSetError(OedError):
         self.file = file
         self.row = row
         self.column = column
+        self.message = message
+
+    def with_column(self, column: str) -> DataSetError:
+        """This error about a column of another name."""
+        return DataSetError(self.message, file=self.file, row=self.row, column=column)

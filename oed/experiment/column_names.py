@@ -1,4 +1,4 @@
-"""Which columns a recording's file must and may have."""
+"""Which columns of a log are which quantity."""
 
 from __future__ import annotations
 
@@ -6,17 +6,28 @@ import re
 from dataclasses import dataclass
 
 from oed.errors import DataSetError
+from oed.experiment.log_format import REPETITION, TEMPERATURE, TIME, LogFormat
+from oed.experiment.logs.table import Log, Table
 from oed.experiment.toml_table import nearest
+from oed.experiment.units import JOINT_QUANTITIES
+from oed.robot import Robot
 
-NUMBERED = re.compile(r"(q|dq|ddq|tau|temperature)_(\d+)")
+NUMBERED = re.compile(r"(q|dq|ddq|tau)_(\d+)")
+SENSOR = re.compile(r"temperature_(\d+)")
 REQUIRED = ("q", "tau")
-OPTIONAL = ("dq", "ddq")
+MOST_SHOWN = 12  # names of columns in a message
 
 
 @dataclass(frozen=True)
 class ColumnNames:
-    """The columns found, by field of `Recording`, each in the order of the joints."""
+    """The columns found in one table, by field of `Recording`, each in the order of the joints.
 
+    Attributes:
+        table: That holds them.
+        fields: Names by quantity; "t" is not among them where the rows have a rate.
+    """
+
+    table: Table
     fields: dict[str, tuple[str, ...]]
 
     @property
@@ -24,33 +35,26 @@ class ColumnNames:
         """Every column found."""
         return tuple(name for names in self.fields.values() for name in names)
 
+    def logged_as(self, column: str) -> str:
+        """The log's name for a column such as "q_2"."""
+        quantity, _, number = column.rpartition("_")
+        names = self.fields.get(quantity or number, ())
+        index = int(number) - 1 if quantity and number.isdigit() else 0
+        return names[index] if index < len(names) else column
 
-def find_columns(header: tuple[str, ...], joints: int, file: str) -> ColumnNames:
-    """Assign a file's columns to the fields of a recording of `joints` joints.
+
+def find_columns(log: Log, robot: Robot, log_format: LogFormat) -> ColumnNames:
+    """Assign the columns of a log to the fields of a recording.
 
     Raises:
         DataSetError: If a column is missing, or there are columns for another number of joints.
     """
-    _check_joint_count(header, joints, file)
-    fields: dict[str, tuple[str, ...]] = {"t": ("t",)}
-    for quantity in REQUIRED:
-        fields[quantity] = joint_columns(quantity, joints)
-    for quantity in OPTIONAL:
-        if any(name.startswith(f"{quantity}_") and NUMBERED.fullmatch(name) for name in header):
-            fields[quantity] = joint_columns(quantity, joints)
-    if "repetition" in header:
-        fields["repetition"] = ("repetition",)
-    sensors = sum(bool(re.fullmatch(r"temperature_\d+", name)) for name in header)
-    if sensors:
-        fields["temperature"] = joint_columns("temperature", sensors)
-    found = ColumnNames(fields)
-    for name in found.all:
-        if name not in header:
-            others = [other for other in header if other not in found.all]
-            hint = f"; {nearest(name, others)}" if others else ""
-            message = f"missing; the header must name it{hint}"
-            raise DataSetError(message, file=file, row=1, column=name)
-    return found
+    found = [ColumnNames(table, _fields(table, robot, log_format)) for table in log.tables]
+    missing = [[name for name in one.all if name not in one.table.columns] for one in found]
+    best = min(range(len(found)), key=lambda i: len(missing[i]))
+    if missing[best]:
+        raise _missing(found[best], missing[best][0], log_format)
+    return found[best]
 
 
 def joint_columns(quantity: str, joints: int) -> tuple[str, ...]:
@@ -58,18 +62,78 @@ def joint_columns(quantity: str, joints: int) -> tuple[str, ...]:
     return tuple(f"{quantity}_{i + 1}" for i in range(joints))
 
 
-def _check_joint_count(header: tuple[str, ...], joints: int, file: str) -> None:
-    for name in header:
+def _fields(table: Table, robot: Robot, log_format: LogFormat) -> dict[str, tuple[str, ...]]:
+    stated = log_format.columns
+    if not stated:
+        _check_joint_count(table, robot)
+    fields: dict[str, tuple[str, ...]] = {}
+    if log_format.rate is None:
+        fields[TIME] = stated.get(TIME, (TIME,))
+    for quantity in JOINT_QUANTITIES:
+        usual = _usual_names(table, quantity, robot)
+        if quantity in stated:
+            fields[quantity] = _elements(table, stated[quantity], robot)
+        elif quantity in REQUIRED or (not stated and any(name in table.columns for name in usual)):
+            fields[quantity] = usual
+    if REPETITION in stated or (not stated and REPETITION in table.columns):
+        fields[REPETITION] = stated.get(REPETITION, (REPETITION,))
+    sensors = sum(bool(SENSOR.fullmatch(name)) for name in table.columns)
+    if TEMPERATURE in stated or (not stated and sensors):
+        fields[TEMPERATURE] = stated.get(TEMPERATURE) or joint_columns(TEMPERATURE, sensors)
+    return fields
+
+
+def _usual_names(table: Table, quantity: str, robot: Robot) -> tuple[str, ...]:
+    """Columns q_1 … q_n, or named by joint, as in q_shoulder, where there is one such."""
+    numbered = joint_columns(quantity, robot.n)
+    named = tuple(f"{quantity}_{joint}" for joint in robot.joint_names)
+    is_numbered = any(name in table.columns for name in numbered)
+    return named if not is_numbered and any(name in table.columns for name in named) else numbered
+
+
+def _elements(table: Table, names: tuple[str, ...], robot: Robot) -> tuple[str, ...]:
+    """The names as they are, or the n elements of the one column of lists that is named."""
+    name, *more = names
+    if more or name in table.columns:
+        return names
+    elements = table.elements(name)
+    if elements and len(elements) != robot.n:
+        message = f"holds lists of {len(elements)}, for {robot.n} joints; name its elements instead"
+        raise DataSetError(message, file=table.file, column=name)
+    return elements or names
+
+
+def _missing(found: ColumnNames, name: str, log_format: LogFormat) -> DataSetError:
+    table = found.table
+    others = [other for other in table.columns if other not in found.all]
+    if not log_format.columns and all(column.isdigit() for column in table.columns):
+        message = (
+            "holds numbers and no names of columns; add a header line such as "
+            "t,q_1,q_2,tau_1,tau_2 above them, or name columns by number in [columns] of "
+            "dataset.toml, such as t = 1, q = [2, 3]"
+        )
+        return DataSetError(message, file=table.file, row=table.first_row)
+    hint = f"; {nearest(name, others[:MOST_SHOWN])}" if others else ""
+    close = nearest(name, others) if others else ""
+    if close.startswith("did you mean"):
+        hint = f"; {close.partition('?')[0]}?"
+    who = "[columns] of dataset.toml names it" if log_format.columns else "the header must name it"
+    message = f"missing; {who}{hint}"
+    return DataSetError(message, file=table.file, row=table.header_row, column=name)
+
+
+def _check_joint_count(table: Table, robot: Robot) -> None:
+    for name in table.columns:
         match = NUMBERED.fullmatch(name)
-        if match is None or match[1] == "temperature":
+        if match is None or match[2] in robot.joint_names:
             continue
         digits = match[2]
         if digits.startswith("0"):
             message = "columns are numbered 1, 2, … without leading zeros"
-            raise DataSetError(message, file=file, row=1, column=name)
-        if len(digits) > 6 or int(digits) > joints:
+            raise DataSetError(message, file=table.file, row=table.header_row, column=name)
+        if len(digits) > 6 or int(digits) > robot.n:
             message = (
                 f"this column is of joint {digits[:12]}, but `joints` in dataset.toml lists "
-                f"{joints}; name the missing joints there or remove the column"
+                f"{robot.n}; name the missing joints there or remove the column"
             )
-            raise DataSetError(message, file=file, row=1, column=name)
+            raise DataSetError(message, file=table.file, row=table.header_row, column=name)

@@ -141,6 +141,6 @@ class DataSet:
             raise OedError(
                 f"{self.name}: joint {joint!r} moves by no more than {travel:.2g} rad or m "
                 "in the estimation recordings, which tells nothing of its friction; record it "
-                "moving, or make it `fixed` in the robot's file where it stood, and leave it "
-                "out of `joints`"
+                "moving, or leave it out of `joints` and say in [fixed] of dataset.toml where "
+                "it stood"
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.errors import DataSetError
@@ -49,7 +49,7 @@ def torque_notes(
     tau: Float[ndarray, "samples joints"],
     robot: Robot,
     file: str,
-    first_row: int,
+    lines: Int[ndarray, " samples"],
     *,
     is_bare_current: bool,
 ) -> tuple[str, ...]:
@@ -59,7 +59,7 @@ def torque_notes(
         tau: (N, n) of all joints [N m or N].
         robot: With the limits that hold.
         file: For the message.
-        first_row: Line of the first sample.
+        lines: (N,) line of the file that each sample is of.
         is_bare_current: Whether these are currents without `current_to_torque`.
 
     Returns:
@@ -90,7 +90,7 @@ def torque_notes(
         if rms[j] >= IMPOSSIBLE_RMS * limit[j]:
             if is_few:
                 message = f"{beyond}: no torque, but a faulty value; repair the log"
-                raise DataSetError(message, file=file, row=row + first_row, column=f"tau_{j + 1}")
+                raise DataSetError(message, file=file, row=int(lines[row]), column=f"tau_{j + 1}")
             message = (
                 f"rms of {rms[j]:.4g} is {rms[j] / limit[j]:.3g} times {named}: {cause} Convert it, "
                 "or state [limits] torque in dataset.toml if the robot's file is wrong"
@@ -103,5 +103,5 @@ def torque_notes(
                 else "too many for outliers: the unit of tau or the limit in the robot's file is "
                 "wrong; state [limits] torque in dataset.toml if it is the limit"
             )
-            notes.append(f"{file}, row {row + first_row}, column 'tau_{j + 1}': {beyond}: {why}")
+            notes.append(f"{file}, row {lines[row]}, column 'tau_{j + 1}': {beyond}: {why}")
     return tuple(notes)

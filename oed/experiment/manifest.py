@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from oed.errors import DataSetError
 from oed.experiment.dataset import DRIVE_KEYS, TORQUE_KINDS, Drive, TorqueKind
+from oed.experiment.log_format import FORMAT_KEYS, LogFormat, read_log_format
 from oed.experiment.recording import ROLES, Role
 from oed.experiment.toml_table import LARGEST, TomlTable
 
@@ -28,28 +29,47 @@ TOP_KEYS = (
     "gravity",
     "torque",
 )
-RECORDING_KEYS = ("file", "role", "repetitions", "period")
-SUFFIXES = (".csv", ".parquet")
+RECORDING_KEYS = ("file", "name", "role", "repetitions", "period", "rows", "from", "to")
 
 
 @dataclass(frozen=True)
 class RecordingEntry:
-    """One [[recording]] table: its file, role, repetitions and period [s]."""
+    """One [[recording]] table.
+
+    Attributes:
+        file: The log, relative to the folder.
+        name: Of the recording.
+        role: What it may be used for.
+        repetitions: Whole periods of one motion that it holds.
+        period: Of that motion [s].
+        rows: First and last row of the log that belong to it, counted from 1; all if None.
+        span: From when to before when rows belong to it, since the log's first row [s].
+    """
 
     file: str
+    name: str
     role: Role
-    repetitions: int | None
-    period: float | None
+    repetitions: int | None = None
+    period: float | None = None
+    rows: tuple[int, int] | None = None
+    span: tuple[float, float] | None = None
 
-    @property
-    def name(self) -> str:
-        """The file's path without its suffix."""
-        return str(PurePosixPath(self.file).with_suffix(""))
+    def overlaps(self, other: RecordingEntry) -> bool:
+        """Whether rows of one log may be in both, as far as the entries tell."""
+        if self.rows and other.rows:
+            return self.rows[0] <= other.rows[1] and other.rows[0] <= self.rows[1]
+        if self.span and other.span:
+            return self.span[0] < other.span[1] and other.span[0] < self.span[1]
+        return True
 
 
 @dataclass(frozen=True)
 class Manifest:
-    """The content of `dataset.toml`; limits are (n, 2), gravity (3,) [m/s^2]."""
+    """The content of `dataset.toml`.
+
+    Limits are (n, 2), gravity (3,) [m/s^2], `fixed` the positions [rad or m] of joints that stood
+    still and are no columns, by name.
+    """
 
     name: str
     source: str
@@ -60,6 +80,8 @@ class Manifest:
     torque: TorqueKind
     limits: dict[str, Float[ndarray, "joints 2"]]
     drive: Drive
+    log: LogFormat
+    fixed: dict[str, float]
     recordings: tuple[RecordingEntry, ...]
 
 
@@ -70,8 +92,16 @@ def read_manifest(directory: Path) -> Manifest:
         DataSetError: At the first thing in it that the format does not allow.
     """
     path = directory / MANIFEST
-    table = TomlTable(_parse(path), path)
-    table.only(*TOP_KEYS, "limits", "drive", "recording")
+    return manifest_of(TomlTable(_parse(path), path))
+
+
+def manifest_of(table: TomlTable) -> Manifest:
+    """Check the content of a `dataset.toml`.
+
+    Raises:
+        DataSetError: At the first thing in it that the format does not allow.
+    """
+    table.only(*TOP_KEYS, *FORMAT_KEYS, "limits", "drive", "fixed", "recording")
     if table.integer("format") != FORMAT:
         table.fail("format", f"another version; this reader knows format = {FORMAT}")
     joints = table.names("joints")
@@ -85,6 +115,8 @@ def read_manifest(directory: Path) -> Manifest:
         torque=table.one_of("torque", TORQUE_KINDS),
         limits=_limits(table.child("limits"), len(joints)),
         drive=_drive(table.child("drive"), len(joints)),
+        log=read_log_format(table, len(joints)),
+        fixed=_fixed(table.child("fixed"), joints),
         recordings=_recordings(table),
     )
 
@@ -126,28 +158,82 @@ def _drive(table: TomlTable, n: int) -> Drive:
     return Drive(**given)
 
 
+def _fixed(table: TomlTable, joints: tuple[str, ...]) -> dict[str, float]:
+    for name in table.keys:
+        if name in joints:
+            table.fail(name, "is in `joints` too; a joint is recorded, or fixed")
+    return {name: table.number(name) for name in table.keys}
+
+
 def _recordings(table: TomlTable) -> tuple[RecordingEntry, ...]:
+    children = table.children("recording")
+    files = [child.text("file") for child in children]
     entries: list[RecordingEntry] = []
-    for child in table.children("recording"):
-        entry = _recording(child)
+    for child in children:
+        entry = _recording(child, is_alone=files.count(child.text("file")) == 1)
         for earlier in entries:
-            if PurePosixPath(earlier.file) == PurePosixPath(entry.file):
-                child.fail("file", f"{entry.file!r} is listed twice; list each recording once")
-            if earlier.name == entry.name:
-                child.fail("file", f"{entry.file!r} and {earlier.file!r} differ in suffix only")
+            _check_pair(child, earlier, entry)
         entries.append(entry)
     return tuple(entries)
 
 
-def _recording(table: TomlTable) -> RecordingEntry:
+def _check_pair(child: TomlTable, earlier: RecordingEntry, entry: RecordingEntry) -> None:
+    is_same = PurePosixPath(earlier.file) == PurePosixPath(entry.file)
+    if is_same and earlier.overlaps(entry):
+        message = (
+            f"{entry.file!r} is listed twice; list each recording once, or cut the log by `rows`, "
+            "or `from` and `to`, that do not overlap"
+        )
+        child.fail("file", message)
+    if earlier.name == entry.name:
+        if is_same or child.has("name"):
+            child.fail("name", f"{entry.name!r} is the name of two recordings; give each its own")
+        message = f"{entry.file!r} and {earlier.file!r} differ in suffix only; give one a `name`"
+        child.fail("file", message)
+
+
+def _recording(table: TomlTable, *, is_alone: bool) -> RecordingEntry:
     table.only(*RECORDING_KEYS)
     file = table.text("file")
-    if PurePosixPath(file).suffix.lower() not in SUFFIXES:
-        table.fail("file", f"{file!r} must end in one of {SUFFIXES}")
+    role = table.one_of("role", ROLES)
     repetitions = table.integer("repetitions") if table.has("repetitions") else None
     if repetitions is not None and not 1 <= repetitions <= LARGEST:
         table.fail("repetitions", f"must be at least 1 and below {LARGEST:g}")
     period = table.number("period") if table.has("period") else None
     if period is not None and not 0 < period <= LARGEST:
         table.fail("period", f"must be a positive number of seconds, got {period:g}")
-    return RecordingEntry(file, table.one_of("role", ROLES), repetitions, period)
+    stem = str(PurePosixPath(file).with_suffix("")) if PurePosixPath(file).name else file
+    return RecordingEntry(
+        file,
+        table.text("name") if table.has("name") else stem if is_alone else f"{stem}-{role}",
+        role,
+        repetitions,
+        period,
+        _rows(table),
+        _span(table),
+    )
+
+
+def _rows(table: TomlTable) -> tuple[int, int] | None:
+    if not table.has("rows"):
+        return None
+    if table.has("from") or table.has("to"):
+        table.fail("rows", "stands beside `from` or `to`; cut by rows or by time")
+    first, last = table.numbers("rows", 2)
+    if first != round(first) or last != round(last) or not 1 <= first < last:
+        table.fail(
+            "rows", f"must be [first, last], counted from 1, got {table.value('rows')!r:.60}"
+        )
+    return int(first), int(last)
+
+
+def _span(table: TomlTable) -> tuple[float, float] | None:
+    if not (table.has("from") or table.has("to")):
+        return None
+    start = table.number("from") if table.has("from") else 0.0
+    end = table.number("to") if table.has("to") else float("inf")
+    if not 0 <= start < end:
+        table.fail(
+            "from" if table.has("from") else "to", f"cuts from {start:g} s to {end:g} s: nothing"
+        )
+    return start, end

@@ -4,35 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
 
 from oed.errors import DataSetError, OedError
-from oed.experiment.column_names import ColumnNames, find_columns
-from oed.experiment.consistency_checks import check_repeats, check_speed, check_velocity
 from oed.experiment.dataset import DRIVE_KEYS, DataSet, Drive
-from oed.experiment.limit_checks import check_limits, torque_notes
-from oed.experiment.manifest import MANIFEST, Manifest, RecordingEntry, read_manifest
+from oed.experiment.limit_checks import check_limits
+from oed.experiment.logs import Log, read_log
+from oed.experiment.manifest import MANIFEST, Manifest, read_manifest
+from oed.experiment.read_recording import read_recording
 from oed.experiment.recording import Recording
-from oed.experiment.recording_checks import (
-    check_positions,
-    check_repetitions,
-    check_rows,
-    check_signals,
-    check_time,
-    check_turns,
-    derive_repetition,
-    repetition_index,
-)
-from oed.experiment.recording_file import read_columns
-from oed.experiment.state_clock import in_state_time
-from oed.experiment.temperature import temperature_of, thermometer_notes
+from oed.experiment.recording_checks import check_signals
+from oed.experiment.temperature import temperature_of
 from oed.experiment.toml_table import nearest
-from oed.experiment.torque_faults import torque_fault_notes
 from oed.robot import Robot, load_robot
 
 STILL = 0.01  # [rad or m] a joint that travels no further may be left out as locked
@@ -58,9 +43,23 @@ def read_dataset(directory: str | Path, *, joints: Sequence[str] | None = None) 
     if not folder.is_dir():
         what = "is a file: give the folder that it is in" if folder.exists() else "no such folder"
         raise DataSetError(what, file=str(folder))
-    manifest = read_manifest(folder)
+    return dataset_of(read_manifest(folder), folder, joints=joints)
+
+
+def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None = None) -> DataSet:
+    """Read what a manifest lists, whether or not it is written yet.
+
+    Args:
+        manifest: The content of a `dataset.toml`.
+        folder: That its paths are relative to.
+        joints: As of `read_dataset`.
+
+    Raises:
+        DataSetError: As `read_dataset`.
+    """
     every = tuple(range(len(manifest.joints)))
     robot = _load_robot(folder, manifest, every, {})
+    _check_format(folder, manifest, robot)
     _check_all_listed(folder, manifest, robot)
     recordings = _read_recordings(folder, manifest, robot)
     kept = _kept(folder, manifest, joints)
@@ -90,6 +89,7 @@ def _load_robot(
     names = [manifest.joints[j] for j in kept]
     limits = {kind: bounds[list(kept)] for kind, bounds in manifest.limits.items()}
     try:
+        locked = {**manifest.fixed, **locked}
         robot = load_robot(source, joints=names, locked=locked, gravity=tuple(manifest.gravity))
         check_limits(limits, robot, str(folder / MANIFEST))
         return robot.with_limits(robot.limits.with_(**limits))
@@ -97,99 +97,52 @@ def _load_robot(
         raise
     except (OedError, ValueError, RuntimeError, OSError) as error:
         is_of_names = any(word in str(error) for word in ("no joint", "named twice", "mimics"))
-        key = "joints" if is_of_names else "robot"
+        is_fixed = any(repr(name) in str(error) for name in manifest.fixed)
+        key = "fixed" if is_fixed else "joints" if is_of_names else "robot"
         message = f"the robot cannot be used: {error}"
         raise DataSetError(message, file=str(folder / MANIFEST), column=key) from error
 
 
+def _check_format(folder: Path, manifest: Manifest, robot: Robot) -> None:
+    try:
+        manifest.log.check(robot)
+    except ValueError as error:
+        raise DataSetError(str(error), file=str(folder / MANIFEST), column="units") from error
+
+
 def _check_all_listed(folder: Path, manifest: Manifest, robot: Robot) -> None:
     """A joint that nobody logged may have stood anywhere: its inertia is then unknown."""
-    if robot.locked:
+    missing = [name for name in robot.locked if name not in manifest.fixed]
+    if missing:
         message = (
             f"lists {robot.n} joints, {manifest.robot} has {robot.n + len(robot.locked)} that "
-            f"move; not listed: {', '.join(robot.locked)}. Record these too, or, if they were "
-            "held at zero, make them `fixed` in the robot's file"
+            f"move; not listed: {', '.join(missing)}. Record these too, or say in [fixed] where "
+            f"they stood, as in {missing[0]} = 0.0"
         )
         raise DataSetError(message, file=str(folder / MANIFEST), column="joints")
 
 
 def _read_recordings(folder: Path, manifest: Manifest, robot: Robot) -> tuple[Recording, ...]:
-    seen: dict[Path, str] = {}
+    logs: dict[Path, Log] = {}
+    names: dict[Path, str] = {}
     recordings = []
     for entry in manifest.recordings:
         path = folder / entry.file
         try:
             real = path.resolve()
-        except (OSError, RuntimeError) as error:
+        except (OSError, RuntimeError, ValueError) as error:
             raise DataSetError(f"cannot be found: {error}", file=str(path)) from error
-        if real in seen:
-            message = f"{entry.file!r} and {seen[real]!r} are the same file; list it once"
+        if names.setdefault(real, entry.file) != entry.file:
+            message = f"{entry.file!r} and {names[real]!r} are the same file; list it once"
             raise DataSetError(message, file=str(folder / MANIFEST), column="recording.file")
-        seen[real] = entry.file
-        recordings.append(_read_recording(path, entry, robot, manifest))
+        if real not in logs:
+            logs[real] = read_log(path)
+        recordings.append(
+            read_recording(
+                logs[real], entry, robot, manifest.log, drive=manifest.drive, torque=manifest.torque
+            )
+        )
     return tuple(recordings)
-
-
-def _read_recording(
-    path: Path, entry: RecordingEntry, robot: Robot, manifest: Manifest
-) -> Recording:
-    file = str(path)
-    read = read_columns(path, lambda header: find_columns(header, robot.n, file).all)
-    names = find_columns((*read.values, *read.others), robot.n, file)
-    fields = _Fields(names, read.values)
-    t = read.values["t"]
-    check_time(t, file, read.first_row)
-    check_rows(t, robot.n, file)
-    q = fields.stacked("q")
-    check_positions(q, robot, file, read.first_row)
-    check_turns(t, q, robot, file, read.first_row)
-    dq = fields.stacked("dq") if "dq" in names.fields else None
-    if dq is not None:
-        check_velocity(t, q, dq, robot, file)
-    check_speed(t, q, robot, file)
-    repetition, period = None, None
-    if "repetition" in read.values:
-        repetition = repetition_index(read.values["repetition"], file, read.first_row)
-    check_repetitions(t, repetition, entry, file)
-    if repetition is None and entry.repetitions is not None:
-        repetition, period = derive_repetition(t, entry.repetitions, entry.period), entry.period
-    if repetition is not None:
-        check_repeats(t, q, repetition, period, file)
-    factor = manifest.drive.current_to_torque
-    tau = fields.stacked("tau") * (1.0 if factor is None else factor)
-    is_bare_current = manifest.torque == "current" and factor is None
-    temperature = fields.stacked("temperature") if "temperature" in names.fields else None
-    notes = (
-        *torque_notes(tau, robot, file, read.first_row, is_bare_current=is_bare_current),
-        *torque_fault_notes(t, q, tau, file, read.first_row),
-    )
-    if temperature is not None:
-        notes += tuple(thermometer_notes(temperature, robot.n, file, read.first_row))
-    recording = Recording(
-        name=entry.name,
-        role=entry.role,
-        t=t,
-        q=q,
-        tau=tau,
-        dq=dq,
-        ddq=fields.stacked("ddq") if "ddq" in names.fields else None,
-        repetition=repetition,
-        temperature=temperature,
-        period=entry.period,
-        source=file,
-        unused_columns=read.others,
-        notes=notes,
-    )
-    return in_state_time(recording)
-
-
-@dataclass(frozen=True)
-class _Fields:
-    names: ColumnNames
-    values: Mapping[str, Float[ndarray, " samples"]]
-
-    def stacked(self, field: str) -> Float[ndarray, "samples columns"]:
-        return np.column_stack([self.values[name] for name in self.names.fields[field]])
 
 
 def _kept(folder: Path, manifest: Manifest, joints: Sequence[str] | None) -> tuple[int, ...]:

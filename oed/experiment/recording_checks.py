@@ -42,7 +42,7 @@ def check_rows(t: Float[ndarray, " samples"], joints: int, file: str) -> None:
         raise DataSetError(message, file=file)
 
 
-def check_time(t: Float[ndarray, " samples"], file: str, first_row: int) -> None:
+def check_time(t: Float[ndarray, " samples"], file: str, lines: Int[ndarray, " samples"]) -> None:
     """Refuse time that repeats or runs back, and steps that cannot be seconds."""
     stuck = np.flatnonzero(np.diff(t) <= 0)
     if stuck.size:
@@ -53,7 +53,7 @@ def check_time(t: Float[ndarray, " samples"], file: str, first_row: int) -> None
             f"time {what}: {t[i]:.16g} s is followed by {t[i + 1]:.16g} s; "
             "sort the rows, drop repeated ones, or log time with more digits"
         )
-        raise DataSetError(message, file=file, row=i + 1 + first_row, column="t")
+        raise DataSetError(message, file=file, row=int(lines[i + 1]), column="t")
     step = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
     if step >= LARGEST_STEP * (1 - 1e-6):
         unit = next((name for factor, name in TIME_UNITS if step < LARGEST_STEP * factor), "")
@@ -65,7 +65,7 @@ def check_time(t: Float[ndarray, " samples"], file: str, first_row: int) -> None
 
 
 def check_positions(
-    q: Float[ndarray, "samples joints"], robot: Robot, file: str, first_row: int
+    q: Float[ndarray, "samples joints"], robot: Robot, file: str, lines: Int[ndarray, " samples"]
 ) -> None:
     """Refuse positions so far beyond the limits that they must be degrees."""
     bound = np.abs(robot.limits.position).max(axis=1)
@@ -84,7 +84,7 @@ def check_positions(
             f"|q| = {largest:.5g} is {largest / bound[j]:.3g} times the limit of joint "
             f"{joint.name!r}, {bound[j]:.4g} {unit}: {advice}"
         )
-        raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
+        raise DataSetError(message, file=file, row=int(lines[row]), column=f"q_{j + 1}")
 
 
 def check_turns(
@@ -92,7 +92,7 @@ def check_turns(
     q: Float[ndarray, "samples joints"],
     robot: Robot,
     file: str,
-    first_row: int,
+    lines: Int[ndarray, " samples"],
 ) -> None:
     """Refuse positions that leap: angles folded into one turn, and encoders that lose count."""
     is_gap = np.zeros(len(t) - 1, dtype=bool)
@@ -106,7 +106,7 @@ def check_turns(
                 f"joint {joint.name!r} leaps by {leap[row - 1]:.4g} rad from the row before, a "
                 "whole turn: the angle is folded; unfold it (NumPy: unwrap)"
             )
-            raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
+            raise DataSetError(message, file=file, row=int(lines[row]), column=f"q_{j + 1}")
         leaps = np.flatnonzero(_is_leap(np.abs(leap), float(np.ptp(q[:, j]))) & ~is_gap)
         if len(leaps):
             row = int(leaps[0]) + 1
@@ -115,7 +115,7 @@ def check_turns(
                 f"before, as no arm moves, and {len(leaps)} times in all: an encoder that wraps or "
                 "loses count, or a faulty row; unfold or remove it"
             )
-            raise DataSetError(message, file=file, row=row + first_row, column=f"q_{j + 1}")
+            raise DataSetError(message, file=file, row=int(lines[row]), column=f"q_{j + 1}")
 
 
 def _is_leap(change: Float[ndarray, " changes"], travel: float) -> Bool[ndarray, " changes"]:
@@ -157,19 +157,19 @@ def check_signals(
 
 
 def repetition_index(
-    values: Float[ndarray, " samples"], file: str, first_row: int
+    values: Float[ndarray, " samples"], file: str, lines: Int[ndarray, " samples"]
 ) -> Int[ndarray, " samples"]:
     """The `repetition` column as whole numbers that never fall."""
     wrong = np.flatnonzero((values < 0) | (values != np.round(values)))
     if wrong.size:
         row = int(wrong[0])
         message = f"{values[row]:g} is not a repetition; count them 0, 1, 2, …"
-        raise DataSetError(message, file=file, row=row + first_row, column="repetition")
+        raise DataSetError(message, file=file, row=int(lines[row]), column="repetition")
     falls = np.flatnonzero(np.diff(values) < 0)
     if falls.size:
         row = int(falls[0]) + 1
         message = f"repetition {values[row]:g} follows {values[row - 1]:g}; they must not fall"
-        raise DataSetError(message, file=file, row=row + first_row, column="repetition")
+        raise DataSetError(message, file=file, row=int(lines[row]), column="repetition")
     return values.astype(np.int64)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.experiment.recording import Recording
@@ -66,7 +66,10 @@ def temperature_of(
 
 
 def thermometer_notes(
-    measured: Float[ndarray, "samples sensors"], joints: int, file: str, first_row: int
+    measured: Float[ndarray, "samples sensors"],
+    joints: int,
+    file: str,
+    lines: Int[ndarray, " samples"],
 ) -> Iterator[str]:
     """A line for each thing that is doubtful about temperatures.
 
@@ -74,7 +77,7 @@ def thermometer_notes(
         measured: Temperatures [degrees Celsius].
         joints: Number of joints.
         file: For the message.
-        first_row: Line of the first sample.
+        lines: (N,) line of the file that each sample is of.
     """
     if not _are_known(measured, joints):
         fault = f"{measured.shape[1]} temperatures for {joints} joints do not say whose they are"
@@ -85,7 +88,7 @@ def thermometer_notes(
         if len(steps) and steps.max() > LEAP:
             row = int(np.argmax(steps)) + 1
             yield (
-                f"{file}, row {row + first_row}, {column}: {shown[row]:.4g} after "
+                f"{file}, row {lines[row]}, {column}: {shown[row]:.4g} after "
                 f"{shown[row - 1]:.4g}: no joint warms so fast; repair the column, or leave it out"
             )
         if shown.max() > HOTTEST:

@@ -41,6 +41,11 @@ class TomlTable:
             if key not in known:
                 raise self.error(key, f"unknown key; {nearest(key, known)}")
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All keys, in the order of the file."""
+        return tuple(self._content)
+
     def has(self, key: str) -> bool:
         """Whether the key is there."""
         return key in self._content
@@ -81,6 +86,12 @@ class TomlTable:
         """A list of `count` finite numbers."""
         values = self._list(key, count)
         return np.array([self._number(key, value, finite=True) for value in values])
+
+    def number_each(self, key: str, count: int) -> Float[ndarray, " count"]:
+        """`count` finite numbers from a list of them, or from one number for all."""
+        if isinstance(self.value(key), list):
+            return self.numbers(key, count)
+        return np.full(count, self.number(key))
 
     def names(self, key: str) -> tuple[str, ...]:
         """A list of different names."""
@@ -135,7 +146,7 @@ class TomlTable:
         if not isinstance(values, list):
             raise self.error(key, f"must be a list of {count} values, got {_show(values)}")
         if len(values) != count:
-            what = "components" if key == "gravity" else "joints"
+            what = "components" if key in ("gravity", "rows") else "joints"
             raise self.error(key, f"has {len(values)} values for {count} {what}")
         return values
 

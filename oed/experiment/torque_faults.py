@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 # [s] and rows for which a torque stays the same, and times what it usually does, where a sensor's
@@ -37,7 +37,7 @@ def torque_fault_notes(
     q: Float[ndarray, "samples joints"],
     tau: Float[ndarray, "samples joints"],
     file: str,
-    first_row: int,
+    lines: Int[ndarray, " samples"],
 ) -> Iterator[str]:
     """A line for torques that are held while their joints move, and for each that leaps.
 
@@ -46,7 +46,7 @@ def torque_fault_notes(
         q: (N, n) [rad or m].
         tau: (N, n) [N m or N].
         file: For the message.
-        first_row: Line of the first sample.
+        lines: (N,) line of the file that each sample is of.
     """
     held: dict[tuple[int, int, float], list[str]] = {}
     for j in range(tau.shape[1]):
@@ -58,7 +58,7 @@ def torque_fault_notes(
     for (start, end, value), columns in held.items():
         why = "right only with the drive off" if value == 0 else "the sensor did not report"
         yield (
-            f"{file}, rows {start + first_row} to {end + first_row}, column {', '.join(columns)}: stays at "
+            f"{file}, rows {lines[start]} to {lines[end]}, column {', '.join(columns)}: stays at "
             f"{value:.4g} for {t[end] - t[start]:.3g} s while the joint moves: {why}; else cut these rows, "
             "which pass for a load or an offset"
         )
@@ -69,7 +69,7 @@ def torque_fault_notes(
             before, value, after = tau[row - 1 : row + 2, j]
             more = f", and {len(leaps) - 1} more such rows" if len(leaps) > 1 else ""
             yield (
-                f"{file}, row {row + first_row}, column 'tau_{j + 1}': {value:.4g} between {before:.4g} and "
+                f"{file}, row {lines[row]}, column 'tau_{j + 1}': {value:.4g} between {before:.4g} and "
                 f"{after:.4g}{more}: one wild value outweighs all others; remove it from the log"
             )
 

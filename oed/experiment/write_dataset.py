@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Literal
 
 import numpy as np
+import pandas as pd
 import tomli_w
 from jaxtyping import Float
 from numpy import ndarray
@@ -16,7 +18,6 @@ from oed.experiment.column_names import joint_columns
 from oed.experiment.dataset import DRIVE_KEYS, DataSet
 from oed.experiment.manifest import FORMAT, LIMIT_KEYS, MANIFEST
 from oed.experiment.recording import Recording
-from oed.experiment.recording_file import write_columns
 from oed.robot import Robot, load_robot
 
 
@@ -62,6 +63,15 @@ def write_dataset(
         folder.rename(target)
 
 
+def write_columns(path: Path, values: Mapping[str, ndarray]) -> None:
+    """Write columns of equal length so that reading returns the same numbers to the last bit."""
+    frame = pd.DataFrame(dict(values))
+    if path.suffix.lower() == ".parquet":
+        frame.to_parquet(path, index=False)
+    else:
+        frame.to_csv(path, index=False, lineterminator="\n")
+
+
 def _check(dataset: DataSet) -> None:
     if not dataset.recordings:
         raise ValueError(f"data set {dataset.name!r} holds no recording to write")
@@ -69,16 +79,16 @@ def _check(dataset: DataSet) -> None:
         path = PurePosixPath(recording.name)
         if path.is_absolute() or ".." in path.parts or not path.name:
             raise ValueError(f"recording name {recording.name!r} is no file name in the folder")
-    if dataset.robot.locked:
-        raise ValueError(
-            f"robot {dataset.robot.name!r} holds {dataset.robot.locked} locked, which a data set "
-            "cannot say; fix these joints in the robot's file"
-        )
 
 
 def _changed_limits(robot: Robot) -> dict[str, Float[ndarray, "joints 2"]]:
     """The limits that differ from those of the robot's source."""
-    original = load_robot(robot.source, joints=robot.joint_names, gravity=tuple(robot.gravity))
+    original = load_robot(
+        robot.source,
+        joints=robot.joint_names,
+        locked=robot.held,
+        gravity=tuple(robot.gravity),
+    )
     if not np.array_equal(original.parameters, robot.parameters):
         raise ValueError(
             f"the inertial parameters of robot {robot.name!r} are not those of {robot.source}, "
@@ -122,6 +132,8 @@ def _manifest(
     drive = {key: values.tolist() for key, values in drive.items() if values is not None}
     if drive:
         manifest["drive"] = drive
+    if dataset.robot.locked:
+        manifest["fixed"] = dataset.robot.held
     manifest["recording"] = [_entry(r, file_format) for r in dataset.recordings]
     return manifest
 

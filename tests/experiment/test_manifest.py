@@ -39,7 +39,6 @@ def test_unknown_key_names_the_nearest(tmp_path):
         ('"measured"', '"mesured"', "torque"),
         ('role = "test"', 'role = "train"', "recording[2].role"),
         ('file = "test.csv"', 'file = "./estimation.csv"', "recording[2].file"),
-        ('file = "test.csv"', 'file = "test.txt"', "recording[2].file"),
         ("repetitions = 3", "repetitions = 0", "recording[1].repetitions"),
         ("repetitions = 3", "repetitions = 3.0", "recording[1].repetitions"),
         ("period = 1.0", "period = -1.0", "recording[1].period"),

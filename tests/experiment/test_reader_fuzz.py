@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from oed.errors import DataSetError
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
-from oed.experiment.recording_file import write_columns
+from oed.experiment.write_dataset import write_columns
 from tests.experiment.tiny_dataset import MANIFEST, tiny_files, urdf_text, write_files
 
 FUZZ = settings(

@@ -105,10 +105,10 @@ def test_an_encoder_that_leaps(rows):
     robot = imi_scara()
     t = np.arange(2000) / 500.0
     q = np.stack([0.4 * np.sin(2.0 * t), 0.3 * np.cos(1.3 * t)], axis=1)
-    check_turns(t, q, robot, "test.csv", 2)
+    check_turns(t, q, robot, "test.csv", np.arange(len(t)) + 2)
     q[rows, 1] += 0.2
     with pytest.raises(DataSetError, match="leaps") as caught:
-        check_turns(t, q, robot, "test.csv", 2)
+        check_turns(t, q, robot, "test.csv", np.arange(len(t)) + 2)
     assert (caught.value.row, caught.value.column) == (302, "q_2")
 
 
@@ -117,7 +117,7 @@ def test_a_joint_that_starts_and_stops_does_not_leap():
     t = np.arange(2000) / 100.0
     moves = np.clip(20 * (t % 5.0 - 2.0), 0.0, 1.0)  # 0.05 s a move, five rows of it
     q = np.stack([moves, 0.3 * np.cos(1.3 * t)], axis=1)
-    check_turns(t, q, robot, "test.csv", 2)
+    check_turns(t, q, robot, "test.csv", np.arange(len(t)) + 2)
 
 
 def test_an_angle_that_is_folded_into_one_turn(tmp_path):

@@ -102,6 +102,6 @@ def test_a_thermometer_that_drops_out_is_told_with_its_row(tmp_path):
 def test_kelvin_are_told():
     kelvin = recording(np.full(len(T), 300.0)).temperature
     assert kelvin is not None
-    (note,) = thermometer_notes(kelvin, 2, "log.csv", 2)
+    (note,) = thermometer_notes(kelvin, 2, "log.csv", np.arange(len(kelvin)) + 2)
     assert "up to 300, taken for degrees Celsius" in note
-    assert not list(thermometer_notes(kelvin - 273.15, 2, "log.csv", 2))
+    assert not list(thermometer_notes(kelvin - 273.15, 2, "log.csv", np.arange(len(kelvin)) + 2))

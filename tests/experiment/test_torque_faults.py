@@ -20,7 +20,7 @@ def _log(seed=0, *, step=0.0):
 
 
 def _notes(t, q, tau):
-    return list(torque_fault_notes(t, q, tau, "a.csv", 2))
+    return list(torque_fault_notes(t, q, tau, "a.csv", np.arange(len(t)) + 2))
 
 
 @pytest.mark.parametrize("step", [0.0, 0.01, 2.0])

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
+from math import isfinite
 
 from oed.errors import DataSetError
-from oed.experiment.toml_table import LARGEST
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 NOT_A_NUMBER = {"nan", "inf", "infinity"}
-FIRST_ROW = 2  # the header is line 1
 
 
 def find_fault(
@@ -20,6 +19,7 @@ def find_fault(
     file: str,
     *,
     is_complete: bool,
+    first_row: int = 2,
 ) -> DataSetError | None:
     """The first fault of a CSV file's rows.
 
@@ -29,19 +29,20 @@ def find_fault(
         wanted: Those that must hold numbers.
         file: Name for the message.
         is_complete: Whether the last line of the file ends with a line break.
+        first_row: Line of the file that is the first of `body`.
     """
     lines = body.removesuffix("\n").split("\n")
     for i, line in enumerate(lines):
         is_last = i == len(lines) - 1
         message, column = _line_fault(line, header, wanted, is_last=is_last)
         if message:
-            return DataSetError(message, file=file, row=i + FIRST_ROW, column=column)
+            return DataSetError(message, file=file, row=i + first_row, column=column)
     if not is_complete:
         message = (
             "the last line has no line break, so its last number may have been cut off; "
             "end it with a line break if it is whole, else delete it"
         )
-        return DataSetError(message, file=file, row=len(lines) + FIRST_ROW - 1, column=header[-1])
+        return DataSetError(message, file=file, row=len(lines) + first_row - 1, column=header[-1])
     return None
 
 
@@ -74,6 +75,6 @@ def _cell_fault(cell: str) -> str:
         is_quoted = NUMBER.fullmatch(cell.strip("\"'"))
         hint = "; write numbers without quotes" if is_quoted else ""
         return f"{cell[:40]!r} is not a number{hint}"
-    if not abs(float(cell)) <= LARGEST:
-        return f"{cell[:40]} is beyond {LARGEST:g}; check its unit"
+    if not isfinite(float(cell)):
+        return f"{cell[:40]} is beyond what a computer can hold; repair the log"
     return ""

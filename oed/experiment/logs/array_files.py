@@ -1,0 +1,121 @@
+"""Files of named arrays: NumPy .npz, MATLAB .mat of any version, HDF5.
+
+Arrays with one number or one list a row are the columns; those of one length are one table.
+"""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy import ndarray
+
+from oed.errors import DataSetError
+from oed.experiment.logs.registry import log_reader
+from oed.experiment.logs.table import Log, table_of
+
+HDF5_START = b"\x89HDF\r\n\x1a\n"
+# MATLAB 7.3 writes 512 bytes of its own before the HDF5 file.
+HDF5_AT = (0, 512)
+# What NumPy, SciPy and h5py raise on files that are cut or altered.
+FAULTS = (
+    OSError, ValueError, TypeError, KeyError, IndexError, EOFError, NotImplementedError,
+    RuntimeError, MemoryError, OverflowError, SyntaxError, AttributeError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+
+
+@log_reader(".npz")
+def read_npz(path: Path) -> Log:
+    """Read a NumPy archive; nothing pickled is loaded."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except FAULTS as error:
+        raise DataSetError(f"is no sound NumPy archive: {error}", file=str(path)) from error
+    return _log(arrays, path)
+
+
+@log_reader(".mat")
+def read_mat(path: Path) -> Log:
+    """Read a MATLAB file of version 4 to 7.3; fields of a struct are named `struct.field`."""
+    from scipy.io import loadmat  # noqa: PLC0415  a quarter of a second that only .mat files need
+    from scipy.io.matlab import MatReadError  # noqa: PLC0415
+
+    try:
+        content = path.read_bytes()[: HDF5_AT[-1] + len(HDF5_START)]
+        if any(content[at:].startswith(HDF5_START) for at in HDF5_AT):
+            return _log(_hdf5_arrays(path, is_matlab=True), path)
+        loaded = loadmat(path, squeeze_me=False, struct_as_record=True)
+    except (*FAULTS, MatReadError) as error:
+        raise DataSetError(f"is no sound MATLAB file: {error}", file=str(path)) from error
+    own = {name: value for name, value in loaded.items() if not name.startswith("__")}
+    return _log(dict(_fields("", own)), path)
+
+
+@log_reader(".h5", ".hdf5")
+def read_hdf5(path: Path) -> Log:
+    """Read an HDF5 file; a data set within groups is named by its path."""
+    try:
+        return _log(_hdf5_arrays(path, is_matlab=False), path)
+    except FAULTS as error:
+        raise DataSetError(f"is no sound HDF5 file: {error}", file=str(path)) from error
+
+
+def _hdf5_arrays(path: Path, *, is_matlab: bool) -> dict[str, ndarray]:
+    import h5py  # noqa: PLC0415  only HDF5 files need it
+
+    arrays: dict[str, ndarray] = {}
+
+    def visit(name: str, item: object) -> None:
+        if not isinstance(item, h5py.Dataset) or name.startswith("#"):
+            return
+        if item.dtype.kind in "iuf":
+            # MATLAB stores columns first, so that an array comes out transposed.
+            arrays[name.replace("/", ".")] = (
+                np.asarray(item[()]).T if is_matlab else np.asarray(item[()])
+            )
+        elif item.dtype.names:
+            record = item[()]
+            for field in item.dtype.names:
+                arrays[f"{name}.{field}".replace("/", ".")] = np.asarray(record[field])
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return arrays
+
+
+def _fields(prefix: str, content: Mapping[str, object]) -> Iterator[tuple[str, ndarray]]:
+    """Arrays of numbers, those within structs of one element included."""
+    for name, value in content.items():
+        array = np.asarray(value)
+        if array.dtype.names and array.size == 1:
+            struct = array.reshape(-1)[0]
+            inner = {field: struct[field] for field in array.dtype.names}
+            yield from _fields(f"{prefix}{name}.", inner)
+        elif array.dtype.kind in "iuf":
+            yield prefix + name, array
+
+
+def _log(arrays: Mapping[str, ndarray], path: Path) -> Log:
+    """Arrays by their number of rows, the longest table first."""
+    file = str(path)
+    numeric = {
+        k: _upright(v) for k, v in arrays.items() if v.dtype.kind in "iuf" and v.ndim in (1, 2)
+    }
+    lengths = sorted({len(v) for v in numeric.values() if v.size > 1}, reverse=True)
+    tables = tuple(
+        table_of({k: v for k, v in numeric.items() if len(v) == length}, file) for length in lengths
+    )
+    if not tables:
+        raise DataSetError("holds no array of numbers with a row per sample", file=file)
+    return Log(file, tables)
+
+
+def _upright(array: ndarray) -> ndarray:
+    """(N,) or (N, m) with a row per sample: a log has more samples than joints."""
+    if array.ndim == 2 and array.shape[0] < array.shape[1]:
+        array = array.T
+    return array[:, 0] if array.ndim == 2 and array.shape[1] == 1 else array

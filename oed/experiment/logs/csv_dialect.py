@@ -1,0 +1,164 @@
+"""How a text file separates its numbers, and the same numbers separated by commas.
+
+Whatever a spreadsheet or a logger wrote (semicolons, tabs, blanks, decimal commas, quotes, a
+byte-order mark, comments above, a header or none) becomes one kind of text, line for line, so that
+a fault is still named by the line that the user sees.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass
+
+from oed.errors import DataSetError
+from oed.experiment.logs.csv_fault import NUMBER
+
+SAMPLE = 20  # lines that tell how a file is written
+COMMENTS = ("#", "%")
+SEPARATOR_LINE = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)  # spreadsheets write it as line 1
+TWO_NUMBERS = re.compile(r"[\d.,eE+-]*\d\s+[+-]?[\d.,][\d.,eE+-]*")
+
+
+@dataclass(frozen=True)
+class CsvText:
+    """Text whose numbers are separated by commas and have decimal points.
+
+    Attributes:
+        header: A name for each column: those of the file, or "1", "2", … where it has none.
+        body: The rows, each ended by a line feed; the last only if it is so in the file.
+        first_row: Line of the file that is the first of `body`.
+        header_row: Line of the header; None if there is none.
+        is_complete: Whether the last line of the file ends with a line break.
+    """
+
+    header: tuple[str, ...]
+    body: bytes
+    first_row: int
+    header_row: int | None
+    is_complete: bool
+
+
+def read_csv_text(content: bytes, file: str) -> CsvText:
+    """Find out how a file is written, and write it with commas.
+
+    Raises:
+        DataSetError: If it is no UTF-8 text, holds no row, or a quote is left open.
+    """
+    text = _decoded(content, file).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    skipped, separator, comment, text = _without_top(text)
+    if not text.strip():
+        raise DataSetError("empty; it needs one row per sample", file=file)
+    sample = [line.decode() for line in text.split(b"\n", SAMPLE)[:SAMPLE]]
+    separator = separator or _separator(sample)
+    first, _, rest = text.partition(b"\n")
+    names = _cells(first.decode(), separator, file, skipped + 1)
+    has_header = not _is_number(names[0])
+    body, first_row = (rest, skipped + 2) if has_header else (text, skipped + 1)
+    header_row = skipped + 1 if has_header else None
+    if not has_header:
+        above = _cells(comment, separator, file, skipped) if comment else ()
+        is_named = len(above) == len(names) and not any(map(_is_number, above))
+        header_row = skipped if is_named else None
+        names = above if is_named else tuple(str(i + 1) for i in range(len(names)))
+    is_complete = text.endswith(b"\n")
+    body = body.rstrip(b"\n") + b"\n" if is_complete else body
+    if not body.strip():
+        raise DataSetError("holds a header but no row", file=file, row=first_row)
+    header = tuple(name or f"column {i + 1}" for i, name in enumerate(names))
+    return CsvText(
+        header, _with_commas(body, separator, file, first_row), first_row, header_row, is_complete
+    )
+
+
+def _decoded(content: bytes, file: str) -> bytes:
+    """The content without a byte-order mark, once it is known to be UTF-8 text."""
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise DataSetError("is UTF-16 text; save it as UTF-8", file=file)
+    zero = content.find(b"\0")
+    if zero >= 0:
+        row = content[:zero].count(b"\n") + 1
+        raise DataSetError("holds a zero byte; it is not a text file", file=file, row=row)
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        row = content[: error.start].count(b"\n") + 1
+        message = f"byte 0x{content[error.start]:02x} is not UTF-8 text; save the file as UTF-8"
+        raise DataSetError(message, file=file, row=row) from error
+    return content.removeprefix(b"\xef\xbb\xbf")
+
+
+def _without_top(text: bytes) -> tuple[int, str, str, bytes]:
+    """Number of lines above the table, the separator named there, the last comment, the table."""
+    skipped, separator, comment = 0, "", ""
+    while text:
+        line, _, rest = text.partition(b"\n")
+        top = line.decode().strip()
+        named = SEPARATOR_LINE.fullmatch(top)
+        if named and not skipped:
+            separator = named[1]
+        elif top.startswith(COMMENTS):
+            comment = top.lstrip("".join(COMMENTS)).strip()
+        elif top:
+            break
+        skipped, text = skipped + 1, rest
+    return skipped, separator, comment, text
+
+
+def _separator(lines: list[str]) -> str:
+    """What stands between the cells of these lines: the first that cuts all alike, else a comma."""
+    whole = [line for line in lines if line.strip()]
+    for separator in (";", "\t", ",", " "):
+        cells = [_split(line, separator) for line in whole[:-1] or whole]
+        is_alike = len({len(row) for row in cells}) == 1 and len(cells[0]) > 1
+        if is_alike and not any(
+            TWO_NUMBERS.fullmatch(cell.strip()) for row in cells for cell in row
+        ):
+            return separator
+    # A faulty row among them must not change what the others say.
+    first = whole[0]
+    return next((s for s in (";", "\t", ",") if s in first), " " if " " in first.strip() else ",")
+
+
+def _split(line: str, separator: str) -> list[str]:
+    if separator == " ":
+        return line.split()
+    return (
+        line.split(separator) if '"' not in line else next(csv.reader([line], delimiter=separator))
+    )
+
+
+def _cells(line: str, separator: str, file: str, row: int) -> tuple[str, ...]:
+    try:
+        cells = _split(line, separator)
+    except csv.Error as error:
+        raise DataSetError(f"cannot be parsed: {error}", file=file, row=row) from error
+    return tuple(cell.strip().strip("\"'").strip() for cell in cells)
+
+
+def _is_number(cell: str) -> bool:
+    return NUMBER.fullmatch(cell.replace(",", ".", 1)) is not None
+
+
+def _with_commas(body: bytes, separator: str, file: str, first_row: int) -> bytes:
+    if b'"' in body:
+        return _unquoted(body.decode(), separator, file, first_row)
+    if separator == ",":
+        return body
+    # Where commas do not separate cells they stand for decimal points.
+    body = body.replace(b",", b".")
+    if separator == " ":
+        return b"\n".join(b",".join(line.split()) for line in body.split(b"\n"))
+    return body.replace(separator.encode(), b",")
+
+
+def _unquoted(body: str, separator: str, file: str, first_row: int) -> bytes:
+    lines = []
+    for i, line in enumerate(body.split("\n")):
+        try:
+            rows = list(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
+        except csv.Error as error:
+            message = f"a quote is not closed, or stands within a cell ({error}); repair the log"
+            raise DataSetError(message, file=file, row=first_row + i) from error
+        lines.append(",".join(cell.replace(",", ".") for cell in (rows[0] if rows else ())))
+    return "\n".join(lines).encode()

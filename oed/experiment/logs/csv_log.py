@@ -1,0 +1,132 @@
+"""Text tables: CSV of any dialect, and what `ros2 topic echo --csv` writes.
+
+Parsed by pandas at once. Only when that shows a fault is the file walked cell by cell
+(`csv_fault`) to say where it is.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy import ndarray
+
+from oed.errors import DataSetError
+from oed.experiment.logs.csv_dialect import CsvText, read_csv_text
+from oed.experiment.logs.csv_fault import find_fault
+from oed.experiment.logs.registry import log_reader
+from oed.experiment.logs.ros_echo import NANOSEC, SEC, EchoLayout, echo_layout
+from oed.experiment.logs.stamps import seconds_of_day
+from oed.experiment.logs.table import Log, Table
+
+
+@log_reader(".csv", ".txt", ".tsv", ".dat")
+def read_csv(path: Path) -> Log:
+    """Read a text table.
+
+    Raises:
+        DataSetError: If it is empty, truncated, no text, or its rows differ in length.
+    """
+    file = str(path)
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise DataSetError(f"cannot be read: {error}", file=file) from error
+    text = read_csv_text(content, file)
+    fault = _fault(text, (), file) if not _is_rectangular(text) else None
+    if fault is not None:
+        raise fault
+    line = text.body.partition(b"\n")[0].decode()
+    echo = echo_layout(line) if text.header_row is None else None
+    if echo is not None:
+        return Log(file, (_echo_table(dataclasses.replace(text, header=echo.header), echo, file),))
+    return Log(
+        file,
+        (
+            Table(
+                text.header,
+                lambda names: _load(text, names, file),
+                file,
+                first_row=text.first_row,
+                header_row=text.header_row,
+            ),
+        ),
+    )
+
+
+def _echo_table(text: CsvText, echo: EchoLayout, file: str) -> Table:
+    """Positions, velocities and efforts by joint, and `stamp` [s] made of its two cells."""
+    for i, joint in zip(echo.names_at, echo.joints, strict=True):
+        names = parse_cells(text, (i,), str)[i]
+        other = np.flatnonzero(names != joint)
+        if other.size:
+            row = int(other[0])
+            message = (
+                f"joint {joint!r} is {names[row]!r} in this message; log one source of joint states"
+            )
+            raise DataSetError(message, file=file, row=row + text.first_row, column=echo.header[i])
+
+    def load(names: tuple[str, ...]) -> Mapping[str, ndarray]:
+        stored = tuple(name for name in names if name != "stamp")
+        values = dict(_load(text, stored, file)) if stored else {}
+        if "stamp" in names:
+            parts = _load(text, (SEC, NANOSEC), file)
+            sec, nanosec = (parts[part].astype(np.int64) for part in (SEC, NANOSEC))
+            values["stamp"] = seconds_of_day(sec * 10**9 + nanosec)
+        return values
+
+    what = "read as the CSV of `ros2 topic echo` of sensor_msgs/msg/JointState"
+    return Table(("stamp", *text.header), load, file, first_row=text.first_row, text=(what,))
+
+
+def _load(text: CsvText, names: tuple[str, ...], file: str) -> Mapping[str, ndarray]:
+    wanted = {text.header.index(name): name for name in names}
+    try:
+        values = parse_cells(text, tuple(wanted), np.float64)
+    except (ValueError, OverflowError, pd.errors.ParserError) as error:
+        fault = DataSetError(f"cannot be parsed: {error}", file=file)
+    else:
+        if all(np.isfinite(column).all() for column in values.values()):
+            return {wanted[i]: column for i, column in values.items()}
+        fault = DataSetError("cannot be parsed as numbers", file=file)
+    raise _fault(text, names, file) or fault
+
+
+def parse_cells(text: CsvText, columns: tuple[int, ...], kind: type) -> dict[int, ndarray]:
+    """The cells of some columns, by the column's place from 0."""
+    frame = pd.read_csv(
+        io.BytesIO(text.body),
+        header=None,
+        names=list(range(len(text.header))),
+        usecols=list(columns),
+        dtype=kind,
+        skip_blank_lines=False,
+        quoting=csv.QUOTE_NONE,
+        engine="c",
+    )
+    return {i: frame[i].to_numpy() for i in columns}
+
+
+def _fault(text: CsvText, names: tuple[str, ...], file: str) -> DataSetError | None:
+    return find_fault(
+        text.body.decode(),
+        text.header,
+        names,
+        file,
+        is_complete=text.is_complete,
+        first_row=text.first_row,
+    )
+
+
+def _is_rectangular(text: CsvText) -> bool:
+    """Whether the last line is whole, and each has one comma fewer than there are columns."""
+    letters = np.frombuffer(text.body, dtype=np.uint8)
+    ends = np.flatnonzero(letters == ord("\n"))
+    commas = np.flatnonzero(letters == ord(","))
+    upto = np.searchsorted(commas, ends)
+    return text.is_complete and bool((np.diff(upto, prepend=0) == len(text.header) - 1).all())

@@ -1,0 +1,120 @@
+"""What a log file holds: one table or several, each of named columns that share their rows."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy import ndarray
+
+from oed.errors import DataSetError
+
+Load = Callable[[tuple[str, ...]], Mapping[str, ndarray]]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns of numbers that share their rows.
+
+    Attributes:
+        columns: Names in the order of the file. Element i of a column of lists is `name[i]`.
+        load: Gives the (N,) numbers of some of them; it may raise `DataSetError`.
+        file: Where it comes from, for messages.
+        first_row: Number of its first row, as a user counts in this file.
+        header_row: Row that names the columns; None where they are named otherwise.
+        name: Of the table within its file, such as a topic; "" where it is the only one.
+        text: Facts about it that an import repeats, a line each.
+        labels: What columns are called beside their names, such as the motors of a list.
+    """
+
+    columns: tuple[str, ...]
+    load: Load
+    file: str
+    first_row: int = 1
+    header_row: int | None = None
+    name: str = ""
+    text: tuple[str, ...] = ()
+    labels: Mapping[str, str] = field(default_factory=dict)
+
+    def take(self, names: Sequence[str]) -> dict[str, ndarray]:
+        """The (N,) finite numbers of some columns.
+
+        Raises:
+            DataSetError: If a name is missing or stands for two columns, or a value is no
+                finite number.
+        """
+        for name in names:
+            if name not in self.columns:
+                raise DataSetError("missing", file=self.file, row=self.header_row, column=name)
+            if self.columns.count(name) > 1:
+                message = "two columns have this name"
+                raise DataSetError(message, file=self.file, row=self.header_row, column=name)
+        values = {name: np.asarray(column) for name, column in self.load(tuple(names)).items()}
+        for name in names:
+            self._check(name, values[name])
+        return values
+
+    def _check(self, name: str, values: ndarray) -> None:
+        if not len(values):
+            raise DataSetError("holds no row", file=self.file)
+        if values.ndim != 1 or values.dtype.kind not in "iuf":
+            message = f"holds {values.dtype} of shape {values.shape}, not a number a row"
+            raise DataSetError(message, file=self.file, column=name)
+        wrong = np.flatnonzero(~np.isfinite(values))
+        if len(wrong) == len(values):
+            raise DataSetError("holds no number: it was not logged", file=self.file, column=name)
+        if wrong.size:
+            row = int(wrong[0])
+            message = f"{values[row]:g} is not a finite number; remove the row or repair the log"
+            raise DataSetError(message, file=self.file, row=row + self.first_row, column=name)
+
+    def elements(self, name: str) -> tuple[str, ...]:
+        """Columns `name[0]`, `name[1]`, … of a column of lists, in order; none if it is not one."""
+        pattern = re.compile(re.escape(name) + r"\[(\d+)\]")
+        found = [
+            (int(match[1]), column)
+            for column in self.columns
+            if (match := pattern.fullmatch(column))
+        ]
+        return tuple(column for _, column in sorted(found))
+
+
+@dataclass(frozen=True)
+class Log:
+    """The tables of one log file.
+
+    Attributes:
+        file: Where it comes from, for messages.
+        tables: At least one.
+    """
+
+    file: str
+    tables: tuple[Table, ...]
+
+
+def table_of(
+    arrays: Mapping[str, ndarray], file: str, *, name: str = "", text: tuple[str, ...] = ()
+) -> Table:
+    """A table of arrays at hand.
+
+    Args:
+        arrays: (N,) numbers of a column, or (N, m) whose columns become `name[0]` … `name[m-1]`.
+        file: For messages.
+        name: Of the table.
+        text: Facts about it.
+    """
+    columns: dict[str, ndarray] = {}
+    for key, array in arrays.items():
+        if array.ndim == 1:
+            columns[key] = array
+        else:
+            columns |= {f"{key}[{i}]": array[:, i] for i in range(array.shape[1])}
+    return Table(
+        tuple(columns),
+        lambda names: {column: columns[column] for column in names},
+        file,
+        name=name,
+        text=text,
+    )
