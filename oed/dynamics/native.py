@@ -23,6 +23,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.private_cache import find_whole, private_folder, whole_name
+
 logger = logging.getLogger(__name__)
 
 Batch = Callable[[Float[ndarray, "inputs samples"]], Float[ndarray, "outputs samples"]]
@@ -108,12 +110,6 @@ def native_function(functions: Sequence[casadi.Function]) -> tuple[Batch, ...] |
     return tuple(_batch(library, f"f{i}", f) for i, f in enumerate(functions))
 
 
-def cache_directory() -> Path:
-    """Where compiled libraries are kept between runs."""
-    root = os.environ.get("XDG_CACHE_HOME")
-    return (Path(root) if root else Path.home() / ".cache") / "oed" / "native"
-
-
 def _source(function: casadi.Function, name: str) -> str:
     """C of a loop over blocks of `LANES` instants; arrays have one row a scalar."""
     helpers: dict[int, str] = {}
@@ -170,15 +166,24 @@ def _library(source: str) -> ctypes.CDLL | None:
     if compiler is None:
         logger.warning("no C compiler found: CasADi's virtual machine is used, 5 times slower")
         return None
+    cache = private_folder("native")
     for flags in ((*FLAGS, *FLAGS_NATIVE), FLAGS):
-        key = "\n".join((source, compiler, *flags, platform.machine(), _cpu()))
-        target = cache_directory() / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.so"
-        if target.is_file() or _compile(source, compiler, flags, target):
-            try:
-                return ctypes.CDLL(str(target))
-            except OSError as error:
-                logger.warning("compiled code cannot be loaded: %s", error)
+        text = "\n".join((source, compiler, *flags, platform.machine(), _cpu()))
+        key = hashlib.sha256(text.encode()).hexdigest()[:32]
+        known = find_whole(cache, key, ".so") if cache is not None else None
+        library = _load(known) if known is not None else None
+        library = library or _compile(source, (compiler, *flags), cache, key)
+        if library is not None:
+            return library
     return None
+
+
+def _load(path: Path) -> ctypes.CDLL | None:
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        logger.warning("compiled code cannot be loaded: %s", error)
+        return None
 
 
 def _compiler() -> str | None:
@@ -195,20 +200,26 @@ def _cpu() -> str:
     return next((line for line in lines if line.startswith(("flags", "Features"))), "")
 
 
-def _compile(source: str, compiler: str, flags: Sequence[str], target: Path) -> bool:
+def _compile(
+    source: str, command: Sequence[str], cache: Path | None, key: str
+) -> ctypes.CDLL | None:
+    """Compile, keep the library in the cache if there is one, and load it."""
     try:
-        target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
+        with tempfile.TemporaryDirectory(dir=cache) as scratch:
             text, built = Path(scratch) / "code.c", Path(scratch) / "code.so"
             text.write_text(source)
-            command = [compiler, *flags, "-o", str(built), str(text), "-lm"]
-            subprocess.run(command, check=True, capture_output=True, timeout=COMPILE_SECONDS)  # noqa: S603  # a fixed command on our own source
+            whole = [*command, "-o", str(built), str(text), "-lm"]
+            subprocess.run(whole, check=True, capture_output=True, timeout=COMPILE_SECONDS)  # noqa: S603  # a fixed command on our own source
+            if cache is None:
+                return _load(built)  # once loaded, a library outlives its file
+            built.chmod(0o700)
+            target = cache / whole_name(key, built.read_bytes(), ".so")
             built.replace(target)  # atomic: another process may build the same
+            return _load(target)
     except (OSError, subprocess.SubprocessError) as error:
         detail = getattr(error, "stderr", None)
         logger.warning("compilation failed: %s %s", error, (detail or b"").decode()[-500:])
-        return False
-    return True
+        return None
 
 
 def _batch(library: ctypes.CDLL, name: str, function: casadi.Function) -> Batch:

@@ -2,15 +2,16 @@
 
 from typing import no_type_check
 
-import numba
 import numpy as np
+
+from oed.dynamics.kernel import kernel
 
 MOST_STEPS = 40  # of the equation of a step in time: each halves its bracket at least
 ROUNDING = 1e-6  # of a bend: closer ones are one
 EXACT = 1e-3  # of the sign's width: speeds closer than this are one
 
 
-@numba.njit(cache=True)
+@kernel
 @no_type_check  # compiled: the tests' type checker must not wrap it
 def deflect(t, load, inertia, gear, brake):
     """Solve push(d, d') + M(t) d'' = load + friction(speed - d') by the trapezoidal rule.
@@ -73,7 +74,7 @@ def deflect(t, load, inertia, gear, brake):
     return d, v, a
 
 
-@numba.njit(cache=True)
+@kernel
 @no_type_check
 def _at_rest(x, stiffening):
     """Solve y + stiffening y^3 = x (Newton steps, which come down on it from x)."""
@@ -83,7 +84,7 @@ def _at_rest(x, stiffening):
     return y
 
 
-@numba.njit(cache=True)
+@kernel
 @no_type_check
 def _against_coulomb(equation, step, brake):
     """Solve heavy a = needed + coulomb tanh((links - h a) / width).

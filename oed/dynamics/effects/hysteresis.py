@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import no_type_check
 
-import numba
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import gammainc, gammaincinv
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.kernel import kernel
 from oed.dynamics.scalars import Scalar
 
 ELEMENTS = 12  # Dahl's curve within 1 %
@@ -80,7 +80,7 @@ class PreslidingHysteresis(Effect):
         return [{self.joint: z - state.sign(state.dq[self.joint], self.width)}]
 
 
-@numba.njit(cache=True)
+@kernel
 @no_type_check  # compiled: the tests' type checker must not wrap it
 def maxwell_elements(q, distances):
     """Mean deflection of Maxwell elements of equal share, relaxed at the first sample.
