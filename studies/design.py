@@ -41,6 +41,7 @@ from oed.design.optimisers.interior_point import optimise
 from oed.design.optimisers.result import Budget
 from oed.design.prior_experiments import prior_information
 from oed.design.problem import DesignProblem
+from oed.design.still_joints import hold_still_joints
 from oed.dynamics.models import MODELS, build_model
 from oed.errors import NoUsableResult, OedError, RobotError
 from oed.experiment.read_dataset import read_dataset
@@ -142,8 +143,14 @@ class Result:
 
 def run(config: Config) -> Result:
     """Design a motion."""
-    robot, assumed = with_default_limits(_robot(config))
-    notes = [*robot.notes, *assumed, *([ROTORS] if config.model == "standard" else [])]
+    robot, held = hold_still_joints(_robot(config))
+    robot, assumed = with_default_limits(robot)
+    notes = [
+        *robot.notes,
+        *held,
+        *assumed,
+        *([ROTORS] if config.model == "standard" else []),
+    ]
     rng = np.random.default_rng(config.seed)
     surroundings, unchecked = _surroundings(robot, config)
     room = None

@@ -267,6 +267,10 @@ def _limits(
         kind: bounds(f"{kind}_lower_limits", f"{kind}_upper_limits")
         for kind in ("position", "velocity", "acceleration")
     }
+    position = read["position"]
+    # Equal and not zero: a joint that the file holds there. Bounds next to it say so.
+    is_held = (position[:, 0] == position[:, 1]) & (position[:, 0] != 0.0)
+    position[is_held] = np.nextafter(position[is_held], [-np.inf, np.inf])
     for bound in read.values():
         bound[bound[:, 0] >= bound[:, 1]] = (-np.inf, np.inf)
     return JointLimits.unlimited(len(joints)).with_(

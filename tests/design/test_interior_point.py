@@ -41,14 +41,17 @@ def test_finds_a_known_optimum_on_the_limit() -> None:
 
 @pytest.fixture
 def interruptible() -> Iterator[None]:
-    """Python's own handler of Ctrl-C, which a shell's background jobs start without."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Ctrl-C, and a request to terminate, raise KeyboardInterrupt, as while a study runs."""
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(number, signal.default_int_handler) for number in numbers]
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in zip(numbers, before, strict=True):
+        signal.signal(number, handler)
 
 
 @pytest.mark.usefixtures("interruptible")
-def test_an_interrupt_within_the_solver_ends_it() -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_within_the_solver_ends_it(number: signal.Signals) -> None:
     limits = JointLimits.symmetric(position=(1.0,), velocity=(5.0,), acceleration=(1.0,))
     trajectory = FourierClass(2 * np.pi, limits, harmonics=1)
     constraints = LimitConstraints(trajectory, limits, trajectory.instants(9))
@@ -57,13 +60,13 @@ def test_an_interrupt_within_the_solver_ends_it() -> None:
     def objective(z: np.ndarray) -> tuple[float, np.ndarray]:
         points.append(z)
         if len(points) == 3:
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
         return -(z**4).sum(), -4 * z**3
 
     with pytest.raises(KeyboardInterrupt):
         solve_program(objective, constraints, np.array([0.2, 0.1, 0.3]), iterations=100)
     assert len(points) == 3
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.getsignal(number) is signal.default_int_handler
 
 
 def test_bfgs_learns_a_quadratic() -> None:
