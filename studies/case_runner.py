@@ -1,30 +1,40 @@
 """Run many independent cases: progress shown, nothing lost, on processes or on a Dask cluster.
 
 Every finished case is one line, appended to a file in one write. A run that is interrupted and
-started again does the cases that have no line yet. A case that fails is a line too.
+started again does the cases that have no line yet, and those whose line was made by other code,
+settings or data. A case that fails is a line too.
 """
 
 from __future__ import annotations
 
-import csv
-import io
+import dataclasses
+import hashlib
+import inspect
 import multiprocessing
 import os
-import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
 from threadpoolctl import threadpool_limits
 
 from oed.diagnosis.side_by_side import PROCESSES
+from oed.process_end import end_with_parent, is_interrupt, without_interrupts
+from oed.report.code_digest import code_digest
+from oed.report.input_files import data_digest
 from oed.report.json_file import plain_value, read_json
 from oed.report.progress import progress
-from studies.interrupt import is_interrupt
+from studies.row_file import Outcome, RowFile
+
+__all__ = ["CaseRunner", "Outcome", "RowFile", "all_failed", "failure", "is_finished"]
+
+DIGITS = 16  # of a digest: enough that no two of a table are the same by chance
+FAILED = "failed"
 
 
 class KeyedCase(Protocol):
@@ -37,70 +47,6 @@ class KeyedCase(Protocol):
 
 
 CaseT = TypeVar("CaseT", bound=KeyedCase)
-Outcome = Mapping[str, str | int | float]
-
-
-@dataclass(frozen=True)
-class RowFile:
-    """A CSV file that only grows, a line a case.
-
-    Attributes:
-        path: The file.
-        key_columns: Names of the columns of a case's key; they come first.
-        value_columns: Names of the others.
-    """
-
-    path: Path
-    key_columns: tuple[str, ...]
-    value_columns: tuple[str, ...]
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """All columns in order."""
-        return (*self.key_columns, *self.value_columns)
-
-    def rows(self) -> list[dict[str, str]]:
-        """The complete lines; one that an interruption cut short is left out.
-
-        Raises:
-            ValueError: If the file has other columns.
-        """
-        if not self.path.is_file():
-            return []
-        text = self.path.read_text(encoding="utf-8")
-        lines = text[: text.rfind("\n") + 1].splitlines()
-        if not lines:
-            return []
-        header, *body = csv.reader(lines)
-        if tuple(header) != self.columns:
-            raise ValueError(f"{self.path} has the columns {header}, not {list(self.columns)}")
-        return [dict(zip(header, cells, strict=True)) for cells in body]
-
-    def done(self) -> set[tuple[str, ...]]:
-        """Keys of the complete lines."""
-        return {tuple(row[column] for column in self.key_columns) for row in self.rows()}
-
-    def prepare(self) -> None:
-        """Make the file with its header, and end a line that was cut short."""
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        if not self.path.is_file() or not self.path.stat().st_size:
-            self._append(self.columns)
-        elif not self.path.read_bytes().endswith(b"\n"):
-            whole = self.path.read_bytes()
-            os.truncate(self.path, whole.rfind(b"\n") + 1)
-
-    def append(self, key: tuple[str, ...], outcome: Outcome) -> None:
-        """Add a case's line in one write."""
-        self._append((*key, *(outcome.get(column, "") for column in self.value_columns)))
-
-    def _append(self, cells: Sequence[str | int | float]) -> None:
-        stream = io.StringIO()
-        csv.writer(stream, lineterminator="\n").writerow(cells)
-        handle = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
-        try:
-            os.write(handle, stream.getvalue().encode("utf-8"))
-        finally:
-            os.close(handle)
 
 
 @dataclass(frozen=True)
@@ -111,11 +57,27 @@ class CaseRunner(Generic[CaseT]):
         work: What is done with a case; importable, as other processes have to find it.
         rows: Where the lines go.
         label: For the display.
+        data: Data set or file that a case reads; None if none does.
+        code: Modules that do the work besides the one of `work`, such as in other processes.
     """
 
     work: Callable[[CaseT], Outcome]
     rows: RowFile
     label: str
+    data: Callable[[CaseT], Path] | None = None
+    code: tuple[str, ...] = ()
+
+    def digest(self, case: CaseT) -> str:
+        """Hash of all that decides a case's line: code, settings, data."""
+        kind = self.work if inspect.isfunction(self.work) else type(self.work)
+        parts = [
+            code_digest(kind.__module__, *self.code),
+            kind.__qualname__,
+            _settings(self.work),
+            _settings(case),
+            "" if self.data is None else data_digest(self.data(case)),
+        ]
+        return hashlib.sha256(repr(parts).encode()).hexdigest()[:DIGITS]
 
     def run(self, cases: Sequence[CaseT], *, workers: int = 1, scheduler: str | None = None) -> int:
         """Do the cases that have no line yet; say how many those were.
@@ -125,12 +87,17 @@ class CaseRunner(Generic[CaseT]):
             workers: Processes on this machine; 1 works in this process.
             scheduler: Address of a Dask scheduler that does the work instead.
         """
+        digests = {case.key: self.digest(case) for case in cases}
         self.rows.prepare()
-        done = self.rows.done()
+        done = self.rows.done(digests)
         missing = [case for case in cases if case.key not in done]
         if kept := len(cases) - len(missing):
-            there = f"{kept} of {len(cases)} lines are there and stay, whatever code made them"
-            print(f"{self.label}: {there}; another --out begins anew", file=sys.stderr)
+            there = f"{kept} of {len(cases)} lines are there and stay"
+            print(f"{self.label}: {there}: same code, settings and data", file=sys.stderr)
+        if old := sum(case.key in self.rows.done() for case in missing):
+            print(
+                f"{self.label}: {old} lines of other code or data are done again", file=sys.stderr
+            )
         if scheduler is not None:
             finished = _on_cluster(self.work, missing, scheduler)
         elif workers > 1:
@@ -138,7 +105,7 @@ class CaseRunner(Generic[CaseT]):
         else:
             finished = ((case, _attempt(self.work, case)) for case in missing)
         for case, outcome in progress(finished, self.label, total=len(missing)):
-            self.rows.append(case.key, outcome)
+            self.rows.append(case.key, outcome, digests[case.key])
         return len(missing)
 
 
@@ -153,7 +120,12 @@ def _attempt(work: Callable[[CaseT], Outcome], case: CaseT) -> Outcome:
         return failure(error)
 
 
-def is_finished(rows: RowFile, cases: Sequence[KeyedCase], configuration: object) -> bool:
+def is_finished(
+    rows: RowFile,
+    cases: Sequence[CaseT],
+    configuration: object,
+    digest: Callable[[CaseT], str] | None = None,
+) -> bool:
     """Whether every case has its line and the folder's provenance is of this configuration.
 
     Writing the results again would then only replace where they say that they come from.
@@ -162,16 +134,23 @@ def is_finished(rows: RowFile, cases: Sequence[KeyedCase], configuration: object
         rows: The lines, beside them `provenance.json`.
         cases: All cases.
         configuration: The study's configuration, an instance of a dataclass.
+        digest: Of a case, as `CaseRunner.digest`: a line of another is none. Any counts if None.
     """
     record = rows.path.parent / "provenance.json"
-    if not record.is_file() or not {case.key for case in cases} <= rows.done():
+    digests = None if digest is None else {case.key: digest(case) for case in cases}
+    if not record.is_file() or not {case.key for case in cases} <= rows.done(digests):
         return False
     return read_json(record).get("configuration") == plain_value(configuration)
 
 
+def all_failed(rows: Sequence[Mapping[str, str]]) -> bool:
+    """Whether there are lines, and each is of a case that failed."""
+    return bool(rows) and all(row["status"].startswith(FAILED) for row in rows)
+
+
 def failure(error: BaseException) -> Outcome:
     """The line of a case that failed."""
-    return {"status": f"failed: {type(error).__name__}: {' '.join(str(error).split())[:200]}"}
+    return {"status": f"{FAILED}: {type(error).__name__}: {' '.join(str(error).split())[:200]}"}
 
 
 def _on_processes(
@@ -182,8 +161,12 @@ def _on_processes(
     context = multiprocessing.get_context("spawn")
     left = dict.fromkeys(range(len(cases)))
     # Ctrl-C reaches every process: the workers end without a word, this one says what it leaves.
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_one_of_many) as pool:
-        futures = {pool.submit(_attempt, work, case): i for i, case in enumerate(cases)}
+    begin = partial(
+        ProcessPoolExecutor, mp_context=context, initializer=_one_of_many, initargs=(os.getpid(),)
+    )
+    with begin(workers) as pool:
+        with without_interrupts():
+            futures = {pool.submit(_attempt, work, case): i for i, case in enumerate(cases)}
         try:
             for future in as_completed(futures):
                 if isinstance(future.exception(), BrokenProcessPool):
@@ -194,15 +177,23 @@ def _on_processes(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     for index in left:
-        with ProcessPoolExecutor(1, mp_context=context) as pool:
+        with begin(1) as pool:
             error = (alone := pool.submit(_attempt, work, cases[index])).exception()
         yield cases[index], failure(error) if error is not None else alone.result()
 
 
-def _one_of_many() -> None:
+def _one_of_many(parent: int) -> None:
     """What a worker does first: it dies quietly, and leaves the other processors to the others."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    end_with_parent(parent)
     os.environ[PROCESSES] = "1"
+
+
+def _settings(value: object) -> object:
+    """The fields of a dataclass that are no paths: where files lie changes no line."""
+    if not dataclasses.is_dataclass(value) or isinstance(value, type):
+        return None
+    fields = ((f.name, getattr(value, f.name)) for f in dataclasses.fields(value))
+    return [(name, field) for name, field in fields if not isinstance(field, Path)]
 
 
 def _on_cluster(

@@ -31,6 +31,7 @@ from oed.report.diagnosis_report import write_diagnosis
 from oed.report.effect_section import p_value_text
 from oed.report.effect_words import known_parameters
 from oed.report.joint_words import over_floor, place_words
+from oed.report.output_folder import named_folder
 from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
 from studies.interrupt import leave
@@ -127,28 +128,34 @@ def base_model(dataset: DataSet) -> str:
     return "standard" if dataset.drive.rotor_inertia is None else "rotor"
 
 
-def write(outcome: Outcome, config: Config) -> None:
-    """Leave the results in the folder."""
-    with CLOSE_LOOP.replaced(config.out) as out:
-        write_diagnosis(
-            outcome.found,
-            outcome.following,
-            data=outcome.dataset.name,
-            joints=outcome.dataset.robot.joint_names,
-            notes=outcome.notes,
-            settings=config.settings,
-            provenance=Provenance.collect(config, seed=config.seed),
-            out=out,
-        )
+def write(outcome: Outcome, config: Config, out: Path) -> None:
+    """Leave the results in a folder."""
+    write_diagnosis(
+        outcome.found,
+        outcome.following,
+        data=outcome.dataset.name,
+        joints=outcome.dataset.robot.joint_names,
+        notes=outcome.notes,
+        settings=config.settings,
+        provenance=Provenance.collect(config, seed=config.seed),
+        out=out,
+    )
+
+
+def run_and_write(config: Config) -> Outcome:
+    """Both, in a folder that is refused before the work if results cannot go there."""
+    with CLOSE_LOOP.in_folder(config.out, [config.data]) as results:
+        outcome = run(config)
+        with results.replaced() as new:
+            write(outcome, config, new)
+    return outcome
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
     try:
         config = _parse(arguments)
-        CLOSE_LOOP.check(config.out)
-        outcome = run(config)
-        write(outcome, config)
+        outcome = run_and_write(config)
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.close_loop: {error}\n")
         return 2
@@ -191,7 +198,7 @@ def _parse(arguments: Sequence[str] | None) -> Config:
         prog="studies.close_loop", description=(__doc__ or "").split("\n")[0]
     )
     parser.add_argument("--data", type=Path, required=True, help="folder of the data set")
-    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--out", type=named_folder, required=True, help="folder for the results")
     parser.add_argument(
         "--model",
         choices=sorted(MODELS),

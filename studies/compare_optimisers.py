@@ -39,7 +39,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.report.provenance import Provenance
 from oed.robot import JointLimits, Robot, arm_joints, load_robot
-from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
+from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed, is_finished
 from studies.data_folders import PANDA
 from studies.interrupt import RESUMES, leave
 from studies.optimiser_summary import write_summary
@@ -225,12 +225,16 @@ def _trajectory(name: str, limits: JointLimits) -> TrajectoryClass:
     raise ValueError(f"no class {name!r}")
 
 
+def runner(out: Path) -> CaseRunner[Case]:
+    """What works through the cases, with its lines in `out`/runs.csv."""
+    return CaseRunner(run_case, RowFile(out / "runs.csv", KEY, VALUES), "optimiser runs")
+
+
 def run(config: Config, out: Path, *, workers: int = 1, scheduler: str | None = None) -> RowFile:
     """Do all cases that `out`/runs.csv does not hold yet."""
-    rows = RowFile(out / "runs.csv", KEY, VALUES)
-    runner = CaseRunner(run_case, rows, "optimiser runs")
-    runner.run(config.cases(), workers=workers, scheduler=scheduler)
-    return rows
+    todo = runner(out)
+    todo.run(config.cases(), workers=workers, scheduler=scheduler)
+    return todo.rows
 
 
 def write(config: Config, rows: RowFile, out: Path) -> None:
@@ -252,6 +256,13 @@ class Options(CaseOptions):
     """
 
     study: ClassVar[str] = "compare_optimisers"
+    names: ClassVar[tuple[str, ...]] = (
+        "summary.md",
+        "provenance.json",
+        "summary.csv",
+        "target_hits.png",
+        "target_hits.pdf",
+    )
 
     seeds: Count = Config.seeds
     optimisers: tuple[str, ...] = Config.optimisers
@@ -275,12 +286,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
     options = parse(Options, prog="python -m studies.compare_optimisers", arguments=arguments)
     config, out = options.config, options.results
-    if is_finished(RowFile(out / "runs.csv", KEY, VALUES), config.cases(), config):
+    todo = runner(out)
+    if is_finished(todo.rows, config.cases(), config, todo.digest):
         print(f"nothing left to do; {out} stays as it is")
         return 0
-    rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
-    write(config, rows, out)
-    return 0
+    with options.held() as results:
+        rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
+        with results.replaced() as new:
+            write(config, rows, new)
+    return int(all_failed(rows.rows()))
 
 
 if __name__ == "__main__":

@@ -48,6 +48,7 @@ from oed.experiment.read_dataset import read_dataset
 from oed.report.design_plots import draw_motion
 from oed.report.json_file import write_json
 from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
+from oed.report.output_folder import named_folder
 from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.study_files import DESIGN
 from oed.report.style import save_figure
@@ -124,6 +125,11 @@ class Config:
     def keeps_clear(self) -> bool:
         """Whether a motion is to be moved away from what it may hit."""
         return self.avoid_collision or bool(self.box)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What is read."""
+        return tuple(given for given in (self.robot, self.data, *self.prior) if given)
 
     @property
     def walls(self) -> Float[ndarray, "3 2"]:
@@ -292,7 +298,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--robot", default="", help="URDF, SDF or MJCF file, or builtin:NAME")
     source.add_argument("--data", default="", help="folder of a data set")
-    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--out", type=named_folder, required=True)
     parser.add_argument("--joints", nargs="+", default=())
     parser.add_argument("--model", choices=sorted(MODELS), default=Config.model)
     parser.add_argument("--horizon", type=float, default=ProblemSettings.horizon, help="[s]")
@@ -324,10 +330,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parser.parse_args(argv)
     try:
         config = _config(given)
-        DESIGN.check(given.out)
-        result = run(config)
-        with DESIGN.replaced(given.out) as out:
-            notes = write(result, config, out)
+        with DESIGN.in_folder(given.out, config.inputs) as results:
+            result = run(config)
+            with results.replaced() as new:
+                notes = write(result, config, new)
     except (OedError, ValueError, OSError) as error:
         # Drake's messages have several lines.
         sys.stderr.write(f"studies.design: {' '.join(str(error).split())}\n")

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import resource
 import subprocess
 import sys
@@ -20,6 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from oed.process_end import ends_with_this
 from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
@@ -78,7 +78,7 @@ def _design(robot: str, out: Path, *, smoke: bool) -> str:
         finished = subprocess.run(  # noqa: S603  # our own study
             [*command, *(["--smoke"] if smoke else [])],
             cwd=REPOSITORY,
-            env={**os.environ, "OMP_NUM_THREADS": "1"},
+            env={**ends_with_this(), "OMP_NUM_THREADS": "1"},
             timeout=LONGEST,
             capture_output=True,
             text=True,

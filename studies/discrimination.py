@@ -24,7 +24,7 @@ from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import error_rate, separation
 from oed.diagnosis.terms.scores import Score
 from oed.report.provenance import Provenance
-from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
+from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed, is_finished
 from studies.discrimination_summary import write_summary
 from studies.interrupt import RESUMES, leave
 from studies.rival_experiment import Decision, Duel, Table, design, lay, tune
@@ -189,12 +189,16 @@ def run_case(case: Case) -> Outcome:
     }
 
 
+def runner(out: Path) -> CaseRunner[Case]:
+    """What works through the cases, with its lines in `out`/runs.csv."""
+    return CaseRunner(run_case, RowFile(out / "runs.csv", KEY, VALUES), "pairs")
+
+
 def run(config: Config, out: Path, *, workers: int = 1, scheduler: str | None = None) -> RowFile:
     """Do all cases that `out`/runs.csv does not hold yet."""
-    rows = RowFile(out / "runs.csv", KEY, VALUES)
-    runner = CaseRunner(run_case, rows, "pairs")
-    runner.run(config.cases(), workers=workers, scheduler=scheduler)
-    return rows
+    todo = runner(out)
+    todo.run(config.cases(), workers=workers, scheduler=scheduler)
+    return todo.rows
 
 
 def write(config: Config, rows: RowFile, out: Path) -> None:
@@ -214,6 +218,7 @@ class Options(CaseOptions):
     """
 
     study: ClassVar[str] = "discrimination"
+    names: ClassVar[tuple[str, ...]] = ("summary.md", "provenance.json", "calibration.png")
 
     seeds: Count = Config.seeds
 
@@ -223,13 +228,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parse(Options, prog="python -m studies.discrimination", arguments=arguments)
     config = Config.smoke() if options.smoke else Config(seeds=options.seeds)
     out = options.results
-    if is_finished(RowFile(out / "runs.csv", KEY, VALUES), config.cases(), config):
+    todo = runner(out)
+    if is_finished(todo.rows, config.cases(), config, todo.digest):
         print(f"nothing left to do; {out} stays as it is")
         return 0
-    rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
-    write(config, rows, out)
+    with options.held() as results:
+        rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
+        with results.replaced() as new:
+            write(config, rows, new)
     print((out / "summary.md").read_text(encoding="utf-8"))
-    return 0
+    return int(all_failed(rows.rows()))
 
 
 def _apart(table: Table, found: tuple[Score, Score]) -> float:

@@ -37,7 +37,7 @@ from studies.bench.forms import forms_of
 from studies.bench.make_dataset import make_dataset
 from studies.bench.plan import TWO_JOINTS
 from studies.bench.truth import HiddenTruth
-from studies.case_runner import CaseRunner, RowFile
+from studies.case_runner import CaseRunner, RowFile, all_failed
 from studies.interrupt import RESUMES, leave
 from studies.interval_summary import Interval, packed, page
 from studies.study_options import CaseOptions
@@ -189,6 +189,7 @@ class Options(CaseOptions):
     """
 
     study: ClassVar[str] = "effect_intervals"
+    names: ClassVar[tuple[str, ...]] = ("summary.md", "provenance.json")
 
     forms: tuple[str, ...] = COMPARED
     seeds: Count = Config.seeds
@@ -202,13 +203,17 @@ class Options(CaseOptions):
             )
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run from the command line."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line; 1 if all failed, else 0."""
     options = parse(Options, prog="python -m studies.effect_intervals", arguments=arguments)
     config = SMOKE if options.smoke else Config(options.forms, options.seeds, options.first_seed)
-    rows = run(config, options.results, workers=options.workers, scheduler=options.scheduler)
-    write(rows, config, options.results)
+    out, workers = options.results, options.workers
+    with options.held() as results:
+        rows = run(config, out, workers=workers, scheduler=options.scheduler)
+        with results.replaced() as new:
+            write(rows, config, new)
     print(page(rows))
+    return int(all_failed(rows))
 
 
 if __name__ == "__main__":

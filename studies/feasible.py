@@ -5,8 +5,8 @@
         [--smoke] [--seed N]
 
 Reads a data set, estimates standard parameters under physical constraints, compares them with
-plain least squares, and leaves estimate.json, parameters.yaml, robot.urdf, robot.sdf, robot.xml
-(MJCF), figures and report.html. Each robot file is loaded again and its torques are compared.
+plain least squares, and leaves estimate.json, parameters.yaml, calibrated_robot.urdf, .sdf and
+.xml (MJCF), figures and report.html. Each robot file is loaded again and its torques are compared.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -79,8 +80,13 @@ def run(config: Config) -> FeasibleCalibration:
     return calibrate_feasibly(plain, _settings(config, model))
 
 
-def export(result: FeasibleCalibration, out: Path) -> list[Row]:
+def export(result: FeasibleCalibration, out: Path, home: Path) -> list[Row]:
     """Write the robot files and parameters.yaml; one row a robot file, with its round trip.
+
+    Args:
+        result: To write.
+        out: Folder to write to.
+        home: Folder that the files are moved to when all are whole.
 
     Raises:
         ExportMismatch: If a file computes other torques than the estimate.
@@ -91,9 +97,9 @@ def export(result: FeasibleCalibration, out: Path) -> list[Row]:
     expected = calibrated.smooth_torque(motion)
     rows: list[Row] = []
     for name, write in (
-        ("robot.urdf", write_urdf),
-        ("robot.sdf", write_sdf),
-        ("robot.xml", write_mjcf),
+        ("calibrated_robot.urdf", partial(write_urdf, home=home)),
+        ("calibrated_robot.sdf", write_sdf),
+        ("calibrated_robot.xml", write_mjcf),
     ):
         path = write(calibrated, out / name)
         row: dict[str, str | float | None] = {
@@ -126,11 +132,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     config = _parse(arguments)
     start = time.perf_counter()
     try:
-        FEASIBLE.check(config.out)
-        result = run(config)
-        with FEASIBLE.replaced(config.out) as out:
-            rows = export(result, out)
-            write_feasible(result, rows, out, Provenance.collect(config, seed=config.seed))
+        with FEASIBLE.in_folder(config.out, [config.data]) as results:
+            result = run(config)
+            with results.replaced() as new:
+                rows = export(result, new, results.folder)
+                write_feasible(result, rows, new, Provenance.collect(config, seed=config.seed))
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.feasible: {error}\n")
         return 2

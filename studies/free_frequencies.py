@@ -32,7 +32,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.report.provenance import Provenance
 from oed.robot import load_robot
-from studies.case_runner import CaseRunner, Outcome, RowFile, is_finished
+from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed, is_finished
 from studies.free_frequency_summary import write_summary
 from studies.interrupt import RESUMES, leave
 from studies.study_options import CaseOptions
@@ -155,11 +155,16 @@ def _model() -> tuple[TorqueModel, BaseParameters]:
     return model, base_parameters(model)
 
 
+def runner(out: Path) -> CaseRunner[Case]:
+    """What works through the cases, with its lines in `out`/runs.csv."""
+    return CaseRunner(run_case, RowFile(out / "runs.csv", KEY, VALUES), "designs")
+
+
 def run(config: Config, out: Path, *, workers: int = 1, scheduler: str | None = None) -> RowFile:
     """Do all cases that `out`/runs.csv does not hold yet."""
-    rows = RowFile(out / "runs.csv", KEY, VALUES)
-    CaseRunner(run_case, rows, "designs").run(config.cases(), workers=workers, scheduler=scheduler)
-    return rows
+    todo = runner(out)
+    todo.run(config.cases(), workers=workers, scheduler=scheduler)
+    return todo.rows
 
 
 def write(config: Config, rows: RowFile, out: Path) -> None:
@@ -175,18 +180,27 @@ class Options(CaseOptions):
     """What do free frequencies under exact limits reach, and at what cost?"""
 
     study: ClassVar[str] = "free_frequencies"
+    names: ClassVar[tuple[str, ...]] = (
+        "summary.md",
+        "provenance.json",
+        "dependence.png",
+        "dependence.pdf",
+    )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
     options = parse(Options, prog="python -m studies.free_frequencies", arguments=arguments)
     config, out = Config.smoke() if options.smoke else Config(), options.results
-    if is_finished(RowFile(out / "runs.csv", KEY, VALUES), config.cases(), config):
+    todo = runner(out)
+    if is_finished(todo.rows, config.cases(), config, todo.digest):
         print(f"nothing left to do; {out} stays as it is")
         return 0
-    rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
-    write(config, rows, out)
-    return 0
+    with options.held() as results:
+        rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
+        with results.replaced() as new:
+            write(config, rows, new)
+    return int(all_failed(rows.rows()))
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.processing import ProcessingSettings
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
+from oed.report.output_folder import named_folder
 from oed.robot.robot import PINION_RADIUS
 
 # Below this velocity the direction of a geared arm's motion is not known to the data; the
@@ -69,7 +70,7 @@ def prepare(config: DataSetConfig) -> tuple[DataSet, TorqueModel, ProcessingSett
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options that fill a `DataSetConfig`."""
     parser.add_argument("--data", type=Path, required=True, help="folder of the data set")
-    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--out", type=named_folder, required=True, help="folder for the results")
     parser.add_argument("--joints", nargs="+", default=(), help="identify only these joints")
     parser.add_argument("--cutoff", type=float, help="low-pass cut-off [Hz]")
     parser.add_argument("--model", choices=sorted(MODELS), default=DataSetConfig.model)

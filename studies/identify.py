@@ -47,16 +47,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     config = _parse(arguments)
     start = time.perf_counter()
     try:
-        IDENTIFY.check(config.out)
-        calibration = run(config)
-        with IDENTIFY.replaced(config.out) as out:
-            write_calibration(
-                calibration,
-                convergence(calibration),
-                residual_spectrum(calibration),
-                out,
-                Provenance.collect(config, seed=None),
-            )
+        with IDENTIFY.in_folder(config.out, [config.data]) as results:
+            calibration = run(config)
+            with results.replaced() as new:
+                write_calibration(
+                    calibration,
+                    convergence(calibration),
+                    residual_spectrum(calibration),
+                    new,
+                    Provenance.collect(config, seed=None),
+                )
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.identify: {error}\n")
         return 2

@@ -6,7 +6,7 @@
 Runs `studies.close_loop` on every data set in a folder, `../shared/data` by default, and sets what
 it says of each side by side: verdict, names, errors before and after. The whole diagnosis of each
 goes to `out/measured` or the folder given by `--reports`. A run that was interrupted goes on where
-it stopped.
+it stopped; a data set that has changed since, or whose diagnosis has, is done again.
 """
 
 from __future__ import annotations
@@ -24,14 +24,16 @@ from oed.report.joint_words import over_floor, place_words
 from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
+from oed.report.result_folder import ResultFiles, ResultFolder
 from oed.report.table import MISSING, Row, markdown_table
 from studies import close_loop
-from studies.case_runner import CaseRunner, RowFile, is_finished
+from studies.case_runner import CaseRunner, RowFile, all_failed, is_finished
 from studies.data_folders import SHARED, data_folder, data_sets
 from studies.interrupt import RESUMES, leave
 from studies.whole_numbers import from_zero
 
 RUNS = "runs.csv"
+FILES = ResultFiles("measured", ("summary.md", "provenance.json"))
 KEY = ("data", "seed", "smoke")
 UNSEEN = ("validation", "test")
 EXPLAINED = (
@@ -100,9 +102,9 @@ class Case:
 def work(case: Case) -> dict[str, str | int | float]:
     """A line of the table: what a diagnosis says of a data set."""
     start = time.perf_counter()
-    config = close_loop.Config(case.folder, case.kept, smoke=case.smoke, seed=case.seed)
-    outcome = close_loop.run(config)
-    close_loop.write(outcome, config)
+    outcome = close_loop.run_and_write(
+        close_loop.Config(case.folder, case.kept, smoke=case.smoke, seed=case.seed)
+    )
     found, dataset = outcome.found, outcome.dataset
     return {
         "status": "done",
@@ -169,26 +171,30 @@ def _change(before: str, after: str) -> str:
     return f"{before} → {after}" if before else MISSING
 
 
-def run(cases: Sequence[Case], config: Config, out: Path) -> str:
-    """Do the data sets that have no line yet, and write and return the summary of all."""
-    rows, asked = RowFile(out / RUNS, KEY, VALUES), {case.key for case in cases}
-    finished = is_finished(rows, cases, config)
+def run(cases: Sequence[Case], config: Config, results: ResultFolder) -> list[dict[str, str]]:
+    """Do the data sets that have no line yet, write the summary of all, return their lines."""
+    rows, asked = RowFile(results.folder / RUNS, KEY, VALUES), {case.key for case in cases}
+    runner = CaseRunner(work, rows, "measured arms", data=lambda case: case.folder)
+    finished = is_finished(rows, cases, config, runner.digest)
     # One after another: each works on all processors, as its user's would.
-    CaseRunner(work, rows, "measured arms").run(cases)
-    summary = page([row for row in rows.rows() if tuple(row[c] for c in KEY) in asked])
+    runner.run(cases)
+    lines = [line.row for key, line in rows.lines().items() if key in asked]
     if not finished:
-        write_atomically(out / "summary.md", summary)
-        Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
-    return summary
+        with results.replaced() as new:
+            write_atomically(new / "summary.md", page(lines))
+            Provenance.collect(config, seed=config.seed).write(new / "provenance.json")
+    return lines
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
+    """Run from the command line; 1 if all failed, 2 if the input cannot be used, else 0."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument(
         "--data", type=data_folder, help="folder of data sets; ../shared/data if not given"
     )
-    parser.add_argument("--out", type=output_folder, help="results/measured if not given")
+    parser.add_argument(
+        "--out", type=output_folder, help="results/measured if not given, out/measured with --data"
+    )
     parser.add_argument(
         "--reports",
         type=output_folder,
@@ -198,15 +204,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=from_zero, default=0, help="of every diagnosis")
     parser.add_argument("--smoke", action="store_true", help="small diagnoses")
     options = parser.parse_args(arguments)
-    out = options.out or results_folder("measured", smoke=options.smoke)
+    out = options.out or results_folder(
+        "measured", smoke=options.smoke, own_data=options.data is not None
+    )
     folders = data_sets(options.data)
     if not folders:
         sys.stderr.write(f"studies.measured: {SHARED}: no data sets; name a folder with --data\n")
         return 2
     config = Config(tuple(f.name for f in folders), options.seed, options.smoke)
     cases = [Case(folder, options.seed, options.smoke, options.reports) for folder in folders]
-    print(run(cases, config, out))
-    return 0
+    with FILES.in_folder(out, folders) as results:
+        lines = run(cases, config, results)
+    print(page(lines))
+    return int(all_failed(lines))
 
 
 if __name__ == "__main__":

@@ -80,7 +80,7 @@ def _steps(data: Path | None, out: Path, results: Path, smoke: bool) -> list[Ste
     steps.append(
         Step(
             "recording the paper's arm with an undeclared effect",
-            lambda: _record(recordings, small),
+            lambda: scara_recordings.main(["--out", str(recordings), *small]),
         )
     )
     steps.append(
@@ -96,13 +96,6 @@ def _draw(results: Path, out: Path) -> int:
     for file in write_all(results, out):
         _say(f"  {file}")
     return 0
-
-
-def _record(folder: Path, small: list[str]) -> int:
-    if (folder / "dataset.toml").is_file():
-        _say(f"{folder} is there already")
-        return 0
-    return scara_recordings.main(["--out", str(folder), *small])
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -10,6 +10,7 @@ hidden effect: it is for trying out what reads data sets.
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,7 +32,9 @@ from oed.experiment.plant import TruePlant
 from oed.experiment.recording import Recording, Role
 from oed.experiment.simulation import Setup, simulate
 from oed.experiment.write_dataset import write_dataset
+from oed.report.code_digest import code_digest
 from oed.report.output_folder import check_output_folder
+from oed.report.result_folder import ResultFiles
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB
 from studies.interrupt import leave
@@ -52,13 +55,16 @@ ROLES: tuple[tuple[str, Role], ...] = (
 HARMONICS = 5
 LOGGED = 4  # one sample in that many is written: 250 Hz of the controller's 1 kHz
 
+FILES = ResultFiles("scara_recordings")
+MODULE = "studies.scara_recordings"  # also where it is run as the main program
+
 
 @dataclass(frozen=True)
 class Config:
     """What to simulate.
 
     Attributes:
-        out: Folder of the data set; it must not exist.
+        out: Folder of the data set; empty, or of an earlier one of this study.
         hidden: The undeclared effect.
         period: Of each motion [s].
         repetitions: Of each motion.
@@ -77,6 +83,12 @@ class Config:
         check_output_folder(self.out)
         if self.hidden not in HIDDEN:
             raise ValueError(f"--hidden {self.hidden}: there are {', '.join(HIDDEN)}")
+
+    @property
+    def key(self) -> str:
+        """Hash of all that decides the recordings."""
+        settings = (self.hidden, self.period, self.repetitions, self.seed, self.smoke)
+        return hashlib.sha256(f"{code_digest(MODULE)}{settings}".encode()).hexdigest()
 
 
 def run(config: Config) -> DataSet:
@@ -117,7 +129,11 @@ def run(config: Config) -> DataSet:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
     config = parse(Config, prog="python -m studies.scara_recordings", arguments=arguments)
-    write_dataset(run(config), config.out)
+    if FILES.is_of(config.out, config.key):
+        sys.stdout.write(f"{config.out} is there already: same code and settings\n")
+        return 0
+    with FILES.in_folder(config.out) as results, results.replaced(config.key) as new:
+        write_dataset(run(config), new)
     sys.stdout.write(f"wrote {config.out}\n")
     return 0
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from oed.commands.options import Count
+from oed.commands.options import Count, OutFolder
 from oed.report.output_folder import check_output_folder
+from oed.report.result_folder import ResultFiles, ResultFolder
 
 
 @dataclass(frozen=True)
@@ -20,8 +23,10 @@ class StudyOptions:
     """
 
     study: ClassVar[str] = ""
+    # What it leaves beside the lines of a study of many cases.
+    names: ClassVar[tuple[str, ...]] = ("runs.csv", "summary.md", "provenance.json")
 
-    out: Path | None = None
+    out: OutFolder | None = None
     smoke: bool = False
 
     def __post_init__(self) -> None:
@@ -32,6 +37,10 @@ class StudyOptions:
         """Where the results go: a try must not replace what is kept."""
         kept = Path("out" if self.smoke else "results") / self.study
         return kept if self.out is None else self.out
+
+    def held(self, inputs: Sequence[str | Path] = ()) -> AbstractContextManager[ResultFolder]:
+        """The folder for the results, for this run alone; as `ResultFiles.in_folder`."""
+        return ResultFiles(self.study, self.names).in_folder(self.results, inputs)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ ORDER = (
     "export",
     "commands",
 )
-SHARED_BY_ALL = ("errors", "input_file")
+SHARED_BY_ALL = ("errors", "input_file", "process_end")
 # Within the diagnosis the same holds; its settings serve all, and diagnosis.py stands above.
 DIAGNOSIS_ORDER = (
     "data",

@@ -71,6 +71,13 @@ def _existing_folder(text: Sequence[str]) -> Path:
     return folder
 
 
+def _named_folder(text: Sequence[str]) -> Path:
+    # A path takes nothing for the folder at hand.
+    if not text[0].strip():
+        raise ValueError("is empty; name a folder")
+    return Path(text[0])
+
+
 # Of what there must be one at least.
 Count = Annotated[int, _number_type(1)]
 # Of random draws.
@@ -82,6 +89,17 @@ Folder = Annotated[
         nargs=1,
         metavar="FOLDER",
         instance_from_str=_existing_folder,
+        is_instance=lambda value: isinstance(value, Path),
+        str_from_instance=lambda value: [str(value)],
+    ),
+]
+# A folder for results, which `oed.report.result_folder` judges.
+OutFolder = Annotated[
+    Path,
+    PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="FOLDER",
+        instance_from_str=_named_folder,
         is_instance=lambda value: isinstance(value, Path),
         str_from_instance=lambda value: [str(value)],
     ),

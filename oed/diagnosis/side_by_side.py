@@ -16,6 +16,8 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import BinaryIO, TypeVar
 
+from oed.process_end import end_with_parent
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -109,11 +111,13 @@ class _Helper:
         """Fork it."""
         read, write = os.pipe()
         outcomes = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115 open while it works
+        parent = os.getpid()
         child = os.fork()
         if child:
             os.close(write)
             return cls(child, read, outcomes)
         try:
+            end_with_parent(parent)
             os.environ[PROCESSES] = "1"
             start = 0
             while place := os.read(todo, PLACE.size):

@@ -20,7 +20,7 @@ DRAKE = "https://drake.mit.edu/"
 ANY_EFFORT = 1e9  # [N m or N]
 
 
-def write_urdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
+def write_urdf(calibrated: CalibratedRobot, path: str | Path, *, home: Path | None = None) -> Path:
     """Write a robot as URDF.
 
     A robot that came from a URDF file keeps all else that is in it: visuals, collision geometry,
@@ -30,6 +30,8 @@ def write_urdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
     Args:
         calibrated: To write.
         path: Of the new file.
+        home: Folder from which its meshes are to be found, where it is moved there afterwards;
+            the file's own if None.
 
     Returns:
         The path.
@@ -38,7 +40,7 @@ def write_urdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
     file = calibrated.robot.description
     ElementTree.register_namespace("drake", DRAKE)
     if file is not None and file.format == "urdf":
-        root = _edited(calibrated, file, path.parent)
+        root = _edited(calibrated, file, home or path.parent)
     else:
         root = _generated(calibrated)
     _set_joints(calibrated, root)

@@ -60,7 +60,7 @@ def write_calibration(
         name: save_figure(figure, out / name, ("png",))[0] for name, figure in figures.items()
     }
     write_csv(out / "parameters.csv", parameter_rows(calibration))
-    write_csv(out / "validation.csv", validation_rows(calibration))
+    write_csv(out / "validation_errors.csv", validation_rows(calibration))
     write_page(out / "report.html", _page(calibration, pictures, provenance))
     # Last: whoever finds this file finds the rest complete.
     write_json(out / "estimate.json", estimate_record(calibration, provenance))

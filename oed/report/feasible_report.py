@@ -54,7 +54,7 @@ def write_feasible(
     }
     write_csv(out / "parameters.csv", parameter_rows(result))
     write_csv(out / "links.csv", link_rows(result))
-    write_csv(out / "validation.csv", validation_rows(result))
+    write_csv(out / "validation_errors.csv", validation_rows(result))
     write_page(out / "report.html", feasible_page(result, exports, pictures, provenance))
     # Last: whoever finds this file finds the rest complete.
     write_json(out / "estimate.json", feasible_record(result, exports, provenance))

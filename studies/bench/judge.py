@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import shutil
 import subprocess
 import sys
@@ -11,7 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from oed.errors import OedError
-from oed.report.json_file import read_json
+from oed.process_end import ends_with_this
+from oed.report.code_digest import code_digest
+from oed.report.json_file import read_json, write_atomically
 from studies.bench.case import Case
 from studies.bench.make_dataset import make_dataset
 from studies.bench.robots import ROBOTS
@@ -37,9 +38,7 @@ VALUE_COLUMNS = (
     "seconds",
     "code",
 )
-# What decides a diagnosis; a line says on which state of it it was made.
-CODE = ("oed/diagnosis", "oed/dynamics/effects", "studies/close_loop.py")
-REPOSITORY = Path(__file__).resolve().parents[2]
+CODE_DIGITS = 8  # of the digest of the diagnosis' code in a line
 
 
 class DiagnosisFailed(OedError):
@@ -74,7 +73,6 @@ class Judge:
         """A line of the table."""
         truth = self.prepare(case)
         out = self.folder / "diagnosis" / case.label
-        code = code_digest()
         start = time.perf_counter()
         self._diagnose(self._data(case), out)
         seconds = time.perf_counter() - start
@@ -101,19 +99,22 @@ class Judge:
             "after_to_before": _rounded(errors.after_to_before),
             "removed": _rounded(errors.removed),
             "seconds": round(seconds, 1),
-            "code": code,
+            "code": code_digest(self.module)[:CODE_DIGITS],
         }
 
     def prepare(self, case: Case) -> Truth:
-        """The truth of a case; its data set is made if it is not there."""
+        """The truth of a case; its data set is made if it is not there, or by other code."""
         path = self.folder / "truth" / f"{case.label}.json"
-        data = self._data(case)
-        if path.is_file() and data.is_dir():
+        data, made_by = self._data(case), path.with_suffix(".code")
+        code = code_digest(make_dataset.__module__)
+        known = made_by.read_text(encoding="utf-8") if made_by.is_file() else ""
+        if path.is_file() and data.is_dir() and known == code:
             return Truth.read(path)
         shutil.rmtree(data, ignore_errors=True)
         truth = make_dataset(case, data)
         path.parent.mkdir(parents=True, exist_ok=True)
         truth.write(path)
+        write_atomically(made_by, code)
         return truth
 
     def _data(self, case: Case) -> Path:
@@ -124,21 +125,16 @@ class Judge:
         out.parent.mkdir(parents=True, exist_ok=True)
         command = [sys.executable, "-m", self.module, "--data", str(data), "--out", str(out)]
         done = subprocess.run(  # noqa: S603  # this interpreter, a module of this repository
-            command, capture_output=True, text=True, timeout=self.limit, check=False
+            command,
+            capture_output=True,
+            text=True,
+            timeout=self.limit,
+            check=False,
+            env=ends_with_this(),
         )
         if done.returncode != 0 and not (out / "diagnosis.json").is_file():
             last = done.stderr.strip().splitlines()[-1:] or ["no message"]
             raise DiagnosisFailed(f"exit code {done.returncode}: {last[0]}", done.returncode)
-
-
-def code_digest() -> str:
-    """Eight hexadecimal digits that change with the code of the diagnosis."""
-    digest = hashlib.sha256()
-    for name in CODE:
-        path = REPOSITORY / name
-        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
-            digest.update(file.read_bytes())
-    return digest.hexdigest()[:8]
 
 
 def _word(value: bool | None) -> str:

@@ -25,7 +25,7 @@ from studies.bench.judge import VALUE_COLUMNS, Judge
 from studies.bench.plan import GROUPS, plan, smoke
 from studies.bench.rates import BenchRow, done
 from studies.bench.summary import confusion, detection, page
-from studies.case_runner import CaseRunner, RowFile
+from studies.case_runner import CaseRunner, RowFile, all_failed
 from studies.study_options import CaseOptions
 
 RUNS = "runs.csv"
@@ -67,7 +67,8 @@ def run(
     """Do the cases that have no line yet, and return all lines."""
     rows = RowFile(out / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
     judge = Judge(folder, config.module, config.limit)
-    CaseRunner(judge, rows, "bench").run(cases, workers=workers, scheduler=scheduler)
+    work = CaseRunner(judge, rows, "bench", code=(config.module,))
+    work.run(cases, workers=workers, scheduler=scheduler)
     return list(rows.rows())
 
 
@@ -116,6 +117,13 @@ class Options(CaseOptions):
     """
 
     study: ClassVar[str] = "bench"
+    names: ClassVar[tuple[str, ...]] = (
+        "summary.md",
+        "provenance.json",
+        "confusion.png",
+        "detection.png",
+        "errors.png",
+    )
 
     cases: tuple[str, ...] = GROUPS
     seeds: Count = Config.seeds
@@ -130,18 +138,20 @@ class Options(CaseOptions):
             raise ValueError(f"--cases {' '.join(sorted(unknown))}: there are {', '.join(GROUPS)}")
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run from the command line."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line; 1 if all failed, else 0."""
     options = parse(Options, prog="python -m studies.bench", arguments=arguments)
     config = Config(options.cases, options.seeds, options.first_seed)
     cases = smoke() if options.smoke else plan(config.seeds, config.groups, first=config.first_seed)
     sets = options.folder
     if options.make:
         print(f"{make(cases, sets)} data sets in {sets / 'data'}")
-        return
+        return 0
     todo = [] if options.summarise else cases
-    rows = run(
-        config, todo, options.results, sets, workers=options.workers, scheduler=options.scheduler
-    )
-    write(rows, config, options.results)
+    out, workers = options.results, options.workers
+    with options.held() as results:
+        rows = run(config, todo, out, sets, workers=workers, scheduler=options.scheduler)
+        with results.replaced() as new:
+            write(rows, config, new)
     print(page(rows, NOTE))
+    return int(all_failed(rows))

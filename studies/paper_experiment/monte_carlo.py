@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ from oed.estimation.weights import variances_from_repetitions
 from oed.experiment.imi_laboratory import Friction
 from oed.experiment.paper_signals import Processing, SampledRuns, sample_runs
 from oed.experiment.simulation import run
+from oed.process_end import end_with_parent
 from oed.report.progress import progress
 from oed.robot.builtin import IMI_LINK_LENGTHS
 from studies.paper_experiment.campaign import FRICTIONS, JOINTS, SETS, XI, Bench, CampaignConfig
@@ -99,7 +101,9 @@ def run_monte_carlo(
         np.empty((*shape, len(SETS), JOINTS)),
     )
     if workers > 1:
-        with ProcessPoolExecutor(workers) as pool:
+        with ProcessPoolExecutor(
+            workers, initializer=end_with_parent, initargs=(os.getpid(),)
+        ) as pool:
             found = pool.map(_work, pieces)
             done = list(progress(found, "experiments", total=len(pieces)))
     else:

@@ -39,13 +39,8 @@ from studies.paper_experiment.designs import (
 from studies.paper_experiment.monte_carlo import MonteCarlo, run_monte_carlo
 from studies.paper_experiment.stage_cache import StageCache
 
-DYNAMICS = ("oed/robot", "oed/dynamics", "oed/design", "studies/paper_experiment/designs.py")
-LABORATORY = (
-    *DYNAMICS[:2],
-    "oed/experiment",
-    "oed/estimation",
-    "studies/paper_experiment/campaign.py",
-)
+DESIGNS = ("studies.paper_experiment.designs",)
+LABORATORY = ("studies.paper_experiment.campaign",)
 
 
 @dataclass(frozen=True)
@@ -80,10 +75,10 @@ class Result:
 def run_stages(config: Config) -> Result:
     """All stages, each read back where it is unchanged."""
     cache, campaign = StageCache(config.cache), config.campaign
-    key = cache.key("horizons", [config.designs], DYNAMICS)
+    key = cache.key("horizons", [config.designs], DESIGNS)
     horizons = cache.get("horizons", key, HorizonTable, lambda: sweep_horizons(config.designs))
     horizon = float(horizons.chosen)
-    key = cache.key("designs", [key], DYNAMICS)
+    key = cache.key("designs", [key], DESIGNS)
     designs = cache.get(
         "designs", key, DesignSet, lambda: design_all(config.designs, horizon, PERIOD)
     )
@@ -92,7 +87,7 @@ def run_stages(config: Config) -> Result:
     bench = cache.get("laboratory", key, Bench, lambda: prepare(campaign, reference))
     drake = cache.get(
         "drake",
-        cache.key("drake", [key, config.drake_seconds], []),
+        cache.key("drake", [key, config.drake_seconds], [check_drake.__module__]),
         DrakeCheck,
         lambda: check_drake(config, bench, reference),
     )
@@ -105,10 +100,13 @@ def run_stages(config: Config) -> Result:
         )
     )
     processing, energy = _comparisons(config, cache, key, bench, designs)
-    source = ["studies/paper_experiment/monte_carlo.py"]
     monte_carlo = cache.get(
         "monte_carlo",
-        cache.key("monte_carlo", [key, config.experiments, config.processings], source),
+        cache.key(
+            "monte_carlo",
+            [key, config.experiments, config.processings],
+            [run_monte_carlo.__module__],
+        ),
         MonteCarlo,
         lambda: run_monte_carlo(
             campaign,

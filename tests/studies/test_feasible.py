@@ -80,9 +80,9 @@ def test_leaves_everything_that_it_promises(results: Path) -> None:
     assert {
         "estimate.json",
         "parameters.yaml",
-        "robot.urdf",
-        "robot.sdf",
-        "robot.xml",
+        "calibrated_robot.urdf",
+        "calibrated_robot.sdf",
+        "calibrated_robot.xml",
         "report.html",
         "weight.png",
         "margins.png",

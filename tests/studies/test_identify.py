@@ -126,7 +126,7 @@ def test_leaves_everything_that_it_promises(tmp_path: Path) -> None:
     for parameter in record["parameters"]:
         low, high = parameter["interval95"]
         assert low < parameter["value"] < high
-    for name in ("report.html", "parameters.csv", "validation.csv", "torque_validation.png"):
+    for name in ("report.html", "parameters.csv", "validation_errors.csv", "torque_validation.png"):
         assert (out / name).stat().st_size > 0
 
 

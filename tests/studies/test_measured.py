@@ -36,10 +36,39 @@ def test_what_each_data_set_lacks_stands_side_by_side(tmp_path, capsys):
     assert "## creeping" in page
     assert "stribeck (joint 1)" in page
     assert "broken: failed" in page
-    # What is done is not done again.
-    (data / "creeping" / "dataset.toml").unlink()
+    # What is done is not done again, wherever it lies; what was mended is.
+    capsys.readouterr()
+    moved = data.rename(tmp_path / "moved")
+    manifest = moved / "broken" / "dataset.toml"
+    manifest.write_text("format = 2\n")
+    given[1] = str(moved)
     assert measured.main(given) == 0
-    assert "## creeping" in capsys.readouterr().out
+    told = capsys.readouterr()
+    assert "1 of 2 lines are there and stay" in told.err
+    assert "1 lines of other code or data are done again" in told.err
+    assert "## creeping" in told.out
+    assert "knows format = 1" in told.out
+
+
+def test_a_user_s_data_write_nothing_into_the_project_s_results_and_a_failure_is_told(
+    tmp_path, monkeypatch, capsys
+):
+    data = tmp_path / "data" / "dfki_a0"
+    data.mkdir(parents=True)
+    (data / "dataset.toml").write_text("format = 1\n")
+    monkeypatch.chdir(tmp_path)
+    committed = tmp_path / "results" / "measured" / "runs.csv"
+    committed.parent.mkdir(parents=True)
+    known = ",".join(["dfki_a0", "0", "no", "done", *[""] * (len(measured.VALUES) - 1)])
+    committed.write_text(f"{','.join((*measured.KEY, *measured.VALUES))}\n{known}\n")
+    before = committed.read_bytes()
+    assert measured.main(["--data", "data"]) == 1
+    assert "dfki_a0: failed: DataSetError" in capsys.readouterr().out
+    assert committed.read_bytes() == before
+    (row,) = read_csv(tmp_path / "out" / "measured" / "runs.csv")
+    # Nor do the committed numbers answer for another folder of the same name.
+    assert measured.main(["--data", "data", "--out", "results/measured"]) == 1
+    assert row["status"].startswith("failed")
 
 
 def test_a_folder_without_data_sets_is_refused_in_a_line(tmp_path, monkeypatch, capsys):

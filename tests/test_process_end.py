@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from oed.process_end import leave
 from studies.case_runner import CaseRunner, RowFile
-from studies.interrupt import leave
 
 
 def interrupted() -> int:
