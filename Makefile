@@ -2,6 +2,7 @@
 # make test    setup, then the tests
 # make paper   setup, then the main job: recordings in, parameters, tables and figures out
 #              make paper DATA=DIR reads the data sets in DIR
+# make docs    setup, then the documentation in out/site, every link checked
 # make lint    setup, then lint, format check and type check
 # make clean   remove the environment, the caches and what a run wrote (results/ stays)
 
@@ -20,7 +21,7 @@ test paper: export OMP_NUM_THREADS = 1
 test: export OED_PROCESSES = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup test paper lint clean
+.PHONY: help setup test paper docs lint clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p;/^$$/q' Makefile
@@ -56,6 +57,11 @@ test: setup
 
 paper: setup
 	$(PYTHON) -m studies.paper $(if $(DATA),--data "$(DATA)")
+
+docs: export NO_MKDOCS_2_WARNING = 1
+docs: setup
+	$(PYTHON) -m mkdocs build --strict --quiet
+	@echo "open out/site/index.html"
 
 lint: setup
 	$(PYTHON) -m ruff check .
