@@ -89,12 +89,7 @@ def read_file(path: str | Path, limit: SizeLimit) -> bytes:
         reason = getattr(error, "strerror", None) or str(error)
         raise UnreadableFile(path, f"cannot be read: {reason}") from error
     try:
-        state = os.fstat(handle)
-        for is_kind, name in KINDS:
-            if is_kind(state.st_mode):
-                raise UnreadableFile(path, f"is {name}, not a file")
-        if state.st_size > limit.most:
-            raise UnreadableFile(path, _too_large(state.st_size, limit))
+        _check_state(path, os.fstat(handle), limit)
         with os.fdopen(handle, "rb", closefd=False) as file:
             content = file.read(limit.most + 1)
     except OSError as error:
@@ -104,6 +99,34 @@ def read_file(path: str | Path, limit: SizeLimit) -> bytes:
     if len(content) > limit.most:
         raise UnreadableFile(path, _too_large(len(content), limit))
     return content
+
+
+def check_file(path: str | Path, limit: SizeLimit) -> None:
+    """Refuse what is no regular file, or a larger one than `limit`, before a library opens it.
+
+    Raises:
+        FileNotFoundError: If there is none.
+        UnreadableFile: As of `read_file`.
+    """
+    path = Path(path)
+    try:
+        state = path.stat()
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise UnreadableFile(path, f"cannot be read: {reason}") from error
+    _check_state(path, state, limit)
+
+
+def too_many_numbers(count: int) -> str:
+    """Why so many numbers are not read into memory; empty where they may be."""
+    if count <= MOST_NUMBERS:
+        return ""
+    return (
+        f"holds {count} numbers in the columns that are asked for, more than {MOST_NUMBERS}, which "
+        "take 1.6 GB; cut the log"
+    )
 
 
 def read_json(path: str | Path, limit: SizeLimit = JSON_FILE) -> object:
@@ -124,6 +147,14 @@ def read_json(path: str | Path, limit: SizeLimit = JSON_FILE) -> object:
         raise UnreadableFile(path, "not JSON of ours: it is nested too deeply") from error
     except ValueError as error:
         raise UnreadableFile(path, f"not JSON: {error}") from error
+
+
+def _check_state(path: Path, state: os.stat_result, limit: SizeLimit) -> None:
+    for is_kind, name in KINDS:
+        if is_kind(state.st_mode):
+            raise UnreadableFile(path, f"is {name}, not a file")
+    if state.st_size > limit.most:
+        raise UnreadableFile(path, _too_large(state.st_size, limit))
 
 
 def _too_large(size: int, limit: SizeLimit) -> str:

@@ -15,6 +15,7 @@ from oed.experiment.dataset import DRIVE_KEYS, TORQUE_KINDS, Drive, TorqueKind
 from oed.experiment.log_format import FORMAT_KEYS, LogFormat, read_log_format
 from oed.experiment.recording import ROLES, Role
 from oed.experiment.toml_table import LARGEST, TomlTable
+from oed.input_file import MANIFEST_FILE, MOST_RECORDINGS, UnreadableFile, read_file
 
 MANIFEST = "dataset.toml"
 FORMAT = 1
@@ -122,17 +123,18 @@ def manifest_of(table: TomlTable) -> Manifest:
 
 
 def _parse(path: Path) -> dict[str, object]:
-    if not path.is_file():
+    try:
+        content = read_file(path, MANIFEST_FILE)
+    except FileNotFoundError:
         raise DataSetError(
             f"missing; a data set is a folder that holds a {MANIFEST}", file=str(path)
-        )
+        ) from None
+    except UnreadableFile as error:
+        raise DataSetError(error.reason, file=str(path)) from error
     try:
-        text = path.read_bytes().decode("utf-8-sig")
-        return tomllib.loads(text)
-    except OSError as error:
-        raise DataSetError(f"cannot be read: {error.strerror}", file=str(path)) from error
+        return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
-        row = path.read_bytes()[: error.start].count(b"\n") + 1
+        row = content[: error.start].count(b"\n") + 1
         raise DataSetError(
             "is not UTF-8 text; save it as UTF-8", file=str(path), row=row
         ) from error
@@ -167,6 +169,12 @@ def _fixed(table: TomlTable, joints: tuple[str, ...]) -> dict[str, float]:
 
 def _recordings(table: TomlTable) -> tuple[RecordingEntry, ...]:
     children = table.children("recording")
+    if len(children) > MOST_RECORDINGS:
+        table.fail(
+            "recording",
+            f"lists {len(children)} recordings, more than {MOST_RECORDINGS}, each of which would "
+            "be filtered and kept on its own; join those that follow one another, or choose some",
+        )
     files = [child.text("file") for child in children]
     entries: list[RecordingEntry] = []
     for child in children:

@@ -96,7 +96,7 @@ def _load_robot(
     except DataSetError:
         raise
     except (OedError, ValueError, RuntimeError, OSError) as error:
-        is_of_names = any(word in str(error) for word in ("no joint", "named twice", "mimics"))
+        is_of_names = any(word in str(error) for word in ("no joint", "named twice"))
         is_fixed = any(repr(name) in str(error) for name in manifest.fixed)
         key = "fixed" if is_fixed else "joints" if is_of_names else "robot"
         message = f"the robot cannot be used: {error}"
@@ -112,10 +112,12 @@ def _check_format(folder: Path, manifest: Manifest, robot: Robot) -> None:
 
 def _check_all_listed(folder: Path, manifest: Manifest, robot: Robot) -> None:
     """A joint that nobody logged may have stood anywhere: its inertia is then unknown."""
-    missing = [name for name in robot.locked if name not in manifest.fixed]
+    # One that mimics another is where that puts it.
+    followers = {} if robot.description is None else robot.description.mimics
+    missing = [name for name in robot.locked if name not in (*manifest.fixed, *followers)]
     if missing:
         message = (
-            f"lists {robot.n} joints, {manifest.robot} has {robot.n + len(robot.locked)} that "
+            f"lists {robot.n} joints, {manifest.robot} has {robot.n + len(missing)} that "
             f"move; not listed: {', '.join(missing)}. Record these too, or say in [fixed] where "
             f"they stood, as in {missing[0]} = 0.0"
         )

@@ -194,7 +194,19 @@ def _held(
     for name in locked:
         if name in names or name not in movable:
             raise RobotError(f"{where}: cannot lock {name!r}: it is active or does not exist")
+        _check_position(where, movable[name], locked[name])
     return {name: held_position(name, mimics, locked) for name in movable if name not in names}
+
+
+def _check_position(where: str, joint: DrakeJoint, position: float) -> None:
+    """Refuse a position that is beyond a joint's range by more than the range: of another unit."""
+    lower, upper = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
+    beyond = max(lower - position, position - upper)
+    if lower < upper and not beyond <= upper - lower:
+        raise RobotError(
+            f"{where}: cannot hold {joint.name()!r} at {position:g}: its range is {lower:.4g} to "
+            f"{upper:.4g} rad or m"
+        )
 
 
 def _mimic_notes(

@@ -120,25 +120,14 @@ def test_a_robot_file_that_is_no_urdf(tmp_path):
     assert refused(folder).column == "robot"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "key", "why"),
-    [
-        ('lower="-3" upper="3"', 'lower="3" upper="-3"', "robot", "lower limit 3 is above"),
-        (
-            '<joint name="joint_2" type="revolute">',
-            '<joint name="joint_2" type="revolute"><mimic joint="joint_1"/>',
-            "joints",
-            "'joint_2' mimics 'joint_1'",
-        ),
-    ],
-)
-def test_a_robot_file_that_contradicts_itself_or_the_list_of_joints(tmp_path, old, new, key, why):
+def test_a_robot_file_that_contradicts_itself(tmp_path):
     folder = with_urdf(tmp_path, 2)
     text = (folder / "robot.urdf").read_text()
-    (folder / "robot.urdf").write_text(text.replace(old, new, 1))
+    text = text.replace('lower="-3" upper="3"', 'lower="3" upper="-3"', 1)
+    (folder / "robot.urdf").write_text(text)
     error = refused(folder)
-    assert error.column == key
-    assert why in str(error)
+    assert error.column == "robot"
+    assert "lower limit 3 is above" in str(error)
 
 
 def test_placeholder_inertias_do_not_stop_a_data_set(tmp_path):

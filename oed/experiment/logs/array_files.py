@@ -16,6 +16,7 @@ from numpy import ndarray
 from oed.errors import DataSetError
 from oed.experiment.logs.registry import log_reader
 from oed.experiment.logs.table import Log, table_of
+from oed.input_file import too_many_numbers
 
 HDF5_START = b"\x89HDF\r\n\x1a\n"
 # MATLAB 7.3 writes 512 bytes of its own before the HDF5 file.
@@ -32,6 +33,7 @@ def read_npz(path: Path) -> Log:
     """Read a NumPy archive; nothing pickled is loaded."""
     try:
         with np.load(path, allow_pickle=False) as archive:
+            _check_room(sum(part.file_size for part in archive.zip.infolist()) // 8, path)
             arrays = {name: archive[name] for name in archive.files}
     except FAULTS as error:
         raise DataSetError(f"is no sound NumPy archive: {error}", file=str(path)) from error
@@ -82,9 +84,22 @@ def _hdf5_arrays(path: Path, *, is_matlab: bool) -> dict[str, ndarray]:
             for field in item.dtype.names:
                 arrays[f"{name}.{field}".replace("/", ".")] = np.asarray(record[field])
 
+    def measure(_: str, item: object) -> None:
+        sizes.append(int(item.size or 0) if isinstance(item, h5py.Dataset) else 0)
+
     with h5py.File(path, "r") as file:
+        sizes: list[int] = []
+        file.visititems(measure)
+        _check_room(sum(sizes), path)
         file.visititems(visit)
     return arrays
+
+
+def _check_room(count: int, path: Path) -> None:
+    """Refuse what would not fit into memory: packed, it may take no room in the file."""
+    reason = too_many_numbers(count)
+    if reason:
+        raise DataSetError(reason, file=str(path))
 
 
 def _fields(prefix: str, content: Mapping[str, object]) -> Iterator[tuple[str, ndarray]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from oed.errors import DataSetError
 from oed.experiment.logs.registry import log_reader
 from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log, Table
+from oed.input_file import UnreadableFile, read_json, too_many_numbers
 
 LIBRARY_ERRORS = (pa.ArrowException, OSError, ValueError, NotImplementedError)
 LEROBOT_INFO = Path("meta", "info.json")  # says what the elements of a column of lists are
@@ -55,6 +55,10 @@ def read_parquet(path: Path) -> Log:
 
     def load(names: tuple[str, ...]) -> Mapping[str, ndarray]:
         stored = list(dict.fromkeys(columns[name][0] for name in names))
+        width = sum(widths.get(name, 1) for name in stored)
+        reason = too_many_numbers(parquet.metadata.num_rows * width)
+        if reason:  # a constant column takes no room in the file
+            raise DataSetError(reason, file=file)
         table = _read(parquet, stored, file)
         arrays = {name: _numbers(table.column(name), name, file) for name in stored}
         return {
@@ -108,9 +112,9 @@ def _lerobot_labels(path: Path, widths: Mapping[str, int]) -> dict[str, str]:
     if info is None:
         return {}
     try:
-        features = json.loads(info.read_text(encoding="utf-8"))["features"]
+        features = dict(read_json(info))["features"]  # pyright: ignore[reportCallIssue, reportArgumentType]  # what is no mapping raises
         names = {key: _flat(features[key].get("names")) for key in widths if key in features}
-    except (OSError, ValueError, LookupError, AttributeError, TypeError) as error:
+    except (OSError, UnreadableFile, LookupError, AttributeError, TypeError, ValueError) as error:
         raise DataSetError(f"cannot be understood: {error!r}", file=str(info)) from error
     return {
         column: f"{key}[{label}]"

@@ -15,6 +15,7 @@ from typing import TypeVar
 
 from oed.errors import DataSetError
 from oed.experiment.logs.table import Log
+from oed.input_file import MOST_COLUMNS, RECORDING_FILE, UnreadableFile, check_file
 
 LogReader = Callable[[Path], Log]
 Reader = TypeVar("Reader", bound=LogReader)
@@ -77,15 +78,27 @@ def read_log(path: Path) -> Log:
             f"{', '.join(known_suffixes())} and folders of ROS 2 bags"
         )
         raise DataSetError(message, file=str(path))
+    if not is_bag:
+        _check(path)
+    log = _reader_of(suffix)(path)
+    for table in log.tables:
+        if len(table.columns) > MOST_COLUMNS:
+            message = (
+                f"holds {len(table.columns)} columns, more than {MOST_COLUMNS}: a log has a row "
+                "per sample, and some columns per joint"
+            )
+            raise DataSetError(message, file=str(path))
+    return log
+
+
+def _check(path: Path) -> None:
     try:
-        is_missing = not is_bag and not path.is_file()
-    except ValueError as error:
-        raise DataSetError(f"cannot be read: {error}", file=str(path)) from error
-    if is_missing:
-        what = "is a folder" if path.is_dir() else "missing"
-        message = f"{what}; correct `file` in dataset.toml or add the file"
-        raise DataSetError(message, file=str(path))
-    return _reader_of(suffix)(path)
+        check_file(path, RECORDING_FILE)
+    except FileNotFoundError:
+        message = "missing; correct `file` in dataset.toml or add the file"
+        raise DataSetError(message, file=str(path)) from None
+    except UnreadableFile as error:
+        raise DataSetError(error.reason, file=str(path)) from error
 
 
 def _reader_of(suffix: str) -> LogReader:
