@@ -94,6 +94,9 @@ def calibrate(
             f"{dataset.name}: {len(torque)} samples of {torque.shape[1]} joints after processing "
             f"cannot determine {len(base)} parameters; record longer, or lower the cut-off"
         )
+    held_out = {
+        role: stack(model, base, held) for role, held in recordings.items() if role != "estimation"
+    }
     estimate = identify(
         regressor,
         torque,
@@ -102,16 +105,30 @@ def calibrate(
         noise=None if robust else repetition_noise(training),
         robust=robust,
         segments=tuple(len(recording) for recording in training),
+        others=tuple(rows for rows, _ in held_out.values()),
+        usual_torque=_usual_torque(recordings),
     )
     dq = np.concatenate([recording.motion.dq for recording in training])
     friction = dict(zip(estimate.names, estimate.parameters.tolist(), strict=True))
     check_dissipation(friction, dq, torque, dataset.name)
-    validation = {}
-    for role, held in recordings.items():
-        role_regressor, measured = stack(model, base, held)
-        predicted = estimate.predict(role_regressor).reshape(measured.shape)
-        validation[role] = validate(predicted, measured)
+    stacked = {"estimation": (regressor, torque), **held_out}
+    validation = {
+        role: validate(estimate.predict(rows).reshape(measured.shape), measured)
+        for role, (rows, measured) in stacked.items()
+    }
     return Calibration(dataset, settings, model, base, recordings, estimate, validation)
+
+
+def _usual_torque(
+    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
+) -> Float[ndarray, " joints"]:
+    """Rms torque of each joint, each role as much; that of the test recordings is not looked at."""
+    means = [
+        np.mean(np.concatenate([recording.tau for recording in held]) ** 2, axis=0)
+        for role, held in recordings.items()
+        if role != "test"
+    ]
+    return np.sqrt(np.mean(means, axis=0))
 
 
 def convergence(calibration: Calibration, *, steps: int = 200) -> RecursiveEstimate:

@@ -26,12 +26,13 @@ class Estimate:
         effective_degrees_of_freedom: (p,) of each parameter's Student-t interval; fewer than
             `degrees_of_freedom` where residuals are coloured.
         joint_variances: (n,) residual variances that weighted the joints [N^2 m^2].
-        status: "determined", or "reduced" if columns were removed because only combinations
-            of them are determined.
+        status: "determined", or "reduced" if only combinations of the columns are determined.
         method: Estimator, weights and covariance in words.
         unidentifiable: Names without a value, both those removed and those too badly excited.
         reasons: One sentence for each of them.
         columns: (p,) indices of the regressor's columns that the parameters multiply.
+        reach: (p,) how far an unseen error reaches along each direction of the parameters, as
+            `oed.estimation.reach`, largest first; those beyond 1 are left at zero.
     """
 
     names: tuple[str, ...]
@@ -48,6 +49,7 @@ class Estimate:
     unidentifiable: tuple[str, ...]
     reasons: tuple[str, ...]
     columns: tuple[int, ...]
+    reach: Float[ndarray, " p"]
 
     def __post_init__(self) -> None:
         counts = (len(self.names), len(self.units), len(self.columns), len(self.parameters))

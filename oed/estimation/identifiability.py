@@ -135,6 +135,33 @@ def badly_excited(
     return sentences
 
 
+def hidden_errors(
+    names: tuple[str, ...],
+    parameters: Float[ndarray, " p"],
+    spread: Float[ndarray, " p"],
+    *,
+    threshold: float = LARGEST_RELATIVE_STD,
+) -> dict[str, str]:
+    """Parameters that hang on directions which the data do not determine.
+
+    Args:
+        names: (p,).
+        parameters: (p,) estimates.
+        spread: (p,) by which an unseen error may move each, as `Reach.spread`.
+        threshold: Largest share of the value that passes.
+
+    Returns:
+        A sentence for each such parameter, by name.
+    """
+    return {
+        names[c]: (
+            f"hardly excited by the recordings for estimation: an error as large as their residual "
+            f"moves it by {spread[c]:.3g}, its value is {parameters[c]:.3g}"
+        )
+        for c in np.flatnonzero(spread > threshold * np.abs(parameters))
+    }
+
+
 def _expression(row: Float[ndarray, " p"], names: tuple[str, ...]) -> str:
     terms = np.flatnonzero(row).tolist()
     if len(terms) == 1:

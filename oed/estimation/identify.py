@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,10 +16,12 @@ from oed.estimation.identifiability import (
     Identifiability,
     badly_excited,
     find_identifiable,
+    hidden_errors,
 )
 from oed.estimation.least_squares import batch_least_squares, check_stack
 from oed.estimation.noise import TorqueNoise, whiten
 from oed.estimation.prior import Prior
+from oed.estimation.reach import Reach, find_reach
 from oed.estimation.robust import RobustLoss, robust_least_squares
 from oed.estimation.triangular import NotIdentifiable, Solution
 from oed.estimation.weights import variances_from_residuals
@@ -47,8 +50,12 @@ def identify(
     covariance: CovarianceMethod = "hac",
     segments: tuple[int, ...] | None = None,
     largest_relative_std: float = LARGEST_RELATIVE_STD,
+    others: Sequence[Float[ndarray, "more p"]] = (),
+    usual_torque: Float[ndarray, " joints"] | None = None,
 ) -> Estimate:
     """Estimate what the data determine, and name what they do not.
+
+    Directions that the rows do not carry to other motions are left at zero, as `reach` says.
 
     Args:
         regressor: H, row k n + j is joint j at sample k.
@@ -61,6 +68,8 @@ def identify(
         covariance: As in `estimate_covariance`.
         segments: Samples of each recording in the stack.
         largest_relative_std: Beyond it a parameter is named and not quoted.
+        others: Regressors of further motions that torque is to be foretold for.
+        usual_torque: (n,) rms torque of each joint on all motions [N m]; of `torque` if None.
 
     Raises:
         ValueError: If shapes disagree, entries are not finite, `noise` comes with `robust`, or
@@ -87,29 +96,43 @@ def identify(
         method=covariance,
         segments=segments,
     )
-    parameters = fit.solution.parameters
-    weak = badly_excited(
-        found.names,
-        parameters,
-        spread.covariance,
-        fit.solution.information_factor,
-        threshold=largest_relative_std,
+    usual = np.sqrt(np.mean(torque**2, axis=0)) if usual_torque is None else usual_torque
+    kept = list(found.kept)
+    # With a prior on them no direction is left to the data alone.
+    reach = (
+        Reach.none(len(kept))
+        if prior is not None and len(prior.factor)
+        else find_reach(columns, [h[:, kept] for h in others], np.sqrt(fit.variances), usual)
     )
+    projection = reach.projection if reach.lost else np.eye(len(kept))
+    parameters = projection @ fit.solution.parameters
+    covariance = projection @ spread.covariance @ projection.T
+    weak = {
+        **badly_excited(
+            found.names,
+            parameters,
+            covariance,
+            fit.solution.information_factor,
+            threshold=largest_relative_std,
+        ),
+        **hidden_errors(found.names, parameters, reach.spread, threshold=largest_relative_std),
+    }
     return Estimate(
         names=found.names,
         units=tuple(units[c] for c in found.kept),
         parameters=parameters,
-        covariance=spread.covariance,
+        covariance=covariance,
         information_factor=fit.solution.information_factor,
         residual=torque - (columns @ parameters).reshape(torque.shape),
         degrees_of_freedom=float(len(rows) - len(parameters)),
         effective_degrees_of_freedom=spread.degrees_of_freedom,
         joint_variances=fit.variances,
-        status="reduced" if found.removed else "determined",
+        status="reduced" if found.removed or reach.lost else "determined",
         method=f"{fit.text}; covariance: {spread.text}",
         unidentifiable=found.removed + tuple(weak),
         reasons=found.reasons + tuple(weak.values()),
         columns=found.kept,
+        reach=reach.factor,
     )
 
 

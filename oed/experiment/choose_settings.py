@@ -28,6 +28,7 @@ LOWEST_CUTOFF = 1.0  # [Hz]
 HIGHEST_CUTOFF = 100.0  # [Hz] beyond any arm's motion
 CUTOFFS_PER_OCTAVE = 8
 ORDER = 4  # of the one-way filter; higher orders ring
+RATE_DIGITS = 3  # loggers run at 62.5 Hz, 125 Hz, 333 Hz, and their stamps jitter
 PASSBAND_GAIN = 0.95  # of the filter, both passes, at the highest frequency that holds motion
 SHORTEST = 8.0  # periods of the cut-off that must fit into the shortest recording
 
@@ -159,10 +160,10 @@ def _power_in_bands(
 
 
 def _choose_rate(recordings: tuple[Recording, ...]) -> tuple[float, str]:
-    """The finest rate [Hz] that was logged, to a round figure, and the reason."""
+    """The finest rate [Hz] that was logged, to three digits, and the reason."""
     steps = [np.diff(recording.t) for recording in recordings]
     finest = min(float(np.median(step)) for step in steps)
-    rate = _rounded(1 / finest)
+    rate = float(f"{1 / finest:.{RATE_DIGITS}g}")
     shortest, longest = min(s.min() for s in steps), max(s.max() for s in steps)
     reason = (
         f"uniform rate {rate:g} Hz: the median step is {1e3 * finest:.4g} ms "
