@@ -1,0 +1,100 @@
+"""The measured torque beside what the robot file's own inertials need, joint by joint.
+
+A regression of each joint's torque on the torque of the file's inertials, on the joint's friction and on
+a constant: its slope is -1 where the sign is reversed, the inverse of the gear ratio where a drive
+constant leaves the gear out, a power of ten where a unit is another. A joint tells where the file's
+torque explains most of what friction does not; placeholders for inertials mostly do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
+from oed.dynamics.effects import RigidBody
+from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.processing import ProcessedRecording
+from oed.experiment.recording import Role
+
+TELLING = 0.9  # correlation: four fifths of the variance that friction and a constant leave
+
+
+@dataclass(frozen=True)
+class Projection:
+    """What a regression of the torque on the file's own inertials says of each joint.
+
+    Attributes:
+        slope: (n,) of the measured torque over the file's; NaN where the file needs none.
+        correlation: (n,) of both, without what friction and a constant explain.
+        friction: Power that friction takes from all joints, over the mean of |tau dq|; negative
+            where it drives them.
+        needed: (n,) rms torque of the file's inertials [N m].
+        measured: (n,) rms torque [N m].
+    """
+
+    slope: Float[ndarray, " joints"]
+    correlation: Float[ndarray, " joints"]
+    friction: float
+    needed: Float[ndarray, " joints"]
+    measured: Float[ndarray, " joints"]
+
+    @property
+    def telling(self) -> Bool[ndarray, " joints"]:
+        """Joints whose torque the file's inertials explain, up to sign and scale."""
+        return np.abs(self.correlation) >= TELLING
+
+
+def project(
+    model: TorqueModel, recordings: Mapping[Role, tuple[ProcessedRecording, ...]]
+) -> Projection:
+    """Regress the torque of all recordings on the file's inertials.
+
+    Args:
+        model: With a rigid body and friction.
+        recordings: By role, of one band.
+    """
+    every = [recording for group in recordings.values() for recording in group]
+    rigid = TorqueModel(model.robot, (RigidBody(model.robot),))
+    friction = TorqueModel(
+        model.robot, tuple(e for e in model.effects if not isinstance(e, RigidBody))
+    )
+    parameters = model.robot.parameters
+    file = np.concatenate([r.columns(lambda m: rigid.columns(m) @ parameters[:, None]) for r in every])
+    beside = np.concatenate([r.columns(friction.columns) for r in every])
+    tau = np.concatenate([r.tau for r in every])
+    dq = np.concatenate([r.motion.dq for r in every])
+    found = [_regress(file[:, j, 0], beside[:, j], tau[:, j], dq[:, j]) for j in range(tau.shape[1])]
+    slope, correlation, taken = (np.array(x) for x in zip(*found, strict=True))
+    power = float(np.sum(np.mean(np.abs(tau * dq), axis=0)))
+    return Projection(
+        slope=slope,
+        correlation=correlation,
+        friction=float(taken.sum()) / power if power > 0 else 0.0,
+        needed=np.sqrt(np.mean(file[:, :, 0] ** 2, axis=0)),
+        measured=np.sqrt(np.mean(tau**2, axis=0)),
+    )
+
+
+def _regress(
+    file: Float[ndarray, " samples"],
+    beside: Float[ndarray, "samples columns"],
+    tau: Float[ndarray, " samples"],
+    dq: Float[ndarray, " samples"],
+) -> tuple[float, float, float]:
+    """Slope, partial correlation, and the mean power that the columns beside take."""
+    used = beside[:, np.any(beside != 0, axis=0)]
+    others = np.column_stack([used, np.ones(len(tau))])
+    scale = np.linalg.norm(others, axis=0)
+    pair = np.column_stack([file, tau])
+    left = pair - others @ (np.linalg.lstsq(others / scale, pair, rcond=None)[0] / scale[:, None])
+    squares, product = left[:, 0] @ left[:, 0], left[:, 0] @ left[:, 1]
+    size = np.sqrt(squares * (left[:, 1] @ left[:, 1]))
+    slope = product / squares if size > 0 else np.nan
+    rest = tau - (slope * file if size > 0 else 0.0)
+    coefficients = np.linalg.lstsq(others / scale, rest, rcond=None)[0] / scale
+    taken = np.mean((used @ coefficients[:-1]) * dq)
+    return float(slope), float(product / size) if size > 0 else 0.0, float(taken)
