@@ -13,6 +13,7 @@ ORDER = (
     "design",
     "experiment",
     "estimation",
+    "checkup",
     "diagnosis",
     "report",
     "export",

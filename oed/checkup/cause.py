@@ -14,11 +14,12 @@ Signs may be reversed at several joints: they are tried one after another.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool
 from numpy import ndarray
 
 from oed.checkup.projection import Projection, project
@@ -36,6 +37,7 @@ REPAIRED = 0.5  # of its error as logged, at most, that a repaired joint keeps
 NO_WORSE = 1.1  # times its error as logged, of a joint that nothing helps
 # Inertials of robot files, and even placeholders, give a joint's torque to its order of magnitude.
 MAGNITUDE = np.sqrt(10.0)
+NEAR_ZERO = 0.02  # of a joint's largest torque
 OTHER_UNIT = 10.0  # farther from 1 than any such file
 
 
@@ -87,9 +89,16 @@ def find_cause(
     projection = project(model, recordings)
     data = trial_data(recordings, model.columns)
     as_logged = data.outcome(Trial.unchanged(dataset.robot.n))
-    cause = _all_reversed(dataset, projection) or _all_scaled(dataset, projection)
-    if cause is None and (as_logged.relative > USELESS).any():
-        cause = _magnitude(dataset) or _repair(dataset, model, recordings, data, as_logged)
+    repairs: list[_Tried] = []
+    cause = None
+    if (as_logged.relative > USELESS).any():
+        cause = _magnitude(dataset)
+        if cause is None:
+            repairs = _repairs(dataset, model, recordings, data, as_logged)
+            cause = _named(dataset, model, recordings, repairs, as_logged)
+    # Of repairs that nothing tells apart none is named, and the file's inertials are no judge of them.
+    if cause is None and not repairs:
+        cause = _all_reversed(dataset, projection) or _all_scaled(dataset, projection)
     return Search(cause, projection, as_logged)
 
 
@@ -189,8 +198,6 @@ def _magnitude(dataset: DataSet) -> Cause | None:
     )
 
 
-NEAR_ZERO = 0.02  # of a joint's largest torque
-
 
 @dataclass(frozen=True)
 class _Tried:
@@ -198,14 +205,14 @@ class _Tried:
     outcome: Outcome
 
 
-def _repair(
+def _repairs(
     dataset: DataSet,
     model: TorqueModel,
     recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
     data: TrialData,
     as_logged: Outcome,
-) -> Cause | None:
-    """The suspicion that alone repairs the fit."""
+) -> list[_Tried]:
+    """The suspicions that each alone repair the fit, the likeliest first."""
     tried = [
         _Tried(suspicion, _laid_out(suspicion, model, recordings, data).outcome(suspicion.trial))
         for suspicion in suspicions(dataset)
@@ -213,32 +220,11 @@ def _repair(
     tried += _more_signs(dataset, data, tried)
     best_error = np.min([t.outcome.relative for t in tried], axis=0)
     helped = np.minimum(best_error, as_logged.relative) <= USELESS
-    repairs = sorted(
-        (t for t in tried if _repairs(t.outcome, as_logged, helped)),
-        key=lambda t: t.outcome.deviance,
-    )
-    if not repairs:
-        return None
-    best = repairs[0]
-    gain = as_logged.deviance - best.outcome.deviance
-    lead = min((t.outcome.deviance for t in repairs[1:]), default=np.inf) - best.outcome.deviance
-    if min(gain, lead) <= VERY_STRONG:
-        return None
-    names = dataset.robot.joint_names
-    bad = np.flatnonzero(as_logged.relative > USELESS)
-    shown = ", ".join(
-        f"{names[j]} {as_logged.relative[j]:.2g} to {best.outcome.relative[j]:.2g}" for j in bad
-    )
-    evidence = (
-        f"put right, it alone repairs what is foretold of recordings that were not fitted: relative "
-        f"error of {shown}; 2 log likelihood ratio {gain:.3g}"
-        + (f", {lead:.3g} to the next such cause" if np.isfinite(lead) else ", no other cause does")
-    )
-    suspicion = best.suspicion
-    return Cause(suspicion.kind, suspicion.text, suspicion.remedy, evidence)
+    found = [t for t in tried if _is_repair(t.outcome, as_logged, helped)]
+    return sorted(found, key=lambda t: t.outcome.deviance)
 
 
-def _repairs(outcome: Outcome, as_logged: Outcome, helped: Float[ndarray, " joints"]) -> bool:
+def _is_repair(outcome: Outcome, as_logged: Outcome, helped: Bool[ndarray, " joints"]) -> bool:
     bad = helped & (as_logged.relative > USELESS)
     return bool(
         outcome.lost == 0
@@ -247,6 +233,63 @@ def _repairs(outcome: Outcome, as_logged: Outcome, helped: Float[ndarray, " join
         and (outcome.relative[~helped] <= NO_WORSE * as_logged.relative[~helped]).all()
         and (outcome.relative[bad] <= REPAIRED * as_logged.relative[bad]).all()
     )
+
+
+def _named(
+    dataset: DataSet,
+    model: TorqueModel,
+    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
+    repairs: list[_Tried],
+    as_logged: Outcome,
+) -> Cause | None:
+    """The likeliest repair, if the evidence for it over all else is very strong."""
+    if not repairs:
+        return None
+    best = repairs[0]
+    gain = as_logged.deviance - best.outcome.deviance
+    rivals = [t for t in repairs[1:] if not _are_mirrored(t.suspicion, best.suspicion)]
+    lead = min((t.outcome.deviance for t in rivals), default=np.inf) - best.outcome.deviance
+    if min(gain, lead) <= VERY_STRONG:
+        return None
+    suspicion = best.suspicion
+    if suspicion.kind == "sign" and not _brakes(suspicion, model, recordings):
+        kept = np.flatnonzero(suspicion.trial.gain > 0).tolist()
+        suspicion = signs(dataset, tuple(kept))
+    names = dataset.robot.joint_names
+    shown = ", ".join(
+        f"{names[j]} {as_logged.relative[j]:.2g} to {best.outcome.relative[j]:.2g}"
+        for j in np.flatnonzero(as_logged.relative > USELESS)
+    )
+    evidence = (
+        f"put right, it alone repairs what is foretold of recordings that were not fitted: relative "
+        f"error of {shown}; 2 log likelihood ratio {gain:.3g}"
+        + (f", {lead:.3g} to the next such cause" if np.isfinite(lead) else ", no other cause does")
+    )
+    return Cause(suspicion.kind, suspicion.text, suspicion.remedy, evidence)
+
+
+def _are_mirrored(one: Suspicion, other: Suspicion) -> bool:
+    """Whether two reverse complementary joints: with all signs turned they are the same."""
+    return (
+        one.kind == other.kind == "sign" and (one.trial.gain == -other.trial.gain).all().item()
+    )
+
+
+def _brakes(
+    suspicion: Suspicion,
+    model: TorqueModel,
+    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
+) -> bool:
+    """Whether with these signs friction brakes, or the torque is the file's where there is none."""
+    gain = suspicion.trial.gain
+    righted = {
+        role: tuple(dataclasses.replace(r, tau=r.tau * gain) for r in group)
+        for role, group in recordings.items()
+    }
+    found = project(model, righted)
+    if abs(found.friction) > LEAST_SHARE:
+        return found.friction > 0
+    return bool(np.sum(found.correlation[found.telling]) >= 0)
 
 
 def _laid_out(

@@ -1,0 +1,133 @@
+"""Look a data set over before anything is made of it: typed findings, each with its evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from oed.checkup.cause import Search, find_cause
+from oed.checkup.finding import Checkup, Finding
+from oed.checkup.fit_findings import (
+    cause_finding,
+    error_finding,
+    impossible_finding,
+    parameter_finding,
+)
+from oed.checkup.log_findings import (
+    noise_finding,
+    rate_finding,
+    reader_finding,
+    repetition_finding,
+    saturation_finding,
+    standstill_finding,
+)
+from oed.checkup.motion_findings import coverage_finding, range_finding
+from oed.dynamics.torque_model import TorqueModel
+from oed.errors import OedError
+from oed.estimation.calibration import Calibration, calibrate
+from oed.estimation.stacking import process_all
+from oed.experiment.dataset import DataSet
+from oed.experiment.processing import ProcessingSettings
+
+
+def check_dataset(
+    dataset: DataSet, model: TorqueModel, settings: ProcessingSettings
+) -> Checkup:
+    """All that can be said of a data set: its log, its motion, its signs and units, its estimate.
+
+    Args:
+        dataset: At least one recording for estimation.
+        model: Of its robot, to be estimated.
+        settings: Of the signal processing.
+
+    Returns:
+        The findings; where no estimate can be made, one of them says why.
+
+    Raises:
+        ValueError: If there is no recording for estimation, or one is too short.
+    """
+    search = _search(dataset, model, settings)
+    try:
+        fitted = _of_estimate(calibrate(dataset, model, settings), search)
+    except OedError as error:
+        fitted = (Finding("prediction", "red", f"no estimate can be made: {error}"),)
+    return _assembled(dataset, settings, search, fitted)
+
+
+def check_calibration(calibration: Calibration) -> Checkup:
+    """The same of a data set of which an estimate was made."""
+    dataset, settings = calibration.dataset, calibration.settings
+    search = _search(dataset, calibration.model, settings)
+    return _assembled(dataset, settings, search, _of_estimate(calibration, search))
+
+
+# Said of the log when it is read, and recorded apart from what an estimate shows.
+OF_READING = ("rate and gaps", "values")
+
+
+def doubts(checkup: Checkup) -> tuple[str, ...]:
+    """The notes of a checkup that reading the data set did not already give."""
+    kept = tuple(f for f in checkup.findings if f.topic not in OF_READING)
+    return Checkup(checkup.name, kept, checkup.cause).notes
+
+
+def _search(dataset: DataSet, model: TorqueModel, settings: ProcessingSettings) -> Search:
+    # As few samples as carry the band: a likelihood counts independent ones in any case.
+    return find_cause(dataset, model, process_all(dataset, settings.thinned()))
+
+
+def _of_estimate(calibration: Calibration, search: Search) -> tuple[Finding, ...]:
+    return (
+        error_finding(calibration, search),
+        parameter_finding(calibration),
+        impossible_finding(calibration),
+    )
+
+
+def _assembled(
+    dataset: DataSet,
+    settings: ProcessingSettings,
+    search: Search,
+    fitted: tuple[Finding, ...],
+) -> Checkup:
+    findings = (
+        cause_finding(dataset.robot.joint_names, search),
+        *fitted,
+        coverage_finding(dataset),
+        range_finding(dataset),
+        standstill_finding(dataset),
+        rate_finding(dataset, settings),
+        noise_finding(dataset, settings),
+        repetition_finding(dataset),
+        saturation_finding(dataset),
+        reader_finding(dataset),
+    )
+    return Checkup(dataset.name, findings, search.cause)
+
+
+def checkup_record(checkup: Checkup) -> Mapping[str, object]:
+    """The content of check.json."""
+    cause = checkup.cause
+    return {
+        "format": 1,
+        "data": checkup.name,
+        "level": checkup.level,
+        "cause": None
+        if cause is None
+        else {
+            "kind": cause.kind,
+            "text": cause.text,
+            "remedy": cause.remedy,
+            "evidence": cause.evidence,
+        },
+        "findings": [
+            {
+                "topic": f.topic,
+                "level": f.level,
+                "text": f.text,
+                "remedy": f.remedy,
+                "evidence": [dict(row) for row in f.rows],
+            }
+            for f in checkup.findings
+        ],
+        "notes": list(checkup.notes),
+    }

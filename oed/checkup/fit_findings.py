@@ -1,0 +1,146 @@
+"""What an estimate shows of its data: what they determine, what is impossible, what is foretold badly."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from oed.checkup.cause import USELESS, Search
+from oed.checkup.finding import EvidenceRow, Finding, share
+from oed.estimation.calibration import Calibration
+from oed.estimation.reach import LARGEST_REACH
+from oed.experiment.recording import HELD_OUT
+
+# What is negative for no joint and no link; a sum with other parameters may be.
+NEVER_NEGATIVE = {
+    "Fc": "Coulomb friction",
+    "Fv": "viscous friction",
+    "Ia": "rotor inertia",
+    "m": "mass",
+}
+LISTED = 4  # names in a line; the table has all
+
+
+def cause_finding(calibration_names: tuple[str, ...], search: Search) -> Finding:
+    """Units, signs and order, decided by tests."""
+    projection = search.projection
+    rows: tuple[EvidenceRow, ...] = tuple(
+        {
+            "joint": name,
+            "measured rms [N m or N]": float(projection.measured[j]),
+            "by the file's inertials": float(projection.needed[j]),
+            "ratio": float(projection.slope[j]),
+            "correlation": float(projection.correlation[j]),
+            "tells": bool(projection.telling[j]),
+        }
+        for j, name in enumerate(calibration_names)
+    )
+    if search.cause is not None:
+        cause = search.cause
+        return Finding("units and signs", "red", f"{cause.text} ({cause.evidence})", cause.remedy, rows)
+    telling = int(projection.telling.sum())
+    if (search.as_logged.relative > USELESS).any():
+        text = "no reversed sign, exchange, direction of gravity, unit or offset alone repairs the fit"
+    else:
+        text = "signs, order, units and gravity fit together: the joints foretell what was held out"
+    return Finding(
+        "units and signs",
+        "green",
+        f"{text}; the torque of {telling} of {len(rows)} joints follows the robot file's own inertials",
+        "",
+        rows,
+    )
+
+
+def parameter_finding(calibration: Calibration) -> Finding:
+    """How many parameters the data determine, and which not."""
+    estimate = calibration.estimate
+    lost = int(np.sum(estimate.reach > LARGEST_REACH))
+    weak = estimate.unidentifiable
+    rows: tuple[EvidenceRow, ...] = tuple(
+        {"not identified": name, "because": reason}
+        for name, reason in zip(weak, estimate.reasons, strict=True)
+    )
+    condition = float(np.linalg.cond(estimate.information_factor) ** 2)
+    count = int(estimate.determined.sum())
+    text = (
+        f"{count} of {len(calibration.base)} base parameters are determined, J_k = {condition:.3g}"
+    )
+    if lost:
+        text += (
+            f"; along {lost} of {len(estimate.reach)} directions the recordings for estimation excite "
+            f"too little: an error of the size of their residual, hidden there, would change what is "
+            f"foretold by up to {estimate.reach.max():.3g} times the torque; these are left at zero"
+        )
+        return Finding("parameters", "red", text, "record the motion proposed below", rows)
+    if weak:
+        names = ", ".join(weak[:LISTED]) + (", ..." if len(weak) > LISTED else "")
+        text += f"; {len(weak)} are not ({names})"
+    level = "amber" if len(weak) > count else "green"
+    remedy = "record the motion proposed below" if level == "amber" else ""
+    return Finding("parameters", level, text, remedy, rows)
+
+
+def impossible_finding(calibration: Calibration) -> Finding:
+    """Parameters that are negative beyond their intervals though they cannot be."""
+    # Only those that stand alone: regrouped with others, a negative sum is no fault.
+    estimate, rows = calibration.estimate, []
+    interval = estimate.interval(0.95)
+    for k, name in enumerate(estimate.names):
+        symbol = re.sub(r"_\d+$", "", name)
+        is_alone = calibration.base.expressions[estimate.columns[k]] == name
+        if estimate.determined[k] and is_alone and symbol in NEVER_NEGATIVE and interval[k, 1] < 0:
+            rows.append(
+                {
+                    "parameter": name,
+                    "value": float(estimate.parameters[k]),
+                    "upper95": float(interval[k, 1]),
+                    "unit": estimate.units[k],
+                    "is a": NEVER_NEGATIVE[symbol],
+                }
+            )
+    if not rows:
+        return Finding("signs of parameters", "green", "no friction, mass or rotor inertia is negative")
+    told = ", ".join(f"{row['parameter']} = {row['value']:.3g} {row['unit']}" for row in rows[:LISTED])
+    more = f" and {len(rows) - LISTED} more" if len(rows) > LISTED else ""
+    return Finding(
+        "signs of parameters",
+        "amber",
+        f"negative, which they cannot be: {told}{more}",
+        "the feasible estimate keeps to what is possible; the diagnosis (close_loop) looks for what "
+        "the model lacks",
+        tuple(rows),
+    )
+
+
+def error_finding(calibration: Calibration, search: Search) -> Finding:
+    """How well the estimate foretells, judged on what was held out where there is any."""
+    held = [role for role in HELD_OUT if role in calibration.validation]
+    role = held[0] if held else "estimation"
+    result = calibration.validation[role]
+    names = calibration.dataset.robot.joint_names
+    rows: tuple[EvidenceRow, ...] = tuple(
+        {
+            "joint": name,
+            **{f"{r} [%]": 100 * float(v.relative_rms[j]) for r, v in calibration.validation.items()},
+        }
+        for j, name in enumerate(names)
+    )
+    overall = f"the residual on {role} is {share(result.overall_relative_rms)}"
+    bad = np.flatnonzero(result.relative_rms > USELESS)
+    if not len(bad):
+        return Finding("prediction", "green", overall, "", rows)
+    told = ", ".join(f"{names[j]} {share(result.relative_rms[j])}" for j in bad)
+    level = "red" if result.overall_relative_rms > USELESS else "amber"
+    return Finding("prediction", level, f"{overall}; {told}", _known(calibration, search), rows)
+
+
+def _known(calibration: Calibration, search: Search) -> str:
+    """What to do about a bad prediction: what is known of it, and never a guess."""
+    if search.cause is not None:
+        return "mend the cause named under units and signs first"
+    if (calibration.estimate.reach > LARGEST_REACH).any():
+        return "the motion for estimation does not determine it: record the one proposed below, or see `feasible`"
+    return "no test names a cause: see what the model lacks with close_loop"
+
