@@ -15,6 +15,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from oed.checkup.checkup import check_calibration
 from oed.errors import OedError
 from oed.estimation.calibration import Calibration, calibrate, convergence, residual_spectrum
 from oed.report.calibration_report import print_summary, write_calibration
@@ -49,6 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with IDENTIFY.in_folder(config.out, [config.data]) as results:
             calibration = run(config)
+            checkup = check_calibration(calibration)
             with results.replaced() as new:
                 write_calibration(
                     calibration,
@@ -56,11 +58,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
                     residual_spectrum(calibration),
                     new,
                     Provenance.collect(config, seed=None),
+                    checkup=checkup,
                 )
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.identify: {error}\n")
         return 2
-    print_summary(calibration)
+    print_summary(calibration, checkup)
     say(f"wrote {config.out} in {time.perf_counter() - start:.1f} s")
     return 0
 

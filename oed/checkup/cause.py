@@ -135,7 +135,9 @@ def _all_scaled(dataset: DataSet, projection: Projection) -> Cause | None:
     for factor, words in UNITS.items():
         if _all_of_size(slope / factor):
             text = f"the torques are in {words}"
-            return Cause("scale", text, f"divide them by {factor:g}", _slopes(dataset, slope, joints))
+            return Cause(
+                "scale", text, f"divide them by {factor:g}", _slopes(dataset, slope, joints)
+            )
     middle = float(np.exp(np.mean(np.log(slope))))
     # Inertials that are too small by as much are placeholders; too large ones are not made up.
     if middle > 1 or not _all_of_size(slope / middle):
@@ -196,7 +198,6 @@ def _magnitude(dataset: DataSet) -> Cause | None:
         "log the torques with their signs",
         "no joint has a negative torque in any recording, though each comes near zero",
     )
-
 
 
 @dataclass(frozen=True)
@@ -270,9 +271,7 @@ def _named(
 
 def _are_mirrored(one: Suspicion, other: Suspicion) -> bool:
     """Whether two reverse complementary joints: with all signs turned they are the same."""
-    return (
-        one.kind == other.kind == "sign" and (one.trial.gain == -other.trial.gain).all().item()
-    )
+    return one.kind == other.kind == "sign" and (one.trial.gain == -other.trial.gain).all().item()
 
 
 def _brakes(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 
-from oed.checkup.cause import Search, find_cause
+from oed.checkup.cause import Cause, Search, find_cause
 from oed.checkup.finding import Checkup, Finding
 from oed.checkup.fit_findings import (
     cause_finding,
@@ -29,9 +30,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.processing import ProcessingSettings
 
 
-def check_dataset(
-    dataset: DataSet, model: TorqueModel, settings: ProcessingSettings
-) -> Checkup:
+def check_dataset(dataset: DataSet, model: TorqueModel, settings: ProcessingSettings) -> Checkup:
     """All that can be said of a data set: its log, its motion, its signs and units, its estimate.
 
     Args:
@@ -104,21 +103,18 @@ def _assembled(
     return Checkup(dataset.name, findings, search.cause)
 
 
+def cause_record(cause: Cause | None) -> Mapping[str, str] | None:
+    """A cause in a JSON record."""
+    return None if cause is None else dataclasses.asdict(cause)
+
+
 def checkup_record(checkup: Checkup) -> Mapping[str, object]:
     """The content of check.json."""
-    cause = checkup.cause
     return {
         "format": 1,
         "data": checkup.name,
         "level": checkup.level,
-        "cause": None
-        if cause is None
-        else {
-            "kind": cause.kind,
-            "text": cause.text,
-            "remedy": cause.remedy,
-            "evidence": cause.evidence,
-        },
+        "cause": cause_record(checkup.cause),
         "findings": [
             {
                 "topic": f.topic,

@@ -38,10 +38,14 @@ def cause_finding(calibration_names: tuple[str, ...], search: Search) -> Finding
     )
     if search.cause is not None:
         cause = search.cause
-        return Finding("units and signs", "red", f"{cause.text} ({cause.evidence})", cause.remedy, rows)
+        return Finding(
+            "units and signs", "red", f"{cause.text} ({cause.evidence})", cause.remedy, rows
+        )
     telling = int(projection.telling.sum())
     if (search.as_logged.relative > USELESS).any():
-        text = "no reversed sign, exchange, direction of gravity, unit or offset alone repairs the fit"
+        text = (
+            "no reversed sign, exchange, direction of gravity, unit or offset alone repairs the fit"
+        )
     else:
         text = "signs, order, units and gravity fit together: the joints foretell what was held out"
     return Finding(
@@ -73,12 +77,12 @@ def parameter_finding(calibration: Calibration) -> Finding:
             f"too little: an error of the size of their residual, hidden there, would change what is "
             f"foretold by up to {estimate.reach.max():.3g} times the torque; these are left at zero"
         )
-        return Finding("parameters", "red", text, "record the motion proposed below", rows)
+        return Finding("parameters", "red", text, "record the motion that `check` proposes", rows)
     if weak:
         names = ", ".join(weak[:LISTED]) + (", ..." if len(weak) > LISTED else "")
         text += f"; {len(weak)} are not ({names})"
     level = "amber" if len(weak) > count else "green"
-    remedy = "record the motion proposed below" if level == "amber" else ""
+    remedy = "record the motion that `check` proposes" if level == "amber" else ""
     return Finding("parameters", level, text, remedy, rows)
 
 
@@ -101,15 +105,18 @@ def impossible_finding(calibration: Calibration) -> Finding:
                 }
             )
     if not rows:
-        return Finding("signs of parameters", "green", "no friction, mass or rotor inertia is negative")
-    told = ", ".join(f"{row['parameter']} = {row['value']:.3g} {row['unit']}" for row in rows[:LISTED])
+        return Finding(
+            "signs of parameters", "green", "no friction, mass or rotor inertia is negative"
+        )
+    told = ", ".join(
+        f"{row['parameter']} = {row['value']:.3g} {row['unit']}" for row in rows[:LISTED]
+    )
     more = f" and {len(rows) - LISTED} more" if len(rows) > LISTED else ""
     return Finding(
         "signs of parameters",
         "amber",
         f"negative, which they cannot be: {told}{more}",
-        "the feasible estimate keeps to what is possible; the diagnosis (close_loop) looks for what "
-        "the model lacks",
+        "`feasible` keeps to what is possible, `close_loop` looks for what the model lacks",
         tuple(rows),
     )
 
@@ -123,7 +130,10 @@ def error_finding(calibration: Calibration, search: Search) -> Finding:
     rows: tuple[EvidenceRow, ...] = tuple(
         {
             "joint": name,
-            **{f"{r} [%]": 100 * float(v.relative_rms[j]) for r, v in calibration.validation.items()},
+            **{
+                f"{r} [%]": 100 * float(v.relative_rms[j])
+                for r, v in calibration.validation.items()
+            },
         }
         for j, name in enumerate(names)
     )
@@ -141,6 +151,5 @@ def _known(calibration: Calibration, search: Search) -> str:
     if search.cause is not None:
         return "mend the cause named under units and signs first"
     if (calibration.estimate.reach > LARGEST_REACH).any():
-        return "the motion for estimation does not determine it: record the one proposed below, or see `feasible`"
-    return "no test names a cause: see what the model lacks with close_loop"
-
+        return "the motion for estimation does not determine it: record the motion that `check` proposes; `feasible` gives what can be said until then"
+    return "no test names a cause: `close_loop` looks for what the model lacks"

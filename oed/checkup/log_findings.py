@@ -42,7 +42,11 @@ def rate_finding(dataset: DataSet, settings: ProcessingSettings) -> Finding:
     told += list(gaps)
     if repeated:
         told.append("many rows repeat their predecessor: the log is read faster than it is updated")
-    remedy = "log without pauses, at the rate at which the controller updates" if gaps or repeated else ""
+    remedy = (
+        "log without pauses, at the rate at which the controller updates"
+        if gaps or repeated
+        else ""
+    )
     level = "amber" if gaps or repeated else "green"
     return Finding("rate and gaps", level, "; ".join(told), remedy, tuple(rows))
 
@@ -65,7 +69,9 @@ def standstill_finding(dataset: DataSet) -> Finding:
         f"known: at most {100 * of_estimation.max():.0f} % in the recordings for estimation"
     )
     if dataset.still:
-        still = ", ".join(f"{name} ({travel:.2g} rad or m)" for name, travel in dataset.still.items())
+        still = ", ".join(
+            f"{name} ({travel:.2g} rad or m)" for name, travel in dataset.still.items()
+        )
         return Finding(
             "standstill",
             "red",
@@ -76,9 +82,7 @@ def standstill_finding(dataset: DataSet) -> Finding:
         )
     if len(slow):
         names = ", ".join(joints[j].name for j in slow)
-        return Finding(
-            "standstill", "amber", f"{text}; {names}", "record motion, not pauses", rows
-        )
+        return Finding("standstill", "amber", f"{text}; {names}", "record motion, not pauses", rows)
     return Finding("standstill", "green", text, "", rows)
 
 

@@ -43,7 +43,9 @@ def range_finding(dataset: DataSet) -> Finding:
             "the joint's zero, sign or unit is not the file's, or the limits are not this arm's",
             rows,
         )
-    return Finding("ranges", "green", "all positions lie within the limits of the robot's file", "", rows)
+    return Finding(
+        "ranges", "green", "all positions lie within the limits of the robot's file", "", rows
+    )
 
 
 def coverage_finding(dataset: DataSet) -> Finding:

@@ -63,11 +63,15 @@ def project(
         model.robot, tuple(e for e in model.effects if not isinstance(e, RigidBody))
     )
     parameters = model.robot.parameters
-    file = np.concatenate([r.columns(lambda m: rigid.columns(m) @ parameters[:, None]) for r in every])
+    file = np.concatenate(
+        [r.columns(lambda m: rigid.columns(m) @ parameters[:, None]) for r in every]
+    )
     beside = np.concatenate([r.columns(friction.columns) for r in every])
     tau = np.concatenate([r.tau for r in every])
     dq = np.concatenate([r.motion.dq for r in every])
-    found = [_regress(file[:, j, 0], beside[:, j], tau[:, j], dq[:, j]) for j in range(tau.shape[1])]
+    found = [
+        _regress(file[:, j, 0], beside[:, j], tau[:, j], dq[:, j]) for j in range(tau.shape[1])
+    ]
     slope, correlation, taken = (np.array(x) for x in zip(*found, strict=True))
     power = float(np.sum(np.mean(np.abs(tau * dq), axis=0)))
     return Projection(

@@ -21,7 +21,7 @@ from oed.experiment.processing import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
 
 Columns = Callable[[Motion], Float[ndarray, "samples joints columns"]]
-Rows = tuple[Float[ndarray, "samples joints columns"], Float[ndarray, "samples joints"]]
+Rows = tuple[Float[ndarray, "_ joints columns"], Float[ndarray, "_ joints"]]
 
 RANK = 1e-8  # of the largest singular value, columns of one norm: beyond it a direction is rounding
 FITTED_SHARE = 2 / 3  # of each recording, where none is held out
@@ -96,7 +96,7 @@ class TrialData:
 
     @property
     def joints(self) -> int:
-        """n."""
+        """Number of joints."""
         return len(self.fitted.factors)
 
     def outcome(self, trial: Trial) -> Outcome:
@@ -148,16 +148,14 @@ def trial_data(
         span = (1 - FITTED_SHARE) * _duration(recordings["estimation"])
     basis = _basis([columns for columns, _ in (*fitted, *held)])
     band = recordings["estimation"][0].bandwidth
-    return TrialData(
-        _part(fitted, basis, 0.0), _part(held, basis, 2 * band * span), basis.shape[1]
-    )
+    return TrialData(_part(fitted, basis, 0.0), _part(held, basis, 2 * band * span), basis.shape[1])
 
 
 def _duration(recordings: Sequence[ProcessedRecording]) -> float:
     return sum(len(recording) / recording.rate for recording in recordings)
 
 
-def _basis(columns: Sequence[Float[ndarray, "samples joints columns"]]) -> Float[ndarray, "all p"]:
+def _basis(columns: Sequence[Float[ndarray, "_ joints columns"]]) -> Float[ndarray, "all p"]:
     """Combinations of the columns that differ on the recordings, of one norm each."""
     factor = triangularise(np.concatenate([c.reshape(-1, c.shape[2]) for c in columns]))
     norms = np.linalg.norm(factor, axis=0)
@@ -206,4 +204,3 @@ def _interleaved(rows: Sequence[tuple[ndarray, ndarray]]) -> ndarray:
     """Sample-major rows of the joints' factors, of a mean over samples as of one sample each."""
     stacked = np.stack([a for a, _ in rows], axis=1)
     return stacked.reshape(-1, stacked.shape[2]) * np.sqrt(len(stacked))
-

@@ -50,7 +50,7 @@ def identify(
     covariance: CovarianceMethod = "hac",
     segments: tuple[int, ...] | None = None,
     largest_relative_std: float = LARGEST_RELATIVE_STD,
-    others: Sequence[Float[ndarray, "more p"]] = (),
+    others: Sequence[Float[ndarray, "_ p"]] = (),
     usual_torque: Float[ndarray, " joints"] | None = None,
 ) -> Estimate:
     """Estimate what the data determine, and name what they do not.

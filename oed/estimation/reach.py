@@ -67,7 +67,7 @@ class Reach:
 
 def find_reach(
     fitted: Float[ndarray, "rows p"],
-    others: Sequence[Float[ndarray, "more p"]],
+    others: Sequence[Float[ndarray, "_ p"]],
     residual: Float[ndarray, " joints"],
     torque: Float[ndarray, " joints"],
 ) -> Reach:

@@ -7,17 +7,20 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from oed.checkup.checkup import cause_record, doubts
+from oed.checkup.finding import Checkup
 from oed.estimation.calibration import Calibration
 from oed.experiment.recording import HELD_OUT, Role
 from oed.experiment.stretches import gap_record
-from oed.report.doubts import doubts
 from oed.report.provenance import Provenance
 from oed.report.table import Row
 
 FORMAT = 1
 
 
-def estimate_record(calibration: Calibration, provenance: Provenance) -> dict[str, object]:
+def estimate_record(
+    calibration: Calibration, checkup: Checkup, provenance: Provenance
+) -> dict[str, object]:
     """The content of estimate.json; its fields are documented in README.md."""
     estimate, validation = calibration.estimate, calibration.validation
     recordings = calibration.recordings
@@ -41,10 +44,13 @@ def estimate_record(calibration: Calibration, provenance: Provenance) -> dict[st
             }
             for row in parameter_rows(calibration)
         ],
-        "doubts": list(doubts(calibration)),
+        "doubts": list(doubts(checkup)),
+        "cause": cause_record(checkup.cause),
         "unidentifiable": list(estimate.unidentifiable),
         "unidentifiable_because": dict(zip(estimate.unidentifiable, estimate.reasons, strict=True)),
         "condition": condition(calibration),
+        # Of each direction of the parameters, largest first; those beyond 1 are left at zero.
+        "reach": calibration.estimate.reach,
         "rms": {role: result.rms for role, result in validation.items()},
         "relative_rms": {role: result.relative_rms for role, result in validation.items()},
         "overall_relative_rms": {

@@ -10,7 +10,10 @@ from jaxtyping import Float
 from matplotlib.figure import Figure
 from numpy import ndarray
 
+from oed.checkup.checkup import doubts
+from oed.checkup.finding import Checkup, share
 from oed.estimation.calibration import Calibration
+from oed.estimation.reach import LARGEST_REACH
 from oed.estimation.recursive import RecursiveEstimate
 from oed.experiment.processing import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
@@ -20,7 +23,6 @@ from oed.report.calibration_record import (
     parameter_rows,
     validation_rows,
 )
-from oed.report.doubts import doubts
 from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
 from oed.report.joint_words import torque_label, torque_units
 from oed.report.json_file import write_json
@@ -35,6 +37,13 @@ VALIDATION_CAPTION = (
     "rms: of measured less predicted torque [N m, N at a prismatic joint]; relative_rms: the same "
     "over the rms of the measured torque."
 )
+LISTED = 8  # names in a line
+PARAMETER_COLUMNS = ("name", "expression", "unit", "value", "std", "lower95", "upper95")
+PARAMETER_PICTURES = {
+    "parameters": "Estimates with 95 % intervals.",
+    "convergence": "Recursive estimates against samples used, with 95 % intervals of (8), "
+    "which take residuals as white.",
+}
 Spectrum = tuple[Float[ndarray, " frequencies"], Float[ndarray, "frequencies joints"]]
 
 
@@ -44,6 +53,8 @@ def write_calibration(
     spectrum: Spectrum,
     out: Path,
     provenance: Provenance,
+    *,
+    checkup: Checkup,
 ) -> None:
     """Leave estimate.json, tables, figures and report.html in a folder.
 
@@ -53,17 +64,18 @@ def write_calibration(
         spectrum: Frequency and density of its residual.
         out: Folder, made if absent.
         provenance: Of the run.
+        checkup: Of its data.
     """
     out.mkdir(parents=True, exist_ok=True)
     figures = draw_figures(calibration, history, spectrum)
     pictures = {
         name: save_figure(figure, out / name, ("png",))[0] for name, figure in figures.items()
     }
-    write_csv(out / "parameters.csv", parameter_rows(calibration))
+    write_csv(out / "parameters.csv", parameter_rows(calibration), columns=PARAMETER_COLUMNS)
     write_csv(out / "validation_errors.csv", validation_rows(calibration))
-    write_page(out / "report.html", _page(calibration, pictures, provenance))
+    write_page(out / "report.html", _page(calibration, checkup, pictures, provenance))
     # Last: whoever finds this file finds the rest complete.
-    write_json(out / "estimate.json", estimate_record(calibration, provenance))
+    write_json(out / "estimate.json", estimate_record(calibration, checkup, provenance))
 
 
 def draw_figures(
@@ -92,32 +104,35 @@ def draw_figures(
     estimate = calibration.estimate
     interval = estimate.interval(0.95)
     shown = estimate.determined
-    figures["parameters"] = plot_parameter_intervals(
-        [n for n, keep in zip(estimate.names, shown, strict=True) if keep],
-        estimate.parameters[shown],
-        interval[shown, 0],
-        interval[shown, 1],
-        [u for u, keep in zip(estimate.units, shown, strict=True) if keep],
-    )
-    figures["convergence"] = _draw_convergence(calibration, history)
+    if shown.any():
+        figures["parameters"] = plot_parameter_intervals(
+            [n for n, keep in zip(estimate.names, shown, strict=True) if keep],
+            estimate.parameters[shown],
+            interval[shown, 0],
+            interval[shown, 1],
+            [u for u, keep in zip(estimate.units, shown, strict=True) if keep],
+        )
+    # It keeps the directions that the estimate leaves out, and settles elsewhere.
+    if not (estimate.reach > LARGEST_REACH).any():
+        figures["convergence"] = _draw_convergence(calibration, history)
     return figures
 
 
-def print_summary(calibration: Calibration) -> None:
+def print_summary(calibration: Calibration, checkup: Checkup) -> None:
     """The estimate and its validation as tables on standard output."""
     say = sys.stdout.write
-    say("\n" + text_table(parameter_rows(calibration)) + "\n")
-    for name, reason in zip(
-        calibration.estimate.unidentifiable, calibration.estimate.reasons, strict=True
-    ):
-        say(f"not identified: {name}: {reason}\n")
+    say("\n" + text_table(parameter_rows(calibration), columns=PARAMETER_COLUMNS) + "\n")
+    weak = calibration.estimate.unidentifiable
+    if weak:
+        listed = ", ".join(weak[:LISTED]) + (", ..." if len(weak) > LISTED else "")
+        say(f"not identified: {len(weak)} parameters ({listed}); report.html lists all and why\n")
     say("\n" + text_table(validation_rows(calibration)) + "\n")
     figures = condition(calibration)
     say(
         f"J_k = cond Lambda = {figures['J_k']:.4g}, J_d = log10 det Lambda = "
         f"{figures['J_d_log10']:.4g}, {figures['rows']} rows\n"
     )
-    for note in doubts(calibration):
+    for note in doubts(checkup):
         say(f"note: {note}\n")
     if calibration.base.note:
         say(f"note: {calibration.base.note}\n")
@@ -146,12 +161,17 @@ def _draw_convergence(calibration: Calibration, history: RecursiveEstimate) -> F
     )
 
 
-def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Provenance) -> Page:
+def _page(
+    calibration: Calibration,
+    checkup: Checkup,
+    pictures: dict[str, Path],
+    provenance: Provenance,
+) -> Page:
     return Page(
         title=f"Dynamic parameters of {calibration.dataset.name}",
-        verdict=_verdict(calibration),
+        verdict=_verdict(calibration, checkup),
         sections=(
-            _prediction_section(calibration, pictures),
+            _prediction_section(calibration, checkup, pictures),
             _parameter_section(calibration, pictures),
             _residual_section(pictures),
             origin_section(calibration, provenance),
@@ -159,7 +179,9 @@ def _page(calibration: Calibration, pictures: dict[str, Path], provenance: Prove
     )
 
 
-def _prediction_section(calibration: Calibration, pictures: dict[str, Path]) -> Section:
+def _prediction_section(
+    calibration: Calibration, checkup: Checkup, pictures: dict[str, Path]
+) -> Section:
     captions = {
         "torque": "Measured and reconstructed torque, recordings with role",
         "residual": "Measured minus reconstructed torque, recordings with role",
@@ -172,7 +194,7 @@ def _prediction_section(calibration: Calibration, pictures: dict[str, Path]) -> 
     return Section(
         "How well it predicts",
         (
-            *(Text(f"Note: {note}.") for note in doubts(calibration)),
+            *(Text(f"Note: {note}.") for note in doubts(checkup)),
             Table(validation_rows(calibration), caption=VALIDATION_CAPTION),
             *by_role,
         ),
@@ -184,13 +206,12 @@ def _parameter_section(calibration: Calibration, pictures: dict[str, Path]) -> S
         "Parameters",
         (
             Text(f"{calibration.estimate.method}. Intervals are at 95 %."),
-            Table(parameter_rows(calibration)),
+            Table(parameter_rows(calibration), columns=PARAMETER_COLUMNS),
             *_unidentified(calibration),
-            Picture(pictures["parameters"], "Estimates with 95 % intervals."),
-            Picture(
-                pictures["convergence"],
-                "Recursive estimates against samples used, with 95 % intervals of (8), "
-                "which take residuals as white.",
+            *(
+                Picture(pictures[name], caption)
+                for name, caption in PARAMETER_PICTURES.items()
+                if name in pictures
             ),
         ),
     )
@@ -206,7 +227,7 @@ def _residual_section(pictures: dict[str, Path]) -> Section:
     )
 
 
-def _verdict(calibration: Calibration) -> Verdict:
+def _verdict(calibration: Calibration, checkup: Checkup) -> Verdict:
     held_out: list[Role] = [role for role in HELD_OUT if role in calibration.validation]
     figures = condition(calibration)
     count = int(calibration.estimate.determined.sum())
@@ -218,14 +239,17 @@ def _verdict(calibration: Calibration) -> Verdict:
             "Add a recording with role validation before trusting these figures.",
         )
     shares = ", ".join(
-        f"{100 * calibration.validation[role].overall_relative_rms:.2g} % on {role}"
-        for role in held_out
+        f"{share(calibration.validation[role].overall_relative_rms)} on {role}" for role in held_out
     )
+    notes = doubts(checkup)
+    first = f"{notes[0][0].upper()}{notes[0][1:]}. " if notes and checkup.level == "red" else ""
+    level = "bad" if checkup.level == "red" else "warning" if lost or notes else "good"
     return Verdict(
-        "warning" if lost or doubts(calibration) else "good",
-        f"{count} parameters identified; relative rms residual {shares}.",
-        f"{lost} parameters could not be identified. cond Lambda (J_k) = {figures['J_k']:.3g}, "
-        f"log10 det Lambda (J_d) = {figures['J_d_log10']:.4g} on {figures['rows']} rows.",
+        level,
+        f"{count} parameters identified; residual {shares}.",
+        f"{first}{lost} parameters could not be identified. cond Lambda (J_k) = "
+        f"{figures['J_k']:.3g}, log10 det Lambda (J_d) = {figures['J_d_log10']:.4g} on "
+        f"{figures['rows']} rows.",
     )
 
 
