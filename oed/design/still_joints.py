@@ -8,6 +8,7 @@ import numpy as np
 
 from oed.errors import RobotError
 from oed.robot import Robot, load_robot
+from oed.robot.limits import LIMITED
 
 # Ten times the play of a gear, which is about a milliradian: within less, torque is that of
 # friction at its reversal, which no model of this project describes.
@@ -54,7 +55,10 @@ def hold_still_joints(robot: Robot) -> tuple[Robot, tuple[str, ...]]:
     )
     # What was said when the file was first read stays true, such as which arm was taken.
     told = tuple(dict.fromkeys((*robot.notes, *held.notes)))
-    return dataclasses.replace(held, notes=told), notes
+    # A data set's limits, where it states any, go before those of the file.
+    rest = {kind: getattr(robot.limits, kind)[~is_still] for kind in LIMITED}
+    limits = held.limits.with_(**rest)
+    return dataclasses.replace(held, limits=limits, notes=told), notes
 
 
 def _check_ranges(robot: Robot) -> None:

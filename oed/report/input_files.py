@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from oed.experiment.manifest import MANIFEST
+from oed.input_file import MANIFEST_FILE, UnreadableFile, read_file
 
 LONGEST = 20_000_000  # [B] of a text that is searched for names of files
 # What stands in quotes or between tags and ends like a file's name.
@@ -90,8 +91,9 @@ def _names(file: Path) -> Iterator[str]:
     """Names of files in a data set's manifest or a robot's file, as they stand there."""
     if file.name == MANIFEST:
         try:
-            yield from _texts(tomllib.loads(file.read_text(encoding="utf-8-sig")))
-        except (OSError, ValueError, RecursionError):
+            content = read_file(file, MANIFEST_FILE)
+            yield from _texts(tomllib.loads(content.decode("utf-8-sig")))
+        except (OSError, UnreadableFile, ValueError, RecursionError):
             return  # that it cannot be read is for its reader to say
     elif file.suffix.lower() in (".urdf", ".xml", ".sdf", ".mjcf", ".xacro"):
         try:

@@ -55,6 +55,15 @@ def test_joints_that_move_are_left_alone(tmp_path: Path) -> None:
     assert notes == ()
 
 
+def test_limits_that_a_data_set_states_stay(tmp_path: Path) -> None:
+    robot = arm(tmp_path, (-2.0, 2.0), (0.4, 0.401), (-1.0, 1.0))
+    position = robot.limits.position.copy()
+    position[0] = (-0.5, 0.25)
+    stated = robot.with_limits(robot.limits.with_(position=position))
+    held, _ = hold_still_joints(stated)
+    assert held.limits.position.tolist() == [[-0.5, 0.25], [-1.0, 1.0]]
+
+
 def test_a_slide_counts_by_a_pinion(tmp_path: Path) -> None:
     # 0.01 rad of a pinion of 5 cm is half a millimetre.
     robot = arm(tmp_path, (-0.2, 0.2), (0.0, 4e-4), (0.0, 6e-4), kind="prismatic")
