@@ -24,9 +24,10 @@ from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
+from oed.report.study_files import DESIGN
 from oed.report.table import Row, markdown_table, number_of, write_csv
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS, REPOSITORY
-from studies.interrupt import leave
+from studies.interrupt import NO_USABLE_RESULT, leave
 
 ARMS = (
     *EXAMPLE_ARMS,
@@ -88,6 +89,8 @@ def _design(robot: str, out: Path, *, smoke: bool) -> str:
         return f"not done after {LONGEST:g} s"
     if finished.returncode == 0:
         return ""
+    if finished.returncode == NO_USABLE_RESULT and DESIGN.are_in(out):
+        return json.loads((out / DESIGN.record).read_text(encoding="utf-8"))["status"]
     said = " ".join(finished.stderr.split())[-200:]
     return said or f"ended with code {finished.returncode} and said nothing"
 
@@ -97,10 +100,9 @@ def _found(record: dict) -> Row:
     return {
         "joints": len(record["joints"]),
         "base": len(record["base_parameters"]),
-        "feasible": record["certified_violation"] <= 0.0,
+        "feasible": record["usable"],
         "violation": record["certified_violation"],
         "J_k": record["J_k"],
-        "J_k_scaled": record["J_k_scaled"],
         "J_d": record["J_d_log10"],
         "J_d_continuous": record["J_d_log10_continuous"],
         "d_efficiency": efficiency.get("value", ""),
@@ -135,8 +137,8 @@ def write(rows: Sequence[Row], config: Config) -> None:
 `studies.design --robot FILE --out DIR`, one process an arm, one thread, the file and nothing else:
 {len(good)} of {len(rows)} arms have a motion that is proven to keep its limits for all t and a finite J_k.
 The longest took {max(walls):.1f} s of wall and {max(cpus):.1f} s of CPU time, imports, compilation, bound, pictures and
-recording included. J_k and J_d are of Lambda without column scaling, R_v = I, at {_all(rows, "instants")} instants of a
-period of {_all(rows, "horizon_s")} s; `J_k_scaled` has columns scaled to the information of random motions. D-efficiency
+recording included. J_k = cond Lambda and J_d = log10 det Lambda are without column scaling, R_v = I, at {_all(rows, "instants")}
+instants of a period of {_all(rows, "horizon_s")} s, a row for each joint and instant. D-efficiency
 is against a bound on every periodic motion within the position, velocity and acceleration limits,
 whatever its parametrisation: proven up to two joints, estimated beyond. `least_distance_m` is that of two
 bodies at the instants of a check, negative where they overlap: `--avoid-collision` was not asked for.
@@ -158,7 +160,6 @@ SHOWN = (
     "base",
     "feasible",
     "J_k",
-    "J_k_scaled",
     "J_d",
     "d_efficiency",
     "kind",

@@ -18,7 +18,7 @@ from tests.design.primitive_arm import planar_arm
 def good(arm: str, **given) -> Row:
     return {
         "arm": arm, "wall_s": 3.1, "cpu_s": 2.2, "joints": 2, "base": 8, "feasible": True,
-        "violation": -0.01, "J_k": 12.0, "J_k_scaled": 3.0, "J_d": 4.0, "J_d_continuous": 4.0,
+        "violation": -0.01, "J_k": 12.0, "J_d": 4.0, "J_d_continuous": 4.0,
         "d_efficiency": 0.5, "kind": "certified", "instants": 40, "horizon_s": 7.0,
         "evaluations": 9, "least_distance_m": "", **given,
     }  # fmt: skip
