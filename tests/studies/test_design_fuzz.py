@@ -7,7 +7,7 @@ import pytest
 from tests.studies.design_fuzz import Case, check
 
 # Numbers whose runs end in each of the ways: a motion, a refusal, no usable result.
-CASES = (0, 1, 2, 3, 4, 5, 6, 7)
+CASES = (0, 1, 3, 4, 5, 6)
 
 
 @pytest.mark.parametrize("number", CASES)
