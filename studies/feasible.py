@@ -1,7 +1,7 @@
 """Which physically consistent parameters explain this arm's torque, and what does that cost?
 
     python -m studies.feasible --data DIR --out DIR [--joints A B …] [--model NAME] [--cutoff HZ]
-        [--prior] [--kind entropic|quadratic] [--weight W] [--total-mass KG] [--collision]
+        [--prior | --no-prior] [--kind entropic|quadratic] [--weight W] [--total-mass KG] [--collision]
         [--smoke] [--seed N]
 
 Reads a data set, estimates standard parameters under physical constraints, compares them with
@@ -23,7 +23,7 @@ import numpy as np
 
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.errors import OedError, RobotError
+from oed.errors import OedError
 from oed.estimation.calibration import calibrate
 from oed.estimation.feasible.calibration import (
     FeasibleCalibration,
@@ -32,6 +32,7 @@ from oed.estimation.feasible.calibration import (
 )
 from oed.estimation.feasible.collision_regions import collision_regions
 from oed.estimation.feasible.feasible_set import FeasibleSet
+from oed.estimation.feasible.reference import file_inertials
 from oed.estimation.feasible.regularisation import RegularisationKind
 from oed.export.calibrated_robot import CalibratedRobot
 from oed.export.mjcf import write_mjcf
@@ -40,7 +41,7 @@ from oed.export.round_trip import require_round_trip, torque_by_pinocchio
 from oed.export.sdf import write_sdf
 from oed.export.urdf import write_urdf
 from oed.report.feasible_report import write_feasible
-from oed.report.feasible_rows import link_rows, solver_comparison, validation_rows
+from oed.report.feasible_rows import change_rows, link_rows, solver_comparison, validation_rows
 from oed.report.provenance import Provenance
 from oed.report.study_files import FEASIBLE
 from oed.report.table import Row, text_table
@@ -56,7 +57,8 @@ class Config(DataSetConfig):
     """What to identify, and how; `smoke` takes few resamples and poses as well.
 
     Attributes:
-        prior: Whether the inertials of the robot's file are a prior; else neutral bodies are.
+        prior: Whether the inertials of the robot's file are a prior, else neutral bodies are;
+            None takes them where they do not look like placeholders.
         kind: Of the pull to the reference.
         weight: Of that pull; by cross-validation if None.
         total_mass: Of all moving links [kg], where it is known.
@@ -64,7 +66,7 @@ class Config(DataSetConfig):
         seed: Of poses and bootstrap.
     """
 
-    prior: bool = False
+    prior: bool | None = None
     kind: RegularisationKind = "entropic"
     weight: float | None = None
     total_mass: float | None = None
@@ -148,8 +150,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         f"{result.settings.poses} poses, plain least squares "
         f"{100 * result.plain_positive_definite:.4g} %"
     )
-    say("\n".join(result.estimate.solution.attempts))
+    say(f"pulled to {result.inertials.reason}")
+    if result.changes:
+        say(text_table(change_rows(result)))
+    say(result.estimate.solution.accuracy)
     say(solver_comparison(result))
+    for warning in result.warnings:
+        say(f"warning: {warning}")
     say(f"wrote {config.out} in {time.perf_counter() - start:.1f} s")
     return 0
 
@@ -159,14 +166,11 @@ def _settings(config: Config, model: TorqueModel) -> FeasibleSettings:
         total_mass=config.total_mass,
         regions=collision_regions(model.robot) if config.collision else None,
     )
-    faults = model.robot.inertia_faults
-    if config.prior and faults:
-        raise RobotError(f"--prior: {faults[0].text}; correct the robot's file, or leave it out")
-    prior = model.robot.parameters if config.prior else None
+    inertials = file_inertials(model.robot, wanted=config.prior)
     if config.smoke:
         return FeasibleSettings(
             demands=demands,
-            prior=prior,
+            inertials=inertials,
             kind=config.kind,
             weight=config.weight,
             weights=(1e-5, 1e-3, 1e-1),
@@ -177,7 +181,11 @@ def _settings(config: Config, model: TorqueModel) -> FeasibleSettings:
             seed=config.seed,
         )
     return FeasibleSettings(
-        demands=demands, prior=prior, kind=config.kind, weight=config.weight, seed=config.seed
+        demands=demands,
+        inertials=inertials,
+        kind=config.kind,
+        weight=config.weight,
+        seed=config.seed,
     )
 
 
@@ -189,7 +197,9 @@ def _parse(arguments: Sequence[str] | None) -> Config:
     parser = argparse.ArgumentParser(prog="python -m studies.feasible", description=__doc__)
     add_arguments(parser)
     parser.add_argument(
-        "--prior", action="store_true", help="the inertials of the robot's file are a prior"
+        "--prior",
+        action=argparse.BooleanOptionalAction,
+        help="the inertials of the robot's file are a prior; unless told, where they are no placeholders",
     )
     parser.add_argument("--kind", choices=("entropic", "quadratic"), default=Config.kind)
     parser.add_argument("--weight", type=float, help="of the pull to the reference")

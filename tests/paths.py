@@ -8,6 +8,7 @@ import pytest
 REPO = Path(__file__).resolve().parent.parent
 # Recordings are too large to commit: they lie beside the checkout where there are any.
 SHARED_DATA = REPO.parent / "shared" / "data"
+SHARED_CASES = REPO.parent / "shared" / "cases"
 
 needs_shared_data = pytest.mark.skipif(
     not SHARED_DATA.is_dir(),

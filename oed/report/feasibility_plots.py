@@ -62,7 +62,7 @@ def plot_weight_curve(
     top = max(least_squares, 1.5 * np.nanmin(finite))
     panel.set_ylim(lowest - 0.08 * (top - lowest), top + 0.05 * (top - lowest))
     panel.set_xlabel("weight of the pull to the reference")
-    panel.set_ylabel("mean squared\nweighted residual")
+    panel.set_ylabel("rms residual, mean of joints\n/ plain LS, fitted")
     figure.legend(loc="outside upper center", ncols=4, columnspacing=1.0, handletextpad=0.4)
     return figure
 

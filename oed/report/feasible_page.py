@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.estimation.feasible.cross_validation import TOLERANCE
 from oed.experiment.recording import HELD_OUT, Role
 from oed.report.feasible_rows import (
     MOSTLY_DATA,
+    change_rows,
     link_rows,
     parameter_rows,
     solver_comparison,
@@ -53,6 +55,7 @@ def feasible_page(
         verdict=_verdict(result),
         sections=(
             Section("How well it predicts", (Table(validation_rows(result)), *comparisons)),
+            _change_section(result),
             _links_section(result, pictures),
             _parameters_section(result, pictures),
             _weight_section(result, pictures),
@@ -67,7 +70,7 @@ def _verdict(result: FeasibleCalibration) -> Verdict:
     prices = ", ".join(f"{100 * result.price(role):+.2g} % on {role}" for role in held_out)
     share = 100 * result.positive_definite
     agreed = result.disagreement is not None and result.disagreement < 1e-6
-    complete = share == 100.0 and agreed and bool(held_out)
+    complete = share == 100.0 and agreed and bool(held_out) and not result.warnings
     return Verdict(
         "good" if complete else "warning",
         f"All {result.plain.dataset.robot.n} links are physically consistent; the mass matrix is "
@@ -82,14 +85,18 @@ def _verdict(result: FeasibleCalibration) -> Verdict:
             "A second solver agrees."
             if agreed
             else f"No second solver agreed: {result.second_failure or result.disagreement}."
-        ),
+        )
+        + (f" {len(result.warnings)} warning(s) below." if result.warnings else ""),
     )
 
 
 def _links_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -> Section:
     test, estimate = result.plain_feasibility, result.estimate
     answer = (
-        f"Some feasible robot has the plain estimate's base parameters, with margin "
+        "Whether any feasible robot has the plain estimate's base parameters was not found out: "
+        f"{result.plain_feasibility_failure}."
+        if test is None
+        else f"Some feasible robot has the plain estimate's base parameters, with margin "
         f"{test.margin:.2g}."
         if test.is_feasible
         else "No feasible robot has the plain estimate's base parameters: a dual certificate bounds "
@@ -114,11 +121,27 @@ def _links_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) ->
     )
 
 
+def _change_section(result: FeasibleCalibration) -> Section:
+    warnings = [Text(f"Warning: {warning}.") for warning in result.warnings]
+    pull = Text(f"Links are pulled to {result.inertials.reason}.")
+    if not result.changes:
+        return Section("What changed from the robot's file", (*warnings, pull))
+    about = Text(
+        "A mass is marked as beyond reason where it is more than twice or less than half of the "
+        "file's though least squares on the data alone leave it open. `data alone` is empty where "
+        "no torque depends on that mass by itself; inertias are means of the principal moments about "
+        "the centre of mass."
+    )
+    return Section(
+        "What changed from the robot's file", (*warnings, pull, about, Table(change_rows(result)))
+    )
+
+
 def _parameters_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -> Section:
     estimate = result.estimate
     undecided = int(np.sum(estimate.from_data < MOSTLY_DATA))
     reference = (
-        "the given prior"
+        "the inertials of the robot's file"
         if estimate.has_prior
         else "neutral bodies: a rod between the joints of each link, all of the one density that "
         "explains the data best. What no torque depends on is then that of a plain arm of the "
@@ -154,7 +177,8 @@ def _weight_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -
         (
             Text(
                 f"{text}: the largest whose held-out error is within one standard error of the best, "
-                f"over {result.curve.held_out.shape[1]} folds of consecutive data."
+                f"or within {100 * TOLERANCE:g} % of it, over {result.curve.held_out.shape[1]} folds "
+                "of consecutive data. The error is the geometric mean over joints of the rms residual."
             ),
             Picture(
                 pictures["weight"],
@@ -166,7 +190,7 @@ def _weight_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -
 
 
 def _proof_section(result: FeasibleCalibration, exports: Sequence[Row]) -> Section:
-    lines = [*result.estimate.solution.attempts]
+    lines = [result.estimate.solution.accuracy, *result.estimate.solution.attempts]
     lines += [] if result.second is None else result.second.attempts
     return Section(
         "Checks",

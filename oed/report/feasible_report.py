@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from oed.estimation.feasible.calibration import FeasibleCalibration
@@ -18,6 +19,7 @@ from oed.report.feasibility_plots import (
 from oed.report.feasible_page import feasible_page
 from oed.report.feasible_rows import (
     MOSTLY_DATA,
+    change_rows,
     link_rows,
     parameter_rows,
     validation_rows,
@@ -30,7 +32,7 @@ from oed.report.provenance import Provenance
 from oed.report.style import save_figure
 from oed.report.table import Row, write_csv
 
-FORMAT = 1
+FORMAT = 2
 
 
 def write_feasible(
@@ -54,6 +56,8 @@ def write_feasible(
     }
     write_csv(out / "parameters.csv", parameter_rows(result))
     write_csv(out / "links.csv", link_rows(result))
+    if result.changes:
+        write_csv(out / "changed_masses.csv", change_rows(result))
     write_csv(out / "validation_errors.csv", validation_rows(result))
     write_page(out / "report.html", feasible_page(result, exports, pictures, provenance))
     # Last: whoever finds this file finds the rest complete.
@@ -75,8 +79,17 @@ def feasible_record(
         "parameters": parameter_rows(result),
         "links": link_rows(result),
         "validation": validation_rows(result),
+        "changes_from_file": change_rows(result),
+        "warnings": list(result.warnings),
         "active": list(estimate.active),
         "objective": estimate.solution.objective,
+        "accuracy": {
+            "words": estimate.solution.accuracy,
+            "asked_for": estimate.solution.tolerance,
+            "reached": estimate.solution.optimality.suboptimality,
+            "is_accurate": estimate.solution.is_accurate,
+            "feasibility_margin": estimate.relative_margins.min(),
+        },
         "solver": {
             "name": estimate.solution.solver,
             "attempts": list(estimate.solution.attempts),
@@ -88,12 +101,14 @@ def feasible_record(
         "regularisation": {
             "kind": estimate.problem.regularisation.kind,
             "weight": estimate.problem.regularisation.weight,
-            "reference": "given prior" if estimate.has_prior else "neutral bodies",
+            "reference": result.inertials.reason,
+            "joint_variances": result.joint_variances,
             "curve": None
             if curve is None
             else {
                 "weights": curve.weights,
-                "held_out": curve.mean,
+                "held_out": [None if np.isnan(error) else float(error) for error in curve.mean],
+                "unsolved": list(curve.unsolved),
                 "least_squares": float(curve.least_squares.mean()),
             },
         },
@@ -102,13 +117,7 @@ def feasible_record(
             "positive_definite": result.positive_definite,
             "positive_definite_plain": result.plain_positive_definite,
         },
-        "plain_estimate": {
-            "has_feasible_robot": result.plain_feasibility.is_feasible,
-            "margin": result.plain_feasibility.margin,
-            "bound": result.plain_feasibility.certificate.bound,
-            "certificate_residual": result.plain_feasibility.certificate.residual,
-            "blamed": list(result.plain_feasibility.blamed),
-        },
+        "plain_estimate": _plain_record(result),
         "uncertainty": result.bootstrap.method,
         "exports": list(exports),
         "versions": provenance.versions,
@@ -116,6 +125,19 @@ def feasible_record(
         "commit": provenance.commit,
         "date": provenance.date,
         "seed": provenance.seed,
+    }
+
+
+def _plain_record(result: FeasibleCalibration) -> dict[str, object]:
+    test = result.plain_feasibility
+    if test is None:
+        return {"has_feasible_robot": None, "failure": result.plain_feasibility_failure}
+    return {
+        "has_feasible_robot": test.is_feasible,
+        "margin": test.margin,
+        "bound": test.certificate.bound,
+        "certificate_residual": test.certificate.residual,
+        "blamed": list(test.blamed),
     }
 
 

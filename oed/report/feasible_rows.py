@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from oed.estimation.feasible.calibration import FeasibleCalibration
 from oed.report.table import Row
 
@@ -29,11 +31,12 @@ def parameter_rows(result: FeasibleCalibration) -> list[Row]:
 
 def solver_comparison(result: FeasibleCalibration) -> str:
     """Whether another solver came to the same objective, in words."""
-    solver = result.estimate.solution.solver
+    solution = result.estimate.solution
     if result.disagreement is None:
+        passed = "passed" if solution.is_accurate else "did not pass"
         return (
-            f"Solved by {solver}, which passed its check; the other solver, tried for comparison, "
-            f"failed ({result.second_failure})."
+            f"Solved by {solution.solver}, which {passed} its check; the other solver, tried for "
+            f"comparison, failed ({result.second_failure})."
         )
     return f"Objectives of the two solvers differ by {result.disagreement:.1e}, relatively."
 
@@ -57,6 +60,34 @@ def link_rows(result: FeasibleCalibration) -> list[Row]:
             zip(robot.joints, robot.parameters.reshape(-1, 10), strict=True)
         )
     ]
+
+
+def change_rows(result: FeasibleCalibration) -> list[Row]:
+    """One row a link and one for the total mass: in the file, as identified, and the change."""
+    rows: list[Row] = []
+    for change in result.changes:
+        row: dict[str, str | float | bool | None] = {
+            "link": change.link,
+            "file [kg]": change.mass_before,
+            "identified [kg]": change.mass_after,
+            "change [%]": 100 * (change.mass_after / change.mass_before - 1),
+            "lower95 [kg]": float(change.interval[0]),
+            "upper95 [kg]": float(change.interval[1]),
+            "data alone +- [kg]": change.deviation if np.isfinite(change.deviation) else None,
+            "centre moved [m]": None,
+            "inertia, file [kg m^2]": None,
+            "inertia, identified [kg m^2]": None,
+            "beyond reason": change.is_unreasonable,
+        }
+        if change.centre_before is not None and change.centre_after is not None:
+            row["centre moved [m]"] = float(
+                np.linalg.norm(change.centre_after - change.centre_before)
+            )
+        if change.inertia_before is not None and change.inertia_after is not None:
+            row["inertia, file [kg m^2]"] = float(change.inertia_before.sum() / 3)
+            row["inertia, identified [kg m^2]"] = float(change.inertia_after.sum() / 3)
+        rows.append(row)
+    return rows
 
 
 def validation_rows(result: FeasibleCalibration) -> list[Row]:

@@ -27,6 +27,7 @@ FEASIBLE = ResultFiles(
         "margins.png",
         "parameters.png",
         "weight.png",
+        "changed_masses.csv",
         "links.csv",
         "parameters.csv",
         "validation_errors.csv",

@@ -13,7 +13,7 @@ from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from oed.estimation.calibration import calibrate
 from oed.estimation.feasible.calibration import validate_parameters
-from oed.estimation.feasible.data_factor import DataFactor, block_factors
+from oed.estimation.feasible.data_factor import JointFactors, block_factors
 from oed.estimation.feasible.estimate import estimate_feasible
 from oed.estimation.feasible.regularisation import Regularisation
 from oed.experiment.choose_settings import choose_settings
@@ -28,7 +28,7 @@ from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
 from studies import feasibility_price
 from studies.feasible import Config, main, run
 from studies.from_data_set import SIGN_WIDTH
-from tests.paths import SHARED_DATA, needs_shared_data
+from tests.paths import SHARED_CASES, SHARED_DATA, needs_shared_data
 
 GAZ = 0.0141  # overall relative error of Gaz and others 2019, supplementary material, table III
 
@@ -176,6 +176,53 @@ def test_the_price_study_runs_and_shows_its_point(tmp_path: Path) -> None:
     assert (tmp_path / "provenance.json").is_file()
 
 
+def test_the_accuracy_and_the_changes_are_in_the_record_and_on_the_page(
+    simulated: Path, tmp_path: Path
+) -> None:
+    given = ["--data", str(simulated), "--out", str(tmp_path), "--smoke", "--model", "standard"]
+    assert main([*given, "--weight", "1e-3", "--prior"]) == 0
+    record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
+    assert record["accuracy"]["is_accurate"] is True
+    assert 0 < record["accuracy"]["reached"] < 1e-6
+    assert record["accuracy"]["feasibility_margin"] > 0
+    assert [row["link"] for row in record["changes_from_file"]][-1] == "all links"
+    # No torque of this arm depends on its masses: they are the file's.
+    for row in record["changes_from_file"]:
+        assert row["change [%]"] == pytest.approx(0.0, abs=1.0)
+        assert row["data alone +- [kg]"] is None
+        assert row["beyond reason"] is False
+    assert record["warnings"] == []
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "of its optimum, relatively; all demands are met" in page
+
+
+def test_a_mass_beyond_reason_is_told_with_the_files(simulated: Path, tmp_path: Path) -> None:
+    given = ["--data", str(simulated), "--out", str(tmp_path), "--smoke", "--model", "standard"]
+    # A total that the file contradicts, on masses that no torque decides.
+    assert main([*given, "--weight", "1e-3", "--prior", "--total-mass", "300"]) == 0
+    record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
+    total = record["changes_from_file"][-1]
+    assert total["identified [kg]"] == pytest.approx(300.0, rel=1e-6)
+    assert total["beyond reason"] is True
+    assert any("all links: 300 kg, in the file" in warning for warning in record["warnings"])
+    assert "believe the file" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+MED7 = SHARED_CASES / "feasible_no_solver_med7"
+
+
+@pytest.mark.skipif(not MED7.is_dir(), reason="the cases (../shared/cases) are not on this machine")
+def test_a_short_log_of_a_seven_joint_arm_gives_masses_near_its_files(tmp_path: Path) -> None:
+    assert main(["--data", str(MED7), "--out", str(tmp_path), "--smoke"]) == 0
+    record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
+    assert record["accuracy"]["is_accurate"] is True
+    masses = [row["identified [kg]"] for row in record["changes_from_file"]]
+    assert 10 < masses[-1] < 35  # the file's are 18.6 kg, the makers state 22 kg with the base
+    assert max(masses[:-1]) < 10
+    held = [r for r in record["validation"] if r["recordings"] == "validation"][-1]
+    assert held["feasible rms / torque rms"] < 0.22  # plain least squares: 0.42
+
+
 @needs_shared_data
 def test_a_feasible_panda_beats_the_published_error_of_its_makers() -> None:
     dataset = read_dataset(SHARED_DATA / "franka_panda")
@@ -183,12 +230,9 @@ def test_a_feasible_panda_beats_the_published_error_of_its_makers() -> None:
     # The logged velocity is what `choose_velocity` takes for this set.
     settings = dataclasses.replace(choose_settings(dataset).thinned(), velocity="logged")
     plain = calibrate(dataset, model, settings)
-    blocks = block_factors(
-        model, plain.recordings["estimation"], plain.estimate.joint_variances, blocks=1
-    )
-    estimate = estimate_feasible(
-        model, DataFactor.join(blocks), regularisation=Regularisation(1e-4)
-    )
+    blocks = block_factors(model, plain.recordings["estimation"], blocks=1)
+    data = JointFactors.join(blocks).weighted(plain.estimate.joint_variances)
+    estimate = estimate_feasible(model, data, regularisation=Regularisation(1e-4))
     assert estimate.relative_margins.min() > 0
     every = tuple(r for recordings in plain.recordings.values() for r in recordings)
     # The whole recording, of which the estimate has seen the estimation part alone.

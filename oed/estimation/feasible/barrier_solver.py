@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.linalg import lstsq, null_space
+from scipy.linalg import null_space, solve_triangular
 
 from oed.estimation.feasible.conic_solver import SolverResult
 from oed.estimation.feasible.coordinates import BASIS, ENTRIES
@@ -100,8 +100,8 @@ class _Path:
         F = F if self.directions is None else F @ self.directions
         # Columns of one length: what is left of different scales must not cost digits.
         lengths = np.linalg.norm(F, axis=0)
-        scaled = lstsq(F / lengths, -r, lapack_driver="gelsy")[0]
-        step = scaled / lengths
+        Q, R = np.linalg.qr(F / lengths)
+        step = solve_triangular(R, -(Q.T @ r)) / lengths
         decrease = float(-r @ (F @ step))
         return (step if self.directions is None else self.directions @ step), decrease
 

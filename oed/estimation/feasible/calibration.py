@@ -13,12 +13,13 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.calibration import Calibration
 from oed.estimation.feasible.base_feasibility import BaseFeasibility, base_feasibility
 from oed.estimation.feasible.bootstrap import Bootstrap, bootstrap
+from oed.estimation.feasible.change_from_file import LinkChange, link_changes
 from oed.estimation.feasible.cross_validation import FOLDS, WEIGHTS, WeightCurve, cross_validate
-from oed.estimation.feasible.data_factor import DataFactor, block_factors
+from oed.estimation.feasible.data_factor import JointFactors, block_factors
 from oed.estimation.feasible.estimate import (
     FeasibleEstimate,
     complete_estimate,
-    estimate_feasible,
+    reference_bodies,
 )
 from oed.estimation.feasible.feasible_set import FeasibleSet
 from oed.estimation.feasible.interior import SolverFailed
@@ -27,7 +28,10 @@ from oed.estimation.feasible.mass_matrix import (
     random_poses,
     share_positive_definite,
 )
+from oed.estimation.feasible.problem import build_problem
+from oed.estimation.feasible.reference import FileInertials, file_inertials
 from oed.estimation.feasible.regularisation import Regularisation, RegularisationKind
+from oed.estimation.feasible.reweighting import solve_reweighted
 from oed.estimation.feasible.solve import FeasibleSolution, SolverName, solve_problem
 from oed.estimation.validation import Validation, validate
 from oed.experiment.processing import ProcessedRecording
@@ -40,7 +44,8 @@ class FeasibleSettings:
 
     Attributes:
         demands: On the parameters; `FeasibleSet.of(model)` if None.
-        prior: (10 n,) CAD or URDF values to be pulled to; None for neutral bodies.
+        inertials: Of the robot's file, as a prior and to be compared with; those that
+            `file_inertials` takes if None.
         kind: Of the pull.
         weight: Of the pull; by cross-validation if None.
         weights: Tried in cross-validation.
@@ -52,7 +57,7 @@ class FeasibleSettings:
     """
 
     demands: FeasibleSet | None = None
-    prior: Float[ndarray, " inertial"] | None = None
+    inertials: FileInertials | None = None
     kind: RegularisationKind = "entropic"
     weight: float | None = None
     weights: tuple[float, ...] = field(default=WEIGHTS)
@@ -74,9 +79,15 @@ class FeasibleCalibration:
         curve: By which its weight was chosen; None where it was given.
         second: The same problem by the other solver; None where that failed.
         second_failure: Why it failed, empty if it did not.
+        joint_variances: (n,) torque variances that the data are weighted by, of the feasible
+            estimate's own residuals [N^2 m^2].
+        inertials: What was made of the robot file's.
+        changes: Of each link and of the total mass; empty where the file's are placeholders.
         bootstrap: Of the feasible estimate.
         validation: By role, how well the feasible estimate predicts.
-        plain_feasibility: Whether any feasible robot is behind the plain estimate.
+        plain_feasibility: Whether any feasible robot is behind the plain estimate; None where
+            that was not found out.
+        plain_feasibility_failure: Why not, empty if it was.
         positive_definite: Share of poses with a positive definite mass matrix.
         plain_positive_definite: The same of the plain estimate.
         settings: It was made with.
@@ -88,9 +99,13 @@ class FeasibleCalibration:
     curve: WeightCurve | None
     second: FeasibleSolution | None
     second_failure: str
+    joint_variances: Float[ndarray, " joints"]
+    inertials: FileInertials
+    changes: tuple[LinkChange, ...]
     bootstrap: Bootstrap
     validation: Mapping[Role, Validation]
-    plain_feasibility: BaseFeasibility
+    plain_feasibility: BaseFeasibility | None
+    plain_feasibility_failure: str
     positive_definite: float
     plain_positive_definite: float
     settings: FeasibleSettings
@@ -102,6 +117,20 @@ class FeasibleCalibration:
             return None
         value = self.estimate.solution.objective
         return abs(value - self.second.objective) / abs(value)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What of the estimate is not to be believed, in words."""
+        solution = self.estimate.solution
+        unsolved = () if self.curve is None else self.curve.unsolved
+        return (
+            *(() if solution.is_accurate else (f"accuracy: {solution.accuracy}",)),
+            *(
+                f"weight {weight:.0e} was passed over: no solver came to a solution in every fold"
+                for weight in unsolved
+            ),
+            *(change.warning for change in self.changes if change.is_unreasonable),
+        )
 
     def price(self, role: Role) -> float:
         """Relative rise of the overall rms residual against plain least squares."""
@@ -118,22 +147,21 @@ def calibrate_feasibly(plain: Calibration, settings: FeasibleSettings) -> Feasib
     Raises:
         InfeasiblePrior: If the prior is not physically consistent.
         ContradictoryDemands: If nothing meets all demands.
-        SolverFailed: If no solver's solution passes its check.
+        SolverFailed: If no solver came to any point that meets them.
     """
     model = plain.model
-    blocks = block_factors(
-        model,
-        plain.recordings["estimation"],
-        plain.estimate.joint_variances,
-        blocks=settings.blocks,
-    )
-    estimate, curve = _estimate(model, blocks, settings)
+    inertials = settings.inertials or file_inertials(model.robot)
+    blocks = block_factors(model, plain.recordings["estimation"], blocks=settings.blocks)
+    estimate, curve, variances = _estimate(plain, blocks, settings, inertials.prior)
     second, failure = _second_opinion(estimate)
     rng = np.random.default_rng(settings.seed)
     q = random_poses(model, settings.poses, rng)
     base_values = np.zeros(len(plain.base))
     base_values[list(plain.estimate.columns)] = plain.estimate.parameters
     plain_parameters = plain.base.to_standard(base_values)
+    feasibility, unanswered = _base_feasibility(plain, base_values, estimate, settings.demands)
+    weighted = [block.weighted(variances) for block in blocks]
+    spread = bootstrap(estimate, weighted, rng, resamples=settings.resamples)
     return FeasibleCalibration(
         plain=plain,
         plain_parameters=plain_parameters,
@@ -141,14 +169,16 @@ def calibrate_feasibly(plain: Calibration, settings: FeasibleSettings) -> Feasib
         curve=curve,
         second=second,
         second_failure=failure,
-        bootstrap=bootstrap(estimate, blocks, rng, resamples=settings.resamples),
+        joint_variances=variances,
+        inertials=inertials,
+        changes=_changes(estimate, inertials, spread),
+        bootstrap=spread,
         validation={
             role: validate_parameters(model, estimate.parameters, recordings)
             for role, recordings in plain.recordings.items()
         },
-        plain_feasibility=base_feasibility(
-            model, plain.base, base_values, demands=settings.demands, reference=estimate.reference
-        ),
+        plain_feasibility=feasibility,
+        plain_feasibility_failure=unanswered,
         positive_definite=share_positive_definite(mass_matrices(model, estimate.parameters, q)),
         plain_positive_definite=share_positive_definite(mass_matrices(model, plain_parameters, q)),
         settings=settings,
@@ -167,24 +197,60 @@ def validate_parameters(
 
 
 def _estimate(
-    model: TorqueModel, blocks: tuple[DataFactor, ...], settings: FeasibleSettings
-) -> tuple[FeasibleEstimate, WeightCurve | None]:
-    first = settings.weight or settings.weights[0]
-    estimate = estimate_feasible(
+    plain: Calibration,
+    blocks: tuple[JointFactors, ...],
+    settings: FeasibleSettings,
+    prior: Float[ndarray, " inertial"] | None,
+) -> tuple[FeasibleEstimate, WeightCurve | None, Float[ndarray, " joints"]]:
+    """The estimate, how its weight was chosen, and the variances that its data are weighted by."""
+    model, variances = plain.model, plain.estimate.joint_variances
+    data = JointFactors.join(blocks)
+    whole = data.weighted(variances)
+    problem = build_problem(
         model,
-        DataFactor.join(blocks),
-        demands=settings.demands,
-        prior=settings.prior,
-        regularisation=Regularisation(first, settings.kind),
+        whole,
+        settings.demands or FeasibleSet.of(model),
+        reference_bodies(model, whole, prior),
+        Regularisation(settings.weight or settings.weights[0], settings.kind),
     )
-    if settings.weight is not None:
-        return estimate, None
-    curve = cross_validate(estimate.problem, blocks, weights=settings.weights, folds=settings.folds)
-    problem = estimate.problem.with_weight(curve.weight)
-    return (
-        complete_estimate(model, problem, solve_problem(problem), has_prior=estimate.has_prior),
-        curve,
+    curve = None
+    if settings.weight is None:
+        curve = cross_validate(
+            problem, blocks, variances, weights=settings.weights, folds=settings.folds
+        )
+        problem = problem.with_weight(curve.weight)
+    fit = solve_reweighted(problem, data, variances)
+    estimate = complete_estimate(model, fit.problem, fit.solution, has_prior=prior is not None)
+    return estimate, curve, fit.variances
+
+
+def _changes(
+    estimate: FeasibleEstimate, inertials: FileInertials, spread: Bootstrap
+) -> tuple[LinkChange, ...]:
+    if inertials.known is None:
+        return ()
+    return link_changes(
+        tuple(joint.link for joint in estimate.robot.joints),
+        inertials.known,
+        estimate.robot.parameters,
+        spread.samples,
+        estimate.problem,
     )
+
+
+def _base_feasibility(
+    plain: Calibration,
+    values: Float[ndarray, " base"],
+    estimate: FeasibleEstimate,
+    demands: FeasibleSet | None,
+) -> tuple[BaseFeasibility | None, str]:
+    """The answer, or why there is none: it is asked for information, and costs no estimate."""
+    try:
+        return base_feasibility(
+            plain.model, plain.base, values, demands=demands, reference=estimate.reference
+        ), ""
+    except SolverFailed as failure:
+        return None, str(failure)
 
 
 def _second_opinion(estimate: FeasibleEstimate) -> tuple[FeasibleSolution | None, str]:

@@ -33,7 +33,10 @@ def collision_regions(robot: Robot, *, clearance: float = CLEARANCE) -> tuple[Ma
     Raises:
         RobotError: If the robot came from no URDF file, or its shapes cannot be read.
     """
-    file = described(robot)
+    try:
+        file = described(robot)
+    except RobotError as error:
+        raise RobotError(f"{error}: there is no collision geometry to keep its mass in") from error
     if file.format != "urdf":
         raise RobotError(f"{robot.source!r}: collision geometry is read from a URDF file")
     path, model = file.path, pinocchio_model(file)

@@ -56,7 +56,8 @@ def solve_conic(
 
     A solver's tolerances are those of numbers around one. The objective is divided by its
     value at `at`, and links are measured there: J^ = L Y L^T with L L^T = J^(at), so that Y is
-    the identity at that point, however far from the reference bodies it lies.
+    the identity at that point, however far from the reference bodies it lies. Without a point
+    the objective is as it is: about one at the solution, since the data are weighted.
 
     Args:
         problem: To solve.
@@ -69,7 +70,7 @@ def solve_conic(
     start = time.perf_counter()
     point = problem.coordinates.start if at is None else at
     roots = np.linalg.cholesky(problem.coordinates.relative_inertias(point))
-    size = problem.size(point)
+    size = 1.0 if at is None else problem.size(at)
     y, to_unknowns, links, rows, program = _build(problem, roots, size)
     settings = CLARABEL_SETTINGS if solver == "clarabel" else SCS_SETTINGS
     try:

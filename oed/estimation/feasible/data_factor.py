@@ -14,6 +14,10 @@ from oed.estimation.noise import whiten
 from oed.estimation.triangular import augment, triangularise
 from oed.experiment.processing import ProcessedRecording
 
+# Of a joint's mean squared torque: what seven digits of a log leave undecided.
+ROUNDING = 1e-14
+SMALLEST = 1e-30  # [N^2 m^2] for a joint whose torque is zero throughout
+
 
 @dataclass(frozen=True)
 class DataFactor:
@@ -73,13 +77,63 @@ class DataFactor:
         return float(np.sum((self.triangle @ np.append(-parameters, 1.0)) ** 2) / self.rows)
 
 
+@dataclass(frozen=True)
+class JointFactors:
+    """Torque equations of each joint by themselves, so that their weights can still change.
+
+    Attributes:
+        joints: (n) a factor of each joint's rows, unweighted [N m].
+    """
+
+    joints: tuple[DataFactor, ...]
+
+    @classmethod
+    def of(
+        cls, columns: Float[ndarray, "samples joints p"], torque: Float[ndarray, "samples joints"]
+    ) -> JointFactors:
+        """Factors of a model's columns and the measured torque."""
+        one = np.ones(1)
+        return cls(
+            tuple(
+                DataFactor.of(columns[:, j], torque[:, j : j + 1], one)
+                for j in range(torque.shape[1])
+            )
+        )
+
+    @classmethod
+    def join(cls, parts: Sequence[JointFactors]) -> JointFactors:
+        """The factors of all rows of several.
+
+        Raises:
+            ValueError: If there is none.
+        """
+        if not parts:
+            raise ValueError("no data to join")
+        by_joint = zip(*(part.joints for part in parts), strict=True)
+        return cls(tuple(DataFactor.join(joint) for joint in by_joint))
+
+    def weighted(self, variances: Float[ndarray, " joints"]) -> DataFactor:
+        """One factor of all joints, weighted by torque variances [N^2 m^2]."""
+        stacked = np.vstack(
+            [
+                joint.triangle / np.sqrt(variance)
+                for joint, variance in zip(self.joints, variances, strict=True)
+            ]
+        )
+        return DataFactor(triangularise(stacked), sum(joint.rows for joint in self.joints))
+
+    def variances(self, parameters: Float[ndarray, " p"]) -> Float[ndarray, " joints"]:
+        """Mean squared residual of each joint [N^2 m^2], no less than rounding of its torque."""
+        found = []
+        for joint in self.joints:
+            torque = float(np.sum(joint.triangle[:, -1] ** 2) / joint.rows)
+            found.append(max(joint.misfit(parameters), ROUNDING * torque, SMALLEST))
+        return np.array(found)
+
+
 def block_factors(
-    model: TorqueModel,
-    recordings: Sequence[ProcessedRecording],
-    variances: Float[ndarray, " joints"],
-    *,
-    blocks: int,
-) -> tuple[DataFactor, ...]:
+    model: TorqueModel, recordings: Sequence[ProcessedRecording], *, blocks: int
+) -> tuple[JointFactors, ...]:
     """Factors of about `blocks` pieces of equal length, none across two recordings.
 
     Where a recording says what it repeats, its pieces are the repetitions.
@@ -87,7 +141,6 @@ def block_factors(
     Args:
         model: Whose columns the rows have.
         recordings: At least one.
-        variances: Torque variance of each joint [N^2 m^2].
         blocks: Least number of pieces; each recording is at least one.
     """
     total = sum(len(recording) for recording in recordings)
@@ -96,9 +149,10 @@ def block_factors(
         # The whole recording first: an effect with a memory must not start anew in each piece.
         columns = recording.columns(model.columns)
         share = max(1, int(np.ceil(blocks * len(recording) / total)))
-        for piece in _pieces(recording, share):
-            rows = columns[piece].reshape(-1, columns.shape[2])
-            factors.append(DataFactor.of(rows, recording.tau[piece], variances))
+        factors += [
+            JointFactors.of(columns[piece], recording.tau[piece])
+            for piece in _pieces(recording, share)
+        ]
     return tuple(factors)
 
 

@@ -138,20 +138,29 @@ def estimate_feasible(
     Raises:
         InfeasiblePrior: If the prior is not physically consistent.
         ContradictoryDemands: If nothing meets all demands.
-        SolverFailed: If no solver's solution passes its check.
+        SolverFailed: If no solver came to any point that meets them.
     """
-    robot = model.robot
-    if prior is not None:
-        require_consistent(robot, prior)
-    reference = (
-        prior if prior is not None else scaled_neutral_bodies(robot, data.factor, data.target)
-    )
+    reference = reference_bodies(model, data, prior)
     problem = build_problem(
         model, data, demands or FeasibleSet.of(model), reference, regularisation
     )
     return complete_estimate(
         model, problem, solve_problem(problem, tuple(solvers)), has_prior=prior is not None
     )
+
+
+def reference_bodies(
+    model: TorqueModel, data: DataFactor, prior: Float[ndarray, " inertial"] | None
+) -> Float[ndarray, " inertial"]:
+    """The prior, or neutral bodies of the density that explains the data best.
+
+    Raises:
+        InfeasiblePrior: If the prior is not physically consistent.
+    """
+    if prior is None:
+        return scaled_neutral_bodies(model.robot, data.factor, data.target)
+    require_consistent(model.robot, prior)
+    return prior
 
 
 def complete_estimate(

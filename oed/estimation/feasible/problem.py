@@ -37,6 +37,7 @@ class FeasibleProblem:
         factor: (p, p) A, triangular factor of the weighted data per square root of the rows.
         target: (p,) b.
         constant: c, the part of the mean squared residual that no parameter changes.
+        rows: Torque equations that went in.
         margin: J^_i >= margin I for every link.
         inequality: Rows C x >= d, each of unit length.
         equality: Rows C x = d, each of unit length.
@@ -47,6 +48,7 @@ class FeasibleProblem:
     factor: Float[ndarray, "p p"]
     target: Float[ndarray, " p"]
     constant: float
+    rows: int
     margin: float
     inequality: Rows
     equality: Rows
@@ -101,7 +103,9 @@ class FeasibleProblem:
     def with_data(self, data: DataFactor) -> FeasibleProblem:
         """This problem for other data."""
         factor, target, constant = _in_unknowns(data, self.coordinates)
-        return dataclasses.replace(self, factor=factor, target=target, constant=constant)
+        return dataclasses.replace(
+            self, factor=factor, target=target, constant=constant, rows=data.rows
+        )
 
 
 def build_problem(
@@ -139,6 +143,7 @@ def build_problem(
         factor=factor,
         target=target,
         constant=constant,
+        rows=data.rows,
         margin=demands.margin,
         inequality=_unit_rows(inequality_rows(demands, model), coordinates),
         equality=_unit_rows(equality_rows(demands, model), coordinates),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.errors import OedError
+from oed.errors import OedError, RobotError
 from oed.robot import Robot
 from oed.robot.inertia import parameters_from_pseudo_inertia, pseudo_inertia
+from oed.robot.placeholder_inertia import placeholder_reasons
 
 # A neutral body is a rod from the link's joint to the next with this radius of gyration across,
 # per length: stout as arm links are.
@@ -70,6 +73,54 @@ def scaled_neutral_bodies(
     density = np.linalg.lstsq(columns[:, used] / norms[used], target, rcond=None)[0][0] / norms[0]
     # Data that see no inertia, or want a negative one, say nothing of the density.
     return bodies * (density if used[0] and density > 0 else 1.0)
+
+
+@dataclass(frozen=True)
+class FileInertials:
+    """The inertials of a robot's file as a prior.
+
+    Attributes:
+        prior: (10 n,) to be pulled to; None for neutral bodies.
+        known: (10 n,) to be compared with; None where the file's are placeholders that nobody
+            asked for.
+        reason: Why, in one line.
+    """
+
+    prior: Float[ndarray, " inertial"] | None
+    known: Float[ndarray, " inertial"] | None
+    reason: str
+
+
+def file_inertials(robot: Robot, *, wanted: bool | None = None) -> FileInertials:
+    """Take the file's inertials for a prior where they may be the arm's.
+
+    Args:
+        robot: As loaded from its file.
+        wanted: True takes them though they look like placeholders, False never does, None
+            decides by `placeholder_reasons`.
+
+    Raises:
+        RobotError: If they are wanted, and the file has none or impossible ones.
+    """
+    reasons = placeholder_reasons(robot)
+    if wanted and robot.inertia_faults:
+        raise RobotError(
+            f"--prior: {robot.inertia_faults[0].text}; correct the robot's file, or leave it out"
+        )
+    known = None if reasons else robot.parameters
+    if wanted:
+        doubt = f", though {reasons[0]}" if reasons else ""
+        return FileInertials(
+            robot.parameters, robot.parameters, f"the robot file's inertials, as asked{doubt}"
+        )
+    if wanted is None and not reasons:
+        return FileInertials(
+            known, known, "the robot file's inertials, which may be its maker's numbers"
+        )
+    why = (
+        "as asked" if not reasons else f"the robot file's inertials are placeholders: {reasons[0]}"
+    )
+    return FileInertials(None, known, f"neutral bodies; {why}")
 
 
 def require_consistent(robot: Robot, prior: Float[ndarray, " inertial"]) -> None:

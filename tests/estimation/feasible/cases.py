@@ -6,7 +6,7 @@ import numpy as np
 
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import random_motion
-from oed.estimation.feasible.data_factor import DataFactor
+from oed.estimation.feasible.data_factor import DataFactor, JointFactors
 from oed.robot import Joint, JointLimits, Robot, load_robot
 from oed.robot.inertia import parameters_from_pseudo_inertia
 from tests.paths import example_robot
@@ -65,6 +65,14 @@ def true_parameters(model, rng):
     """The robot's own bodies, with friction and rotors between a half and two."""
     effects = len(model.parameters) - 10 * model.robot.n
     return np.concatenate([model.robot.parameters, rng.uniform(0.5, 2.0, effects)])
+
+
+def joints_of(model, truth, rng, *, samples=100, noise=0.0):
+    """The same by joint, unweighted."""
+    motion = random_motion(model.robot, samples, rng)
+    torque = model.torque(truth, motion)
+    torque = torque + noise * rng.standard_normal(torque.shape)
+    return JointFactors.of(model.columns(motion), torque)
 
 
 def data_of(model, truth, rng, *, samples=100, noise=0.0):

@@ -3,25 +3,36 @@
 import numpy as np
 import pytest
 
+from oed.dynamics.motion import random_motion
+from oed.estimation.feasible import cross_validation
 from oed.estimation.feasible.bootstrap import bootstrap
-from oed.estimation.feasible.cross_validation import cross_validate
-from oed.estimation.feasible.data_factor import DataFactor
+from oed.estimation.feasible.cross_validation import choose_weight, cross_validate
+from oed.estimation.feasible.data_factor import DataFactor, JointFactors
 from oed.estimation.feasible.estimate import estimate_feasible
+from oed.estimation.feasible.feasible_set import FeasibleSet
+from oed.estimation.feasible.interior import SolverFailed
+from oed.estimation.feasible.problem import build_problem
 from oed.estimation.feasible.regularisation import Regularisation
-from tests.estimation.feasible.cases import data_of, small_model, true_parameters
+from oed.estimation.feasible.reweighting import log_rms, solve_reweighted
+from tests.estimation.feasible.cases import data_of, joints_of, small_model, true_parameters
 
 NOISE = 3.0
+VARIANCES = np.full(3, NOISE**2)
 WEIGHTS = (1e-6, 1e-3, 1.0)
+
+
+def weighted(pieces):
+    return [piece.weighted(VARIANCES) for piece in pieces]
 
 
 def blocks_and_estimate(prior_of, blocks=6, samples=8):
     rng = np.random.default_rng(21)
     model = small_model()
     truth = true_parameters(model, rng)
-    pieces = [data_of(model, truth, rng, samples=samples, noise=NOISE) for _ in range(blocks)]
+    pieces = [joints_of(model, truth, rng, samples=samples, noise=NOISE) for _ in range(blocks)]
     estimate = estimate_feasible(
         model,
-        DataFactor.join(pieces),
+        JointFactors.join(pieces).weighted(VARIANCES),
         prior=prior_of(model.robot.parameters),
         regularisation=Regularisation(1e-3),
     )
@@ -30,18 +41,18 @@ def blocks_and_estimate(prior_of, blocks=6, samples=8):
 
 def test_a_true_prior_is_trusted_and_a_wrong_one_is_not():
     pieces, estimate, _ = blocks_and_estimate(lambda true: true)
-    trusted = cross_validate(estimate.problem, pieces, weights=WEIGHTS, folds=3)
+    trusted = cross_validate(estimate.problem, pieces, VARIANCES, weights=WEIGHTS, folds=3)
     assert trusted.weight == 1.0
     # With more data, because from little it cannot be told that a prior is wrong.
     pieces, estimate, _ = blocks_and_estimate(lambda true: 5 * true, samples=60)
-    doubted = cross_validate(estimate.problem, pieces, weights=WEIGHTS, folds=3)
+    doubted = cross_validate(estimate.problem, pieces, VARIANCES, weights=WEIGHTS, folds=3)
     assert doubted.weight < 1.0
     assert doubted.mean[-1] > doubted.mean[doubted.best]
 
 
 def test_the_chosen_weight_is_no_smaller_than_the_best():
     pieces, estimate, _ = blocks_and_estimate(lambda true: true)
-    curve = cross_validate(estimate.problem, pieces, weights=WEIGHTS, folds=3)
+    curve = cross_validate(estimate.problem, pieces, VARIANCES, weights=WEIGHTS, folds=3)
     assert curve.chosen >= curve.best
     assert curve.held_out.shape == (3, 3)
     assert np.all(curve.mean >= curve.mean[curve.best])
@@ -49,18 +60,75 @@ def test_the_chosen_weight_is_no_smaller_than_the_best():
     assert curve.mean[curve.best] < curve.least_squares.mean()
 
 
+def test_a_flat_curve_leaves_the_choice_to_the_stronger_pull():
+    weights = np.array([1e-7, 1e-3, 1e-1, 1.0])
+    # 2.795 and 2.806 as of a measured arm, each fold alike: significant, and not worth a thing.
+    errors = np.array([2.795, 2.806, 2.80, 3.2])[:, None] * np.array([0.9, 1.0, 1.1])
+    assert choose_weight(weights, np.log(errors)) == (0, 2)
+    # Two per cent is worth it where every fold agrees, and not where they differ by more.
+    errors[1:3] *= 1.02
+    assert choose_weight(weights, np.log(errors)) == (0, 0)
+    errors[1:3] *= np.array([0.95, 1.0, 1.05])
+    assert choose_weight(weights, np.log(errors)) == (0, 2)
+    # A weight that a fold has no solution with is passed over.
+    errors[2, 1] = np.nan
+    assert choose_weight(weights, np.log(errors)) == (0, 1)
+
+
+def test_the_ladder_goes_on_past_a_weight_that_no_solver_solves(monkeypatch):
+    pieces, estimate, _ = blocks_and_estimate(lambda true: true)
+    solve = cross_validation.solve_reweighted
+
+    def fails_at_the_first(problem, *given, **named):
+        if problem.regularisation.weight == WEIGHTS[0]:
+            raise SolverFailed("no solution", ("made to fail",))
+        return solve(problem, *given, **named)
+
+    monkeypatch.setattr(cross_validation, "solve_reweighted", fails_at_the_first)
+    curve = cross_validate(estimate.problem, pieces, VARIANCES, weights=WEIGHTS, folds=2)
+    assert curve.unsolved == (WEIGHTS[0],)
+    assert curve.chosen in {1, 2}
+
+
+def test_weights_are_those_that_the_feasible_estimate_itself_leaves():
+    rng = np.random.default_rng(24)
+    model = small_model()
+    truth = true_parameters(model, rng)
+    motion = random_motion(model.robot, 2000, rng)
+    noise = np.array([0.2, 1.0, 5.0])
+    torque = model.torque(truth, motion) + noise * rng.standard_normal((2000, 3))
+    data = JointFactors.of(model.columns(motion), torque)
+    problem = build_problem(
+        model,
+        data.weighted(np.ones(3)),
+        FeasibleSet.of(model),
+        model.robot.parameters,
+        Regularisation(1e-5),
+    )
+    fit = solve_reweighted(problem, data, np.ones(3))
+    assert np.allclose(np.sqrt(fit.variances), noise, rtol=0.06)
+    assert np.allclose(fit.variances, data.variances(fit.parameters), rtol=1e-3)
+    # What is minimised falls at each solve: the concentrated likelihood's exponent.
+    ones = np.ones(3)
+    steps = [solve_reweighted(problem, data, ones, solves=k).parameters for k in (1, 2, 3)]
+    errors = [log_rms(data, step, ones) for step in steps]
+    assert errors[0] >= errors[1] - 1e-9
+    assert errors[1] >= errors[2] - 1e-9
+
+
 def test_few_blocks_are_left_out_in_as_many_folds():
     pieces, estimate, _ = blocks_and_estimate(lambda true: true, blocks=2)
-    curve = cross_validate(estimate.problem, pieces, weights=WEIGHTS, folds=5)
+    curve = cross_validate(estimate.problem, pieces, VARIANCES, weights=WEIGHTS, folds=5)
     assert curve.held_out.shape == (3, 2)
     with pytest.raises(ValueError, match="1 blocks"):
-        cross_validate(estimate.problem, pieces[:1], folds=5)
+        cross_validate(estimate.problem, pieces[:1], VARIANCES, folds=5)
 
 
 def test_resamples_are_feasible_and_repeatable():
     pieces, estimate, _ = blocks_and_estimate(lambda true: 1.2 * true)
     first, again = (
-        bootstrap(estimate, pieces, np.random.default_rng(5), resamples=6) for _ in range(2)
+        bootstrap(estimate, weighted(pieces), np.random.default_rng(5), resamples=6)
+        for _ in range(2)
     )
     assert np.array_equal(first.samples, again.samples)
     assert first.failures == 0
@@ -74,7 +142,7 @@ def test_resamples_are_feasible_and_repeatable():
 
 def test_intervals_cover_well_determined_parameters():
     pieces, estimate, truth = blocks_and_estimate(lambda true: true, blocks=12, samples=40)
-    spread = bootstrap(estimate, pieces, np.random.default_rng(6), resamples=12)
+    spread = bootstrap(estimate, weighted(pieces), np.random.default_rng(6), resamples=12)
     names = list(estimate.names)
     viscous = [names.index(f"Fv_{j}") for j in (1, 2, 3)]
     assert np.all(np.abs(estimate.parameters - truth)[viscous] < 4 * spread.std[viscous])
@@ -118,4 +186,4 @@ def test_every_parameter_of_a_link_at_its_bound_is_marked():
 def test_refuses_to_resample_one_block():
     pieces, estimate, _ = blocks_and_estimate(lambda true: true)
     with pytest.raises(ValueError, match="1 block"):
-        bootstrap(estimate, pieces[:1], np.random.default_rng(0))
+        bootstrap(estimate, weighted(pieces[:1]), np.random.default_rng(0))
