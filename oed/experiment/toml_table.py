@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Mapping
 from difflib import get_close_matches
 from pathlib import Path
@@ -101,8 +102,9 @@ class TomlTable:
         for value in values:
             if not isinstance(value, str) or not value:
                 raise self.error(key, f"must hold names in quotes, got {_show(value)}")
-            if values.count(value) > 1:
-                raise self.error(key, f"names {value!r} twice")
+        twice = [name for name, times in Counter(values).items() if times > 1]
+        if twice:
+            raise self.error(key, f"names {twice[0]!r} twice")
         return tuple(values)
 
     def bounds(self, key: str, n: int) -> Float[ndarray, "n 2"]:

@@ -27,6 +27,9 @@ from oed.robot.xml_tree import XmlTree, parse_xml
 Format = Literal["urdf", "sdf", "mjcf"]
 FORMATS: dict[str, Format] = {"robot": "urdf", "sdf": "sdf", "mujoco": "mjcf"}
 SUFFIXES = (".urdf", ".xacro", ".sdf", ".xml", ".mjcf", ".toml")
+# A humanoid with hands has two hundred; what walks a chain of thousands would not end.
+MOST_LINKS = 500
+LINKS = {"urdf": "link", "sdf": "link", "mjcf": "body"}
 KNOWN = "a URDF, xacro, SDF or MJCF file, or a table of Denavit-Hartenberg parameters (TOML)"
 
 
@@ -106,6 +109,14 @@ def _split(source: str | Path) -> tuple[Path, tuple[str, ...]]:
     return Path(name), tuple(words[len(words) - count :])
 
 
+def _check_size(root: ElementTree.Element, file_format: Format, where: str) -> None:
+    count = sum(1 for _ in root.iter(LINKS[file_format]))
+    if count > MOST_LINKS:
+        raise RobotError(
+            f"{where}: describes {count} links, more than {MOST_LINKS}; give the arm alone"
+        )
+
+
 def _read(path: Path) -> bytes:
     try:
         return read_file(path, ROBOT_FILE)
@@ -123,6 +134,7 @@ def _of_urdf(
         raise RobotError(f"{where}: its outermost element is <{root.tag}>, not <robot>")
     if not root.get("name", "").strip():
         root.set("name", path.stem)
+    _check_size(root, "urdf", where)
     check_numbers(root, where)
     fixed = check_tree(root, where)
     efforts = read_efforts(root, where)
@@ -147,6 +159,7 @@ def _of_other(
     root, where = tree.root, str(path)
     if file_format == "mjcf":
         mjcf_file.stand_alone(root, path, _included)
+    _check_size(root, file_format, where)
     mimics, of_mimics = read_mimics(root, file_format, where)
     faults = replace_impossible(root, file_format)
     return RobotDescription(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Literal
 from xml.etree import ElementTree
 
@@ -122,8 +123,9 @@ def _check(table: DhTable, where: str) -> None:
             raise RobotError(f"{where}: joint {names[i]!r}: a number is not finite")
         if (row.lower is None) != (row.upper is None):
             raise RobotError(f"{where}: joint {names[i]!r}: give both of lower and upper, or none")
-        if names.count(names[i]) > 1:
-            raise RobotError(f"{where}: two joints are called {names[i]!r}")
+    twice = [name for name, times in Counter(names).items() if times > 1]
+    if twice:
+        raise RobotError(f"{where}: two joints are called {twice[0]!r}")
 
 
 def _name(row: DhJoint, i: int) -> str:

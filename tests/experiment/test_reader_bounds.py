@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from oed import input_file
+from oed.errors import LONGEST_MESSAGE
 from oed.experiment.read_dataset import read_dataset
 from oed.input_file import MOST_RECORDINGS
 from tests.experiment.tiny_dataset import (
@@ -77,6 +78,13 @@ def test_five_thousand_recordings_are_one_line(tmp_path: Path) -> None:
     files["dataset.toml"] += "".join(entry.format(i) for i in range(4998)).encode()
     error = refused(write_files(tmp_path, files))
     assert f"lists 5000 recordings, more than {MOST_RECORDINGS}" in str(error)
+
+
+def test_names_without_an_end_are_one_line(tmp_path: Path) -> None:
+    names = ", ".join(f'"j{i}"' for i in range(100_000))
+    folder = spoil(tmp_path, "dataset.toml", '["joint_1", "joint_2"]', f"[{names}]")
+    error = refused(folder)
+    assert len(str(error)) < LONGEST_MESSAGE + 100
 
 
 def test_columns_that_take_no_room_in_a_file_are_not_unpacked(

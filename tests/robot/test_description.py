@@ -46,6 +46,7 @@ def written(folder: Path, content: str | bytes, name: str = "arm.urdf") -> Path:
         (b'<robot name="r">' + b"<a>" * 5000 + b"</a>" * 5000 + b"</robot>", "more than 200 deep"),
         (b'<robot name="r"><link name="a"/></robot>', "no revolute or prismatic joint"),
         (b"<robot><link/></robot>", "a link has no name"),
+        (urdf_text(2000).encode(), "describes 2001 links, more than 500"),
     ],
 )
 def test_a_file_that_is_no_robot(tmp_path: Path, content: bytes, why: str) -> None:
@@ -109,6 +110,10 @@ def test_a_link_that_nothing_carries_stands_on_the_base(tmp_path: Path) -> None:
     robot = load_robot(path)
     assert "links base, table have no parent" in robot.notes[0]
     assert cross_check(robot, states=10).agrees  # Pinocchio alone refuses such a file
+
+
+def test_a_long_chain_loads(tmp_path: Path) -> None:
+    assert load_arm(written(tmp_path, urdf_text(120))).n == 120
 
 
 @pytest.mark.parametrize("name", ["arm.URDF", "arm.xml"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -51,7 +52,7 @@ def read_parquet(path: Path) -> Log:
         for field in schema
         for i, column in enumerate(_elements(field.name, widths.get(field.name)))
     }
-    twice = [name for name in schema.names if schema.names.count(name) > 1]
+    twice = [name for name, times in Counter(schema.names).items() if times > 1]
 
     def load(names: tuple[str, ...]) -> Mapping[str, ndarray]:
         stored = list(dict.fromkeys(columns[name][0] for name in names))
