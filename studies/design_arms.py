@@ -24,6 +24,7 @@ from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
+from oed.report.result_folder import ResultFiles
 from oed.report.study_files import DESIGN
 from oed.report.table import Row, markdown_table, number_of, write_csv
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS, REPOSITORY
@@ -34,6 +35,7 @@ ARMS = (
     "so_arm_description/urdf/so100.urdf",
     "asr_twodof_description/urdf/TwoDofs.urdf",
 )
+FILES = ResultFiles("design_arms", ("runs.csv", "summary.md", "provenance.json"))
 LONGEST = 300.0  # [s] after which an arm counts as failed
 
 
@@ -90,7 +92,7 @@ def _design(robot: str, out: Path, *, smoke: bool) -> str:
     if finished.returncode == 0:
         return ""
     if finished.returncode == NO_USABLE_RESULT and DESIGN.are_in(out):
-        return json.loads((out / DESIGN.record).read_text(encoding="utf-8"))["status"]
+        return json.loads((out / DESIGN.names[0]).read_text(encoding="utf-8"))["status"]
     said = " ".join(finished.stderr.split())[-200:]
     return said or f"ended with code {finished.returncode} and said nothing"
 
@@ -120,9 +122,10 @@ def _children_cpu() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def write(rows: Sequence[Row], config: Config) -> None:
-    """Leave runs.csv, summary.md and provenance.json."""
-    write_csv(config.out / "runs.csv", rows)
+def write(rows: Sequence[Row], config: Config, out: Path | None = None) -> None:
+    """Leave runs.csv, summary.md and provenance.json in a folder, the study's own if None."""
+    out = config.out if out is None else out
+    write_csv(out / "runs.csv", rows)
     good = [row for row in rows if row.get("feasible") is True and row.get("J_k") is not None]
     walls, cpus = ([number_of(row[key]) for row in rows] for key in ("wall_s", "cpu_s"))
     shown = [
@@ -144,8 +147,8 @@ whatever its parametrisation: proven up to two joints, estimated beyond. `least_
 bodies at the instants of a check, negative where they overlap: `--avoid-collision` was not asked for.
 
 {markdown_table(shown)}"""
-    write_atomically(config.out / "summary.md", text)
-    Provenance.collect(config, seed=0).write(config.out / "provenance.json")
+    write_atomically(out / "summary.md", text)
+    Provenance.collect(config, seed=0).write(out / "provenance.json")
 
 
 def _all(rows: Sequence[Row], key: str) -> str:
@@ -178,8 +181,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parser.parse_args(argv)
     given.out = given.out or results_folder("design", smoke=given.smoke)
     config = Config(tuple(given.robot), given.out, given.smoke)
-    rows = run(config)
-    write(rows, config)
+    with FILES.in_folder(config.out, config.robots) as results:
+        rows = run(config)
+        with results.replaced() as new:
+            write(rows, config, new)
     print((config.out / "summary.md").read_text(encoding="utf-8"))
     return 0
 
