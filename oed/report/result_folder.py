@@ -32,6 +32,7 @@ from oed.report.output_folder import check_output_folder, is_committed, is_scrat
 
 NEW, READY, RECORD = "new", "ready.json", "record.json"
 LISTED = 3  # names of files in a message
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 NO_FILE = "no file"  # in place of a hash, where a folder, a link or a device lies
 
 
@@ -175,8 +176,12 @@ class ResultFolder:
             files = {name.as_posix(): _hash(new / name) for name in names}
             # From here on they are whole: whoever comes next finishes, if this run cannot.
             write_json(self.state / READY, Record(self.results.command, key, files))
-        except BaseException:
+        except BaseException as error:
             shutil.rmtree(new, ignore_errors=True)
+            if isinstance(error, OSError) and error.errno in NO_ROOM:
+                raise OSError(
+                    f"{self.folder}: {error.strerror}: what was there stays; make room and run again"
+                ) from error
             raise
         try:
             self.finish()

@@ -260,7 +260,7 @@ def test_a_mount_is_a_folder_like_any_other(mount: Path) -> None:
 
 def test_a_full_disk_leaves_the_last_results(mount: Path) -> None:
     run(mount, a="1")
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(OSError, match="No space left on device: what was there stays; make room"):
         run(mount, a="2", b="x" * 400_000)
     assert listing(mount) == {"a.txt": "1"}
     run(mount, a="3")
