@@ -9,10 +9,17 @@ REPO = Path(__file__).resolve().parent.parent
 # Recordings are too large to commit: they lie beside the checkout where there are any.
 SHARED_DATA = REPO.parent / "shared" / "data"
 SHARED_CASES = REPO.parent / "shared" / "cases"
+SHARED_LOGS = REPO.parent / "shared" / "logs"
 
 needs_shared_data = pytest.mark.skipif(
     not SHARED_DATA.is_dir(),
     reason="the measured recordings (../shared/data, beside the checkout) are not on this machine",
+)
+
+
+needs_shared_logs = pytest.mark.skipif(
+    not SHARED_LOGS.is_dir(),
+    reason="the recorded bags (../shared/logs, beside the checkout) are not on this machine",
 )
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -13,6 +14,12 @@ from oed.errors import OedError
 from oed.experiment.recording import LEAST_TRAVEL, Recording, Role
 from oed.experiment.temperature import missing_notes
 from oed.robot import Robot
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from oed.experiment.from_arrays import Arrays
+    from oed.experiment.log_format import LogFormat
 
 TorqueKind = Literal["measured", "current", "commanded"]
 TORQUE_KINDS: tuple[TorqueKind, ...] = get_args(TorqueKind)
@@ -94,6 +101,95 @@ class DataSet:
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise ValueError(f"recordings named twice: {twice}")
+
+    @classmethod
+    def from_arrays(
+        cls,
+        robot: Robot,
+        *,
+        t: Arrays,
+        q: Arrays,
+        tau: Arrays,
+        dq: Arrays | None = None,
+        ddq: Arrays | None = None,
+        roles: Sequence[Role] | None = None,
+        name: str = "arrays",
+        torque: TorqueKind = "measured",
+        drive: Drive | None = None,
+    ) -> DataSet:
+        """A data set of arrays at hand, with the checks that a file goes through.
+
+        Args:
+            robot: With n joints, in the order of the columns.
+            t: (N,) time [s]; of several recordings a list of such arrays, and so for the others.
+            q: (N, n) positions [rad or m].
+            tau: (N, n) torques [N m or N], or currents [A] if the drive has `current_to_torque`.
+            dq: (N, n) velocities [rad/s or m/s].
+            ddq: (N, n) accelerations [rad/s^2 or m/s^2].
+            roles: One a recording; if None they are proposed from pauses, repetitions and
+                lengths, one recording is divided, and a note says how.
+            name: Shown in reports.
+            torque: How it was obtained.
+            drive: What is known of the drives.
+
+        Raises:
+            ValueError: If shapes or numbers of recordings disagree.
+            DataSetError: If the numbers cannot be what they should be, such as degrees.
+        """
+        from oed.experiment.from_arrays import dataset_from_arrays  # noqa: PLC0415  builds on this
+
+        return dataset_from_arrays(
+            robot,
+            t=t,
+            q=q,
+            tau=tau,
+            dq=dq,
+            ddq=ddq,
+            roles=roles,
+            name=name,
+            torque=torque,
+            drive=drive,
+        )
+
+    @classmethod
+    def from_frame(
+        cls,
+        robot: Robot,
+        frame: DataFrame | Sequence[DataFrame],
+        *,
+        roles: Sequence[Role] | None = None,
+        log_format: LogFormat | None = None,
+        name: str = "frame",
+        torque: TorqueKind | None = None,
+        drive: Drive | None = None,
+    ) -> DataSet:
+        """A data set of pandas frames, one a recording.
+
+        Args:
+            robot: With n joints.
+            frame: Columns as in a log: `t`, `q_1` or `q_shoulder`, `tau_1`, or names that
+                loggers use; an index with a name counts as a column.
+            roles: As of `from_arrays`.
+            log_format: Names of columns, units, signs and rate, if they are not as usual and SI.
+            name: Shown in reports.
+            torque: How the torque was obtained; by its columns' names if None.
+            drive: What is known of the drives.
+
+        Raises:
+            ValueError: If there is no frame, or no time.
+            DataSetError: If columns are missing or cannot be what they should be.
+        """
+        from oed.experiment.from_arrays import dataset_from_frame  # noqa: PLC0415  builds on this
+
+        return dataset_from_frame(
+            robot,
+            frame,
+            roles=roles,
+            log_format=log_format,
+            name=name,
+            torque=torque,
+            drive=drive,
+        )
 
     @property
     def estimation(self) -> tuple[Recording, ...]:

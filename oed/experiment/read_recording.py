@@ -148,9 +148,7 @@ def _time(
     return np.asarray(logged * factor if factor != 1 else logged, dtype=float)
 
 
-def _cut(
-    entry: RecordingEntry, t: Float[ndarray, " samples"], file: str
-) -> Int[ndarray, " samples"]:
+def _cut(entry: RecordingEntry, t: Float[ndarray, " samples"], file: str) -> Int[ndarray, " rows"]:
     """The rows of the log that belong to a recording."""
     rows = np.arange(len(t))
     if entry.rows is not None:

@@ -44,8 +44,7 @@ def write_dataset(
             relative path, or the robot is not the one that its source describes.
     """
     target = Path(directory)
-    if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise ValueError(f"{target} exists and is not an empty folder; nothing was overwritten")
+    check_new_folder(target)
     _check(dataset)
     limits = _changed_limits(dataset.robot)
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -54,13 +53,19 @@ def write_dataset(
         folder = Path(temporary) / target.name
         folder.mkdir()
         manifest = _manifest(dataset, limits, file_format)
-        manifest["robot"] = _write_robot(dataset.robot, folder)
+        manifest["robot"] = write_robot(dataset.robot, folder)
         (folder / MANIFEST).write_text(tomli_w.dumps(manifest), encoding="utf-8")
         for recording in dataset.recordings:
             path = folder / f"{recording.name}.{file_format}"
             path.parent.mkdir(parents=True, exist_ok=True)
             write_columns(path, _columns(recording, dataset.drive.current_to_torque))
         folder.rename(target)
+
+
+def check_new_folder(target: Path) -> None:
+    """Raise `ValueError` if a folder holds anything, or is a file."""
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise ValueError(f"{target} exists and is not an empty folder; nothing was overwritten")
 
 
 def write_columns(path: Path, values: Mapping[str, ndarray]) -> None:
@@ -101,7 +106,8 @@ def _changed_limits(robot: Robot) -> dict[str, Float[ndarray, "joints 2"]]:
     }
 
 
-def _write_robot(robot: Robot, folder: Path) -> str:
+def write_robot(robot: Robot, folder: Path) -> str:
+    """Leave the robot's file in a folder; returns what `robot` in a `dataset.toml` there says."""
     file = robot.description
     if file is None:
         return robot.source

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from oed.errors import DataSetError
 from oed.experiment.logs.registry import log_reader
@@ -148,9 +149,7 @@ def _controller(message: Any) -> Iterator[tuple[str, float]]:
         yield from _by_joint(name, message.joint_names, getattr(point, name))
 
 
-def _by_joint(
-    field: str, joints: Sequence[str], values: Sequence[float]
-) -> Iterator[tuple[str, float]]:
+def _by_joint(field: str, joints: Sequence[str], values: ndarray) -> Iterator[tuple[str, float]]:
     """What a list of one number a joint tells; nothing if it is empty."""
     if len(values) and len(values) != len(joints):
         raise ValueError(f"{len(joints)} names, but {len(values)} values of {field}")

@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from oed.errors import DataSetError
 
+WILD = 1e20  # nanoseconds since 1970 are a hundredth of it, and nothing else is as large
 Load = Callable[[tuple[str, ...]], Mapping[str, ndarray]]
 
 
@@ -68,6 +69,11 @@ class Table:
         if wrong.size:
             row = int(wrong[0])
             message = f"{values[row]:g} is not a finite number; remove the row or repair the log"
+            raise DataSetError(message, file=self.file, row=row + self.first_row, column=name)
+        wild = np.flatnonzero(np.abs(values) > WILD)
+        if wild.size:
+            row = int(wild[0])
+            message = f"{values[row]:g} is beyond anything a log can mean; repair the log"
             raise DataSetError(message, file=self.file, row=row + self.first_row, column=name)
 
     def elements(self, name: str) -> tuple[str, ...]:

@@ -1,0 +1,181 @@
+"""A data set from arrays at hand, with the checks that a file goes through."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from jaxtyping import Int
+from numpy import ndarray
+
+from oed.experiment.column_names import find_columns, joint_columns
+from oed.experiment.dataset import DataSet, Drive, TorqueKind
+from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
+from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
+from oed.experiment.log_format import LogFormat
+from oed.experiment.logs.table import Log, Table, table_of
+from oed.experiment.manifest import RecordingEntry
+from oed.experiment.read_recording import read_recording, take_samples
+from oed.experiment.recording import Role
+from oed.experiment.recording_checks import check_signals
+from oed.robot import Robot
+
+Arrays = ndarray | Sequence[ndarray]
+
+
+def dataset_from_arrays(
+    robot: Robot,
+    *,
+    t: Arrays,
+    q: Arrays,
+    tau: Arrays,
+    dq: Arrays | None = None,
+    ddq: Arrays | None = None,
+    roles: Sequence[Role] | None = None,
+    name: str = "arrays",
+    torque: TorqueKind = "measured",
+    drive: Drive | None = None,
+) -> DataSet:
+    """See `DataSet.from_arrays`."""
+    given = {"t": t, "q": q, "tau": tau, "dq": dq, "ddq": ddq}
+    listed = {key: _as_list(value) for key, value in given.items() if value is not None}
+    counts = {key: len(values) for key, values in listed.items()}
+    if len(set(counts.values())) > 1:
+        raise ValueError(f"numbers of recordings disagree: {counts}")
+    tables = []
+    for i in range(counts["t"]):
+        arrays = {key: np.asarray(values[i], dtype=float) for key, values in listed.items()}
+        _check_shapes(arrays, robot, i)
+        columns = {"t": arrays["t"]}
+        for key in arrays.keys() - {"t"}:
+            names = joint_columns(key, robot.n)
+            columns |= dict(zip(names, arrays[key].T, strict=True))
+        tables.append(table_of(columns, name if counts["t"] == 1 else f"{name}[{i}]"))
+    about = _About(name, torque, drive or Drive())
+    return _dataset(robot, tables, LogFormat(), roles, about)
+
+
+def dataset_from_frame(
+    robot: Robot,
+    frame: pd.DataFrame | Sequence[pd.DataFrame],
+    *,
+    roles: Sequence[Role] | None = None,
+    log_format: LogFormat | None = None,
+    name: str = "frame",
+    torque: TorqueKind | None = None,
+    drive: Drive | None = None,
+) -> DataSet:
+    """See `DataSet.from_frame`."""
+    frames = [frame] if isinstance(frame, pd.DataFrame) else list(frame)
+    if not frames:
+        raise ValueError("give at least one frame")
+    tables = []
+    for i, one in enumerate(frames):
+        numbers = one.reset_index() if "t" not in one.columns and one.index.name else one
+        numbers = numbers.select_dtypes("number")
+        arrays = {str(key): numbers[key].to_numpy() for key in numbers.columns}
+        tables.append(table_of(arrays, name if len(frames) == 1 else f"{name}[{i}]"))
+    joints = RobotJoints(robot.joint_names, robot.joint_names)
+    stated = dict(log_format.columns) if log_format else {}
+    found = propose_columns(Log(name, tuple(tables[:1])), joints, stated)
+    chosen = log_format or LogFormat(columns=found.columns, units=found.units)
+    if "t" not in found.columns and chosen.rate is None:
+        raise ValueError(
+            f"{name}: no column of time among {', '.join(tables[0].columns[:12])}; name it in "
+            "log_format, or give its rate"
+        )
+    about = _About(name, torque or found.torque, drive or Drive())
+    return _dataset(robot, tables, chosen, roles, about)
+
+
+@dataclass(frozen=True)
+class _About:
+    name: str
+    torque: TorqueKind
+    drive: Drive
+
+
+def _dataset(
+    robot: Robot,
+    tables: Sequence[Table],
+    log_format: LogFormat,
+    roles: Sequence[Role] | None,
+    about: _About,
+) -> DataSet:
+    """Tables with roles as given, or as proposed from their structure."""
+    logs = [Log(table.file, (table,)) for table in tables]
+    lines, timed = [], []
+    for i, log in enumerate(logs):
+        names = find_columns(log, robot, log_format)
+        samples = take_samples(names, _entry(i, "estimation"), robot, log_format)
+        lines.append(samples.lines)
+        timed.append(Timed(str(i), samples.t, samples.joints["q"]))
+    if roles is None:
+        parts, why = propose_roles(timed)
+    else:
+        if len(roles) != len(tables):
+            raise ValueError(f"{len(roles)} roles for {len(tables)} recordings; give one for each")
+        parts, why = tuple(Part(i, role) for i, role in enumerate(roles)), ""
+    recordings = []
+    for part in parts:
+        entry = _entry(part.log, part.role, part, lines[part.log], is_cut=len(parts) > len(logs))
+        recording = read_recording(
+            logs[part.log], entry, robot, log_format, drive=about.drive, torque=about.torque
+        )
+        check_signals(recording.q, recording.tau, recording.source, range(robot.n))
+        recordings.append(recording)
+    if why:
+        first = recordings[0]
+        recordings[0] = dataclasses.replace(first, notes=(f"{about.name}: {why}", *first.notes))
+    return DataSet(
+        name=about.name,
+        source="arrays in memory",
+        licence="not stated",
+        robot=robot,
+        torque=about.torque,
+        drive=about.drive,
+        recordings=tuple(recordings),
+    )
+
+
+def _entry(
+    index: int,
+    role: Role,
+    part: Part | None = None,
+    lines: Int[ndarray, " samples"] | None = None,
+    *,
+    is_cut: bool = False,
+) -> RecordingEntry:
+    rows = None
+    if part is not None and part.rows is not None and lines is not None:
+        rows = int(lines[part.rows[0]]), int(lines[part.rows[1] - 1])
+    name = role if is_cut else f"{index + 1}-{role}"
+    repetitions = None if part is None else part.repetitions
+    period = None if part is None else part.period
+    return RecordingEntry("", name, role, repetitions, period, rows)
+
+
+def _as_list(value: Arrays) -> list[ndarray]:
+    """One array a recording."""
+    if isinstance(value, ndarray):
+        return [value]
+    # A plain list of numbers is one recording too.
+    items = [np.asarray(item, dtype=float) for item in value]
+    if items and items[0].ndim == 0:
+        return [np.asarray(value, dtype=float)]
+    return items
+
+
+def _check_shapes(arrays: Mapping[str, ndarray], robot: Robot, index: int) -> None:
+    count = len(arrays["t"]) if arrays["t"].ndim == 1 else -1
+    for key, array in arrays.items():
+        expected = (count,) if key == "t" else (count, robot.n)
+        if array.shape != expected:
+            shapes = {name: a.shape for name, a in arrays.items()}
+            raise ValueError(
+                f"recording {index + 1}: t must be (N,) and the others (N, {robot.n}) for "
+                f"{robot.n} joints, got {shapes}"
+            )

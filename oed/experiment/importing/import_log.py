@@ -1,0 +1,268 @@
+"""From log files and a robot's file to a data set: proposed, checked, and only then written."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import tomli_w
+
+from oed.errors import DataSetError
+from oed.experiment.dataset import DataSet, TorqueKind
+from oed.experiment.importing.manifest_text import manifest_text
+from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints, propose_columns
+from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
+from oed.experiment.importing.propose_units import UnitProposal
+from oed.experiment.importing.read_log_values import LogValues, read_values
+from oed.experiment.logs import read_log
+from oed.experiment.manifest import MANIFEST, manifest_of
+from oed.experiment.read_dataset import dataset_of
+from oed.experiment.recording import Role
+from oed.experiment.toml_table import TomlTable
+from oed.experiment.write_dataset import check_new_folder, write_robot
+from oed.robot import Robot, arm_joints, load_robot
+
+
+@dataclass(frozen=True)
+class ImportChoices:
+    """What the user says of the logs; all that is left out is proposed.
+
+    Attributes:
+        robot: The robot's file, or "builtin:NAME".
+        joints: The joints of the robot that the logs are of, in the order of their columns.
+        columns: Names of columns by quantity (t, q, dq, ddq, tau).
+        units: Units by quantity.
+        sign: (n,) 1 or -1 a joint, for all that is logged of it.
+        zero: (n,) what is logged where the robot's joint is at zero, in the unit of the log.
+        ticks_per_turn: Of encoders whose positions are in ticks.
+        rate: Rows a second, where no column tells the time [Hz].
+        fixed: Where joints stood that the logs lack [rad or m], by name; 0 if not given.
+        torque: How the torque was obtained.
+        current_to_torque: (n,) joint torque per motor current, gear included [N m/A].
+        gravity: In the base frame [m/s^2].
+        roles: One a log.
+        reference: Whether logs stay where they are, instead of being copied.
+    """
+
+    robot: str
+    joints: tuple[str, ...] = ()
+    columns: Mapping[str, tuple[str, ...]] | None = None
+    units: Mapping[str, tuple[str, ...]] | None = None
+    sign: tuple[float, ...] = ()
+    zero: tuple[float, ...] = ()
+    ticks_per_turn: float | None = None
+    rate: float | None = None
+    fixed: Mapping[str, float] | None = None
+    torque: TorqueKind | None = None
+    current_to_torque: tuple[float, ...] = ()
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    roles: tuple[Role, ...] = ()
+    reference: bool = False
+
+
+@dataclass(frozen=True)
+class Import:
+    """A data set that was read from logs and is not written yet.
+
+    Attributes:
+        dataset: As it will be read.
+        content: Of its `dataset.toml`, with the logs where they are now.
+        logs: The log files.
+        notes: What was concluded, and from what, a line each.
+    """
+
+    dataset: DataSet
+    content: Mapping[str, object]
+    logs: tuple[Path, ...]
+    notes: tuple[str, ...]
+
+
+def propose_import(logs: Sequence[str | Path], choices: ImportChoices, out: str | Path) -> Import:
+    """Read logs and conclude what they are; nothing is written.
+
+    Args:
+        logs: Files of one format, in the order in which they were recorded.
+        choices: What is known of them.
+        out: Folder that the data set will have, for its name and for messages.
+
+    Raises:
+        DataSetError: If a log cannot be read, or something about it cannot be concluded.
+        RobotError: If the robot's file cannot be read.
+        ValueError: If there is no log, or one is given twice.
+    """
+    paths = tuple(Path(log) for log in logs)
+    if not paths or len({path.resolve() for path in paths}) < len(paths):
+        raise ValueError("give at least one log, and each once")
+    if choices.roles and len(choices.roles) != len(paths):
+        raise ValueError(f"{len(choices.roles)} roles for {len(paths)} logs; give one for each")
+    columns = _columns(paths, choices)
+    robot = load_robot(
+        choices.robot, joints=columns[0].joints, locked=choices.fixed or {}, gravity=choices.gravity
+    )
+    values = read_values(columns, robot, choices.units or {}, choices.rate, choices.ticks_per_turn)
+    parts, why = _roles(paths, values, choices)
+    content = _content(paths, choices, robot, values[0], parts) | {"name": Path(out).resolve().name}
+    dataset = _read(content, Path(out))
+    notes = (*columns[0].notes, *values[0].notes, *_fixed_notes(robot), *dataset.notes, why)
+    return Import(dataset, content, paths, tuple(dict.fromkeys(notes)))
+
+
+def write_import(found: Import, out: str | Path, *, reference: bool = False) -> None:
+    """Write the data set's folder: all of it, or nothing.
+
+    The robot's file is copied, and so are the logs unless they are referred to where they are.
+
+    Raises:
+        ValueError: If the folder is in use.
+    """
+    target = Path(out)
+    check_new_folder(target)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as temporary:
+        folder = Path(temporary) / target.name
+        folder.mkdir()
+        names = _placed(found.logs, folder, target, reference=reference)
+        content = dict(found.content)
+        content["robot"] = write_robot(found.dataset.robot, folder)
+        content["recording"] = [
+            entry | {"file": names[entry["file"]]}
+            for entry in found.content["recording"]  # type: ignore[attr-defined]
+        ]
+        text = manifest_text(content, found.notes)
+        (folder / MANIFEST).write_text(text, encoding="utf-8")
+        folder.rename(target)
+
+
+def _columns(paths: Sequence[Path], choices: ImportChoices) -> list[ColumnProposal]:
+    """The columns of each log, which must be the same."""
+    joints = RobotJoints(
+        load_robot(choices.robot).joint_names, arm_joints(choices.robot), choices.joints
+    )
+    stated = dict(choices.columns or {})
+    found = [propose_columns(read_log(path), joints, stated) for path in paths]
+    for path, other in zip(paths, found, strict=True):
+        if (other.columns, other.joints) != (found[0].columns, found[0].joints):
+            message = (
+                f"its columns are not those of {paths[0]}; import logs of one format at a time"
+            )
+            raise DataSetError(message, file=str(path))
+    return found
+
+
+def _roles(
+    paths: Sequence[Path], values: Sequence[LogValues], choices: ImportChoices
+) -> tuple[tuple[Part, ...], str]:
+    if choices.roles:
+        return tuple(Part(i, role) for i, role in enumerate(choices.roles)), "roles: as given"
+    return propose_roles(
+        [
+            Timed(path.stem, one.t, one.q, one.episode)
+            for path, one in zip(paths, values, strict=True)
+        ]
+    )
+
+
+def _content(
+    paths: Sequence[Path],
+    choices: ImportChoices,
+    robot: Robot,
+    first: LogValues,
+    parts: Sequence[Part],
+) -> dict[str, object]:
+    zero = list(choices.zero) or ([] if first.units.zero is None else first.units.zero.tolist())
+    content: dict[str, object] = {
+        "format": 1,
+        "name": "",
+        "source": f"imported from {', '.join(path.name for path in paths)}",
+        "licence": "not stated",
+        "robot": _robot_now(robot),
+        "joints": list(robot.joint_names),
+        "gravity": list(choices.gravity),
+        "torque": choices.torque or first.columns.torque,
+    }
+    if choices.rate is not None:
+        content["rate"] = choices.rate
+    if choices.sign:
+        content["sign"] = list(choices.sign)
+    if zero:
+        content["zero"] = zero
+    content["columns"] = {
+        key: names[0] if key in ("t", "repetition") else list(names)
+        for key, names in first.columns.columns.items()
+        if not (key == "t" and choices.rate is not None)
+    }
+    units = _units_table(first.units, robot.n)
+    if units:
+        content["units"] = units
+    if choices.current_to_torque:
+        content["drive"] = {"current_to_torque": list(choices.current_to_torque)}
+    if robot.locked:
+        content["fixed"] = robot.held
+    content["recording"] = [_entry(paths, part, parts) for part in parts]
+    return content
+
+
+def _units_table(proposal: UnitProposal, joints: int) -> dict[str, object]:
+    table: dict[str, object] = {
+        key: units[0] if len(units) < joints or len(set(units)) == 1 else list(units)
+        for key, units in proposal.units.items()
+    }
+    if proposal.ticks_per_turn is not None:
+        table["ticks_per_turn"] = proposal.ticks_per_turn
+    return table
+
+
+def _entry(paths: Sequence[Path], part: Part, parts: Sequence[Part]) -> dict[str, object]:
+    path = paths[part.log]
+    is_cut = sum(other.log == part.log for other in parts) > 1
+    stems = [other.stem for other in paths]
+    stem = path.stem if stems.count(path.stem) == 1 else f"{path.stem}-{part.log + 1}"
+    name = part.role if is_cut and len(paths) == 1 else f"{stem}-{part.role}" if is_cut else stem
+    entry: dict[str, object] = {"file": str(path.resolve()), "name": name, "role": part.role}
+    if part.rows is not None:
+        entry["rows"] = [part.rows[0] + 1, part.rows[1]]
+    if part.repetitions is not None:
+        entry |= {"repetitions": part.repetitions, "period": part.period}
+    return entry
+
+
+def _robot_now(robot: Robot) -> str:
+    source = robot.source
+    return source if source.startswith("builtin:") else os.path.abspath(source)  # noqa: PTH100  keeps xacro arguments
+
+
+def _read(content: Mapping[str, object], out: Path) -> DataSet:
+    # Through the text: what is written is what was read.
+    parsed = tomllib.loads(tomli_w.dumps(content))
+    return dataset_of(manifest_of(TomlTable(parsed, out / MANIFEST)), out)
+
+
+def _fixed_notes(robot: Robot) -> tuple[str, ...]:
+    if not robot.locked:
+        return ()
+    held = ", ".join(f"{name} = {value:g}" for name, value in robot.held.items())
+    return (f"fixed: the logs lack {held}; correct [fixed] if they stood elsewhere",)
+
+
+def _placed(
+    logs: Sequence[Path], folder: Path, target: Path, *, reference: bool
+) -> dict[object, str]:
+    """What each log is called in the data set, by where it is now; copied unless referred to."""
+    names: dict[object, str] = {}
+    for i, log in enumerate(logs):
+        real = log.resolve()
+        if reference:
+            names[str(real)] = os.path.relpath(real, target.resolve())
+            continue
+        name = real.name if real.name not in names.values() else f"{i + 1}-{real.name}"
+        if real.is_dir():
+            shutil.copytree(real, folder / name)
+        else:
+            shutil.copyfile(real, folder / name)
+        names[str(real)] = name
+    return names

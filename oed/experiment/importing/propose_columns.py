@@ -1,0 +1,251 @@
+"""Which columns of a log are time, positions and torques, and of which joints."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from oed.errors import DataSetError
+from oed.experiment.dataset import TorqueKind
+from oed.experiment.importing.joint_names import match_joints
+from oed.experiment.importing.layouts import (
+    ACCELERATIONS,
+    POSITIONS,
+    TEMPERATURES,
+    TIMES,
+    TORQUES,
+    VELOCITIES,
+    Named,
+    columns_of,
+)
+from oed.experiment.log_format import REPETITION
+from oed.experiment.logs.table import Log, Table
+
+MOST_SHOWN = 12  # names in a message
+
+
+@dataclass(frozen=True)
+class RobotJoints:
+    """What joints a data set may be of.
+
+    Attributes:
+        movable: All that move, from the base outward.
+        arm: Those of the arm proper, without the fingers of a gripper.
+        chosen: Those that the user named, in the order of the log's columns; empty if none.
+    """
+
+    movable: tuple[str, ...]
+    arm: tuple[str, ...]
+    chosen: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ColumnProposal:
+    """Columns of a log by quantity, in the order of `joints`.
+
+    Attributes:
+        table: That holds them.
+        joints: Names in the robot's file.
+        columns: Names by quantity.
+        units: Units that the names state, by quantity.
+        torque: What the torque seems to be.
+        notes: Why, a line each.
+    """
+
+    table: Table
+    joints: tuple[str, ...]
+    columns: Mapping[str, tuple[str, ...]]
+    units: Mapping[str, tuple[str, ...]]
+    torque: TorqueKind
+    notes: tuple[str, ...] = field(default=())
+
+
+def propose_columns(
+    log: Log, joints: RobotJoints, stated: Mapping[str, tuple[str, ...]]
+) -> ColumnProposal:
+    """Find the columns of a log.
+
+    Args:
+        log: With one table or several.
+        joints: Of the robot.
+        stated: Columns that the user named, which are taken as they are; an empty tuple
+            leaves a quantity out.
+
+    Raises:
+        DataSetError: If there is no time, position or torque, saying what there is and what to do.
+    """
+    errors = []
+    for table in log.tables:
+        try:
+            return _proposal(table, joints, stated)
+        except DataSetError as error:
+            errors.append(error)
+    # The first table has the most columns.
+    raise errors[0]
+
+
+def _proposal(
+    table: Table, joints: RobotJoints, stated: Mapping[str, tuple[str, ...]]
+) -> ColumnProposal:
+    called = {column: _called(table, column) for column in table.columns}
+    if not stated and all(column.isdigit() for column in table.columns):
+        message = (
+            f"its {len(table.columns)} columns have no names; say which is what by number, as in "
+            "--columns t=1 q=2,3 tau=4,5"
+        )
+        raise DataSetError(message, file=table.file, row=table.first_row)
+    positions = _stated(stated, "q") or _first(columns_of(called, POSITIONS, "q"))
+    if not positions:
+        raise DataSetError(_nothing(table, "joint positions", "q"), file=table.file)
+    order, names = _assigned(positions, joints, table)
+    columns, units = {"q": tuple(one.column for one in order)}, {"q": _units(order)}
+    for quantity, stems in (("dq", VELOCITIES), ("ddq", ACCELERATIONS)):
+        found = _of_same_joints(columns_of(called, stems, quantity), order)  # type: ignore[arg-type]
+        found = _stated(stated, quantity) if quantity in stated else found
+        if found:
+            columns[quantity], units[quantity] = tuple(o.column for o in found), _units(found)
+    torque, kind, more = _torque(table, called, order, stated)
+    columns["tau"], units["tau"] = tuple(one.column for one in torque), _units(torque)
+    times = _times(called, stated)[:1]
+    if times:
+        columns["t"], units["t"] = (times[0].column,), _units(times)
+    temperature = _of_same_joints(columns_of(called, TEMPERATURES, "temperature"), order)
+    if temperature:
+        columns["temperature"] = tuple(one.column for one in temperature)
+        units["temperature"] = _units(temperature)
+    if REPETITION in table.columns:
+        columns[REPETITION] = (REPETITION,)
+    given = {key: value for key, value in units.items() if any(value)}
+    notes = (*table.text, _told(order, names), *more)
+    return ColumnProposal(table, names, columns, given, kind, notes)
+
+
+def _times(called: Mapping[str, str], stated: Mapping[str, tuple[str, ...]]) -> list[Named]:
+    """Columns of time, one of the whole log before one within a folder of it."""
+    if "t" in stated:
+        return _stated(stated, "t")
+    found = [one for named in columns_of(called, TIMES, "t") for one in named]
+    within = [
+        one for one in found if re.fullmatch(rf".*[./]{re.escape(one.stem)}", one.column.lower())
+    ]
+    return [one for one in found if not one.label] or within
+
+
+def _called(table: Table, column: str) -> str:
+    return table.labels.get(column, column.removeprefix(f"{table.name}.") if table.name else column)
+
+
+def _stated(stated: Mapping[str, tuple[str, ...]], quantity: str) -> list[Named]:
+    return [Named(name, "", str(i + 1), "") for i, name in enumerate(stated.get(quantity, ()))]
+
+
+def _first(found: Sequence[list[Named]]) -> list[Named]:
+    """The first stem with a column for each of several joints, or the first."""
+    several = [named for named in found if len(named) > 1]
+    return (several or found or [[]])[0] if len(found) else []
+
+
+def _assigned(
+    positions: list[Named], joints: RobotJoints, table: Table
+) -> tuple[list[Named], tuple[str, ...]]:
+    """Positions in the order of the robot's joints, and the names of these."""
+    numbered = [one for one in positions if one.label.isdigit() or not one.label]
+    if numbered:
+        order = sorted(numbered, key=lambda one: int(one.label or 0))
+        for names in (joints.chosen, joints.arm, joints.movable):
+            if len(names) == len(order):
+                return order, names
+        message = (
+            f"holds positions of {len(order)} joints ({_few([one.column for one in order])}), the "
+            f"robot has {len(joints.arm)} in its arm and {len(joints.movable)} in all; say which "
+            "they are with --joints, in the order of the log"
+        )
+        raise DataSetError(message, file=table.file)
+    labels = {one.label: one for one in positions}
+    for names in (joints.chosen or joints.arm, joints.chosen or joints.movable):
+        found = match_joints(list(labels), names)
+        if found and (len(found) == len(names) or len(found) == len(labels)):
+            return [labels[label] for label in found.values()], tuple(found)
+    if len(joints.chosen) == len(positions):
+        return positions, joints.chosen
+    message = (
+        f"joints are named {_few(list(labels))} in the log, {_few(joints.movable)} in the robot's "
+        "file; say which they are with --joints, by the robot's names in the order of the log"
+    )
+    raise DataSetError(message, file=table.file)
+
+
+def _of_same_joints(found: Sequence[list[Named]], order: Sequence[Named]) -> list[Named]:
+    """The first stem with a column for each of these joints, in their order."""
+    for named in found:
+        by_label = {one.label: one for one in named}
+        if all(one.label in by_label for one in order):
+            return [by_label[one.label] for one in order]
+    return []
+
+
+def _torque(
+    table: Table,
+    called: Mapping[str, str],
+    order: Sequence[Named],
+    stated: Mapping[str, tuple[str, ...]],
+) -> tuple[list[Named], TorqueKind, list[str]]:
+    if stated.get("tau"):
+        named = " ".join(stated["tau"]).lower()
+        kind: TorqueKind = "current" if "current" in named else "measured"
+        return _stated(stated, "tau"), kind, []
+    for kind, stems in TORQUES.items():
+        found = _of_same_joints(columns_of(called, stems, "tau"), order)
+        if found:
+            return found, kind, [_about(kind, found)]
+    raise DataSetError(
+        _nothing(table, "torque (effort, current) of every joint", "tau"), file=table.file
+    )
+
+
+def _about(kind: TorqueKind, found: Sequence[Named]) -> str:
+    what = _as_one(found)
+    if kind == "current":
+        return (
+            f"torque: {what} are drive currents; give --current-to-torque [N m/A] a joint, gear "
+            "included, for parameters in SI units"
+        )
+    if kind == "commanded":
+        return (
+            f"torque: {what} were commanded, not measured: what the drives did not follow passes "
+            "for the arm"
+        )
+    return f"torque: {what}, taken as measured at the joints"
+
+
+def _as_one(named: Sequence[Named]) -> str:
+    """Columns of several joints in few words: the first and the last."""
+    return f"{named[0].column} … {named[-1].column}" if len(named) > 1 else named[0].column
+
+
+def _nothing(table: Table, what: str, key: str) -> str:
+    where = f"topic {table.name}: " if table.name else ""
+    advice = (
+        "record the log with it"
+        if key == "tau" and table.name
+        else f"name its columns, as in --columns {key}=NAME,NAME"
+    )
+    return f"{where}no {what} found; {advice}. Columns: {_few(table.columns)}"
+
+
+def _told(order: Sequence[Named], names: Sequence[str]) -> str:
+    if all(one.label == name for one, name in zip(order, names, strict=True)):
+        return f"joints: {_as_one(order)}, by the robot's own names"
+    pairs = (f"{one.label or one.column} is {name}" for one, name in zip(order, names, strict=True))
+    return f"joints: {_as_one(order)}, where {', '.join(pairs)}"
+
+
+def _units(named: Sequence[Named]) -> tuple[str, ...]:
+    units = tuple(one.unit for one in named)
+    return units[:1] if len(set(units)) == 1 else units
+
+
+def _few(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:MOST_SHOWN])
+    return f"{shown}, … ({len(names)} in all)" if len(names) > MOST_SHOWN else shown

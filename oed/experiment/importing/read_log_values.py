@@ -1,0 +1,155 @@
+"""The numbers of a log whose columns were found: its clock chosen, its units proposed."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from oed.errors import DataSetError
+from oed.experiment.importing.layouts import EPISODES
+from oed.experiment.importing.propose_columns import ColumnProposal
+from oed.experiment.importing.propose_units import UnitProposal, propose_units
+from oed.experiment.log_format import LogFormat
+from oed.experiment.units import factor_to_si
+from oed.robot import Robot
+
+SAME_SPAN = 0.01  # relative difference of two clocks of one log that both go right
+STARTS_AT_ZERO = 1e-3  # [s] since midnight: a clock of its own, not the time of day
+SAME_STAMP = 1e-6  # [s] by which two clocks of one log may be rounded differently
+STAMP, RECEIVED = "stamp", "received"
+
+
+@dataclass(frozen=True)
+class LogValues:
+    """What one log holds, as far as it is needed to divide it.
+
+    Attributes:
+        columns: Names, with the clock that was chosen.
+        units: In which they are logged.
+        t: (N,) time [s].
+        q: (N, n) position [rad or m], without signs and zeros that a user may state.
+        episode: (N,) index of the episode; None where there are none.
+        notes: What was concluded.
+    """
+
+    columns: ColumnProposal
+    units: UnitProposal
+    t: Float[ndarray, " samples"]
+    q: Float[ndarray, "samples joints"]
+    episode: Int[ndarray, " samples"] | None
+    notes: tuple[str, ...]
+
+
+def read_values(
+    logs: Sequence[ColumnProposal],
+    robot: Robot,
+    stated: Mapping[str, tuple[str, ...]],
+    rate: float | None,
+    ticks_per_turn: float | None,
+) -> list[LogValues]:
+    """Read the logs in units that are those of the first."""
+    first: LogValues | None = None
+    found = []
+    for log in logs:
+        columns, notes = _with_clock(log, rate)
+        arrays = {
+            key: np.column_stack(list(columns.table.take(names).values())).astype(float)
+            for key, names in columns.columns.items()
+            if key in ("q", "dq", "tau") or (key == "t" and rate is None)
+        }
+        units = first.units if first else propose_units(arrays, robot, {**columns.units, **stated})
+        if ticks_per_turn is not None:
+            units = dataclasses.replace(units, ticks_per_turn=ticks_per_turn)
+        count = len(arrays["q"])
+        if rate is None:
+            t = arrays["t"][:, 0] * factor_to_si("t", units.units.get("t", ("s",))[0])
+        else:
+            t = np.arange(count) / rate
+        values = LogValues(
+            columns,
+            units,
+            t,
+            _positions(arrays["q"], units, robot, columns),
+            _episodes(columns),
+            (*notes, *units.notes),
+        )
+        first = first or values
+        found.append(values)
+    return found
+
+
+def _positions(
+    logged: Float[ndarray, "samples joints"],
+    units: UnitProposal,
+    robot: Robot,
+    columns: ColumnProposal,
+) -> Float[ndarray, "samples joints"]:
+    ticks = units.ticks_per_turn
+    log_format = LogFormat(
+        units={key: value for key, value in units.units.items() if key == "q"},
+        ticks_per_turn=None if ticks is None else np.full(robot.n, ticks),
+        zero=units.zero,
+    )
+    try:
+        return log_format.to_si("q", logged, robot)
+    except ValueError as error:
+        raise DataSetError(
+            str(error), file=columns.table.file, column=columns.columns["q"][0]
+        ) from error
+
+
+def _episodes(columns: ColumnProposal) -> Int[ndarray, " samples"] | None:
+    name = next((name for name in EPISODES if name in columns.table.columns), None)
+    if name is None:
+        return None
+    return columns.table.take([name])[name].astype(np.int64)
+
+
+def _with_clock(
+    columns: ColumnProposal, rate: float | None
+) -> tuple[ColumnProposal, tuple[str, ...]]:
+    """The columns with the better of a bag's two clocks, and why; others as they are."""
+    table = columns.table
+    if rate is not None:
+        return columns, (f"t: {rate:g} rows a second, as given",)
+    if "t" not in columns.columns:
+        message = (
+            "no column of time found; name it, as in --columns t=NAME, or say how many rows there "
+            f"are a second, as in --rate 100. Columns: {', '.join(table.columns[:12])}"
+        )
+        raise DataSetError(message, file=table.file)
+    stamp, received = (f"{table.name}.{name}" if table.name else name for name in (STAMP, RECEIVED))
+    if columns.columns["t"] != (stamp,) or received not in table.columns:
+        return columns, (f"t: column {columns.columns['t'][0]}",)
+    clocks = table.take([stamp, received])
+    chosen, why = _better_clock(clocks[stamp], clocks[received])
+    name = stamp if chosen == STAMP else received
+    changed = dataclasses.replace(columns, columns={**columns.columns, "t": (name,)})
+    return changed, (f"t: {name}, {why}",)
+
+
+def _better_clock(
+    stamp: Float[ndarray, " samples"], received: Float[ndarray, " samples"]
+) -> tuple[str, str]:
+    """The stamps of whoever measured, unless they stand still, run back or go at another rate.
+
+    A recorder's stamps come after the way through the network, each by another delay.
+    """
+    spans = float(np.ptp(stamp)), float(np.ptp(received))
+    if spans[0] == 0:
+        return RECEIVED, "since the headers carry no time"
+    if (np.diff(stamp) < 0).any():
+        return RECEIVED, "since the headers' stamps run back"
+    apart = np.abs((stamp - stamp[0]) - (received - received[0]))
+    if spans[1] > 0 and abs(spans[0] / spans[1] - 1) > SAME_SPAN:
+        why = f"since the headers' stamps span {spans[0]:.4g} s while {spans[1]:.4g} s passed"
+        return RECEIVED, why
+    start = ", which start at zero" if stamp[0] < STARTS_AT_ZERO else ""
+    late = float(apart.max())
+    other = f"differ by up to {1e3 * late:.2g} ms" if late > SAME_STAMP else "say the same"
+    return STAMP, f"made where it was measured{start}; the recorder's stamps {other}"

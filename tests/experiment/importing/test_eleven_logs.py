@@ -1,0 +1,69 @@
+"""Logs as laboratories have them, imported in one command each, give one and the same estimate."""
+
+import numpy as np
+import pytest
+
+from oed.dynamics.models import build_model
+from oed.estimation.calibration import calibrate
+from oed.experiment.choose_settings import choose_settings
+from oed.experiment.dataset import DataSet
+from oed.experiment.read_dataset import read_dataset
+from oed.robot import load_robot
+from studies import import_log
+from tests.experiment.importing.eleven_logs import (
+    JOINTS,
+    LOGS,
+    TORQUE_CONSTANT,
+    Truth,
+    simulate,
+    write_urdf,
+)
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    return write_urdf(tmp_path_factory.mktemp("arm") / "arm.urdf")
+
+
+@pytest.fixture(scope="module")
+def truth(arm) -> Truth:
+    return simulate(load_robot(arm))
+
+
+def imported(log, arm, folder, *more: str) -> DataSet:
+    out = folder / "set"
+    assert import_log.main([str(log), "--robot", str(arm), "--out", str(out), *more]) == 0
+    return read_dataset(out)
+
+
+def estimate(dataset: DataSet) -> np.ndarray:
+    model = build_model("standard", dataset.robot, sign_width=0.02)
+    return calibrate(dataset, model, choose_settings(dataset)).estimate.parameters
+
+
+@pytest.fixture(scope="module")
+def expected(arm, truth) -> np.ndarray:
+    """The estimate from the simulation's own arrays, divided by hand."""
+    parts = [slice(0, 1440), slice(1440, 1920), slice(1920, 2400)]
+    return estimate(
+        DataSet.from_arrays(
+            load_robot(arm),
+            t=[truth.t[part] for part in parts],
+            q=[truth.q[part] for part in parts],
+            tau=[truth.tau[part] for part in parts],
+            roles=("estimation", "validation", "test"),
+        )
+    )
+
+
+@pytest.mark.parametrize("kind", LOGS)
+def test_every_log_gives_the_same_estimate(kind, arm, truth, expected, tmp_path):
+    log = LOGS[kind](truth, tmp_path)
+    more = ["--current-to-torque", *map(str, TORQUE_CONSTANT)] if kind.startswith("RTDE") else []
+    dataset = imported(log, arm, tmp_path, *more)
+    assert dataset.robot.joint_names == JOINTS
+    assert [r.role for r in dataset.recordings] == ["estimation", "validation", "test"]
+    q = np.concatenate([r.q for r in dataset.recordings])
+    assert np.allclose(q, truth.q, rtol=0, atol=1e-12)
+    assert all(r.dq is not None for r in dataset.recordings)
+    assert np.allclose(estimate(dataset), expected, rtol=1e-7, atol=1e-9)

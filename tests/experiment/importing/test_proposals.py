@@ -1,0 +1,220 @@
+"""What is concluded from a log: joints, units, roles, repetitions."""
+
+import numpy as np
+import pytest
+
+from oed.errors import DataSetError
+from oed.experiment.importing.joint_names import match_joints
+from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
+from oed.experiment.importing.propose_roles import Timed, propose_roles
+from oed.experiment.importing.propose_units import propose_units
+from oed.experiment.importing.repetition import find_period
+from oed.experiment.logs import Log, table_of
+from oed.robot.builtin import imi_scara
+
+UR = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
+
+
+@pytest.mark.parametrize(
+    ("labels", "joints", "found"),
+    [
+        (["b", "a"], ["a", "b"], {"a": "a", "b": "b"}),
+        (["Elbow Joint", "SHOULDER_PAN_JOINT", "shoulder-lift-joint"], UR, {
+            "shoulder_pan_joint": "SHOULDER_PAN_JOINT",
+            "shoulder_lift_joint": "shoulder-lift-joint",
+            "elbow_joint": "Elbow Joint",
+        }),
+        (["elbow.pos", "shoulder_lift.pos", "shoulder_pan.pos"], UR, {
+            "shoulder_pan_joint": "shoulder_pan.pos",
+            "shoulder_lift_joint": "shoulder_lift.pos",
+            "elbow_joint": "elbow.pos",
+        }),
+        (
+            ["fer_joint1", "fer_joint2", "fer_joint3", "fer_finger_joint1"],
+            ["panda_joint1", "panda_joint2", "panda_joint3", "panda_finger_joint1", "panda_finger_joint2"],
+            {"panda_joint1": "fer_joint1", "panda_joint2": "fer_joint2", "panda_joint3": "fer_joint3"},
+        ),
+        (["wing", "tail"], ["shoulder", "elbow"], {}),
+        (["joint_1", "joint_2"], ["joint_2", "joint_3"], {"joint_2": "joint_2"}),
+    ],
+)  # fmt: skip
+def test_names_of_joints(labels, joints, found):
+    assert match_joints(labels, joints) == found
+
+
+def proposal(*columns: str, joints=("shoulder", "elbow"), **stated):
+    table = table_of({name: np.arange(5.0) for name in columns}, "log.csv")
+    return propose_columns(Log("log.csv", (table,)), RobotJoints(joints, joints), stated)
+
+
+@pytest.mark.parametrize(
+    ("columns", "q", "tau", "t"),
+    [
+        ("time,success_rate,state.q[0],state.q[1],state.q_d[0],state.q_d[1],state.tau_J[0],state.tau_J[1]",
+         ("state.q[0]", "state.q[1]"), ("state.tau_J[0]", "state.tau_J[1]"), ("time",)),
+        ("t,q_elbow,q_shoulder,dq_elbow,dq_shoulder,tau_elbow,tau_shoulder",
+         ("q_shoulder", "q_elbow"), ("tau_shoulder", "tau_elbow"), ("t",)),
+        ("record_time,time,mp1,mp2,ip1,ip2,mt1,mt2",
+         ("mp1", "mp2"), ("mt1", "mt2"), ("time",)),
+        ("timestamp,q1_deg,q2_deg,torque 1 (Nm),torque 2 (Nm)",
+         ("q1_deg", "q2_deg"), ("torque 1 (Nm)", "torque 2 (Nm)"), ("timestamp",)),
+    ],
+)  # fmt: skip
+def test_columns_as_loggers_name_them(columns, q, tau, t):
+    found = proposal(*columns.split(","))
+    assert found.columns["q"] == q
+    assert found.columns["tau"] == tau
+    assert found.columns["t"] == t
+
+
+def test_units_in_names_are_taken():
+    found = proposal("timestamp [ms]", "q1_deg", "q2_deg", "torque 1 (mNm)", "torque 2 (mNm)")
+    assert found.units == {"t": ("ms",), "q": ("deg",), "tau": ("mN m",)}
+
+
+def test_a_measured_torque_goes_before_a_current_and_a_current_before_a_command():
+    both = ("t", "q_1", "q_2", "actual_current_1", "actual_current_2")
+    assert proposal(*both, "target_moment_1", "target_moment_2").torque == "current"
+    assert proposal(*both, "tau_1", "tau_2").torque == "measured"
+    assert proposal("t", "q_1", "q_2", "target_moment_1", "target_moment_2").torque == "commanded"
+
+
+@pytest.mark.parametrize(
+    ("columns", "why"),
+    [
+        ("t,q_1,q_2", "no torque"),
+        ("t,q_1,q_2,effort_1", "no torque"),
+        ("t,a,b,c", "no joint positions"),
+        ("t,q_1,q_2,q_3,tau_1,tau_2,tau_3", "positions of 3 joints"),
+        ("t,q_a,q_b,tau_a,tau_b", "say which they are with --joints"),
+        ("1,2,3,4,5", "have no names"),
+    ],
+)
+def test_what_cannot_be_concluded_is_asked_for(columns, why):
+    with pytest.raises(DataSetError, match=why):
+        proposal(*columns.split(","))
+
+
+def wave(t, scale=1.0):
+    return scale * np.column_stack([np.sin(2 * t), 0.7 * np.cos(3 * t)])
+
+
+@pytest.mark.parametrize(
+    ("t_scale", "q_scale", "dq_scale", "tau_scale", "units"),
+    [
+        (1, 1, 1, 1, {}),
+        (1e3, 180 / np.pi, 180 / np.pi, 1, {"t": "ms", "q": "deg", "dq": "deg/s"}),
+        (1e9, 1, 60 / (2 * np.pi), 1e3, {"t": "ns", "dq": "rpm", "tau": "mN m"}),
+        (1e6, 180 / np.pi, 1, 1, {"t": "us", "q": "deg"}),
+    ],
+)
+def test_units_by_ranges(t_scale, q_scale, dq_scale, tau_scale, units):
+    t = np.arange(0, 10, 0.01)
+    robot = imi_scara()
+    dq = np.column_stack([2 * np.cos(2 * t), -2.1 * np.sin(3 * t)])
+    limit = np.abs(robot.limits.torque).max(axis=1)
+    limit = np.where(np.isfinite(limit), limit, 50.0)
+    robot = robot.with_limits(
+        robot.limits.with_(
+            torque=np.column_stack([-limit, limit]), position=np.tile([-2.0, 2.0], (2, 1))
+        )
+    )
+    values = {"t": t_scale * t[:, None], "q": wave(t, q_scale), "dq": dq_scale * dq}
+    values["tau"] = wave(t, tau_scale) * 0.3 * limit
+    found = propose_units(values, robot, {}).units
+    assert {key: value[0] for key, value in found.items()} == units
+
+
+def test_ticks_of_servos():
+    t = np.arange(0, 10, 0.01)
+    robot = imi_scara()
+    ticks = np.round(wave(t) / (2 * np.pi) * 4096 + 2048)
+    found = propose_units({"t": t[:, None], "q": ticks, "tau": wave(t)}, robot, {})
+    assert found.units["q"] == ("ticks",)
+    assert found.ticks_per_turn == 4096
+    assert found.zero is not None
+    assert found.zero.tolist() == [2048, 2048]
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_a_period_is_found_to_a_part_of_a_sample(noise):
+    t = np.arange(0, 43.0, 0.01)
+    rng = np.random.default_rng(0)
+    angle = 2 * np.pi * t[:, None] / 7.3131
+    q = np.hstack(
+        [np.sin(angle) + 0.3 * np.sin(3 * angle), np.cos(2 * angle) + 0.2 * np.sin(5 * angle)]
+    )
+    found = find_period(t, q + noise * rng.standard_normal(q.shape))
+    assert found == pytest.approx(7.3131, rel=2e-4)
+
+
+def test_a_motion_that_does_not_repeat_has_no_period():
+    t = np.arange(0, 40, 0.01)
+    q = np.column_stack(
+        [np.sin(0.7 * t) + np.sin(np.sqrt(2) * t), np.cos(np.pi * t / 3 + 0.01 * t**2)]
+    )
+    assert find_period(t, q) is None
+
+
+def shares(parts, logs):
+    total = sum(len(log.t) for log in logs)
+    found = {}
+    for part in parts:
+        first, last = part.rows or (0, len(logs[part.log].t))
+        found[part.role] = found.get(part.role, 0) + (last - first) / total
+    return found
+
+
+def test_roles_of_one_motion_are_by_time():
+    t = np.arange(0, 40, 0.01)
+    log = Timed(
+        "a", t, np.column_stack([np.sin(0.7 * t) + np.sin(np.sqrt(2) * t), np.sin(0.05 * t**1.5)])
+    )
+    parts, why = propose_roles([log])
+    assert "60, 20 and 20 %" in why
+    assert shares(parts, [log]) == pytest.approx(
+        {"estimation": 0.6, "validation": 0.2, "test": 0.2}
+    )
+
+
+def test_roles_of_several_motions_are_parted_at_the_pauses():
+    rng = np.random.default_rng(1)
+    t = np.arange(0, 60, 0.01)
+    moving = (t % 10) < 8
+    clock = np.cumsum(moving) * 0.01
+    rate = rng.uniform(0.5, 1.5, 6)[(t // 10).astype(int)]
+    q = np.column_stack([np.sin(np.cumsum(moving * rate) * 0.01), np.cos(1.7 * clock)])
+    log = Timed("a", t, q)
+    parts, why = propose_roles([log])
+    assert "6 motions between pauses" in why
+    cuts = [t[part.rows[0]] for part in parts if part.rows and part.rows[0]]
+    assert len(cuts) == 2
+    assert all(8 < cut % 10 < 10 for cut in cuts)
+
+
+def test_roles_of_a_motion_that_repeats_hold_whole_periods():
+    t = np.arange(0, 50.0, 0.01)
+    angle = 2 * np.pi * t[:, None] / 5.0
+    log = Timed("a", t, np.hstack([np.sin(angle), np.cos(2 * angle) + np.sin(angle)]))
+    parts, why = propose_roles([log])
+    assert "10 times" in why
+    assert [part.repetitions for part in parts] == [6, 2, 2]
+    assert [part.rows for part in parts] == [(0, 3000), (3000, 4000), (4000, 5000)]
+
+
+def test_roles_of_several_logs_are_by_name_or_by_order():
+    def log(stem):
+        t = np.arange(0, 20, 0.01)
+        return Timed(stem, t, wave(t))
+
+    by_name, _ = propose_roles([log("run_test"), log("run_train"), log("val-2")])
+    assert [part.role for part in by_name] == ["test", "estimation", "validation"]
+    by_order, _ = propose_roles([log(f"run{i}") for i in range(5)])
+    assert [part.role for part in by_order] == ["estimation"] * 3 + ["validation", "test"]
+
+
+def test_a_short_log_is_all_for_estimation():
+    t = np.arange(0, 0.4, 0.01)
+    parts, why = propose_roles([Timed("a", t, wave(t))])
+    assert [part.role for part in parts] == ["estimation"]
+    assert "too short" in why
