@@ -1,9 +1,10 @@
-"""Does a motion come out of the box for any arm, how good is it, and how long does it take?
+"""Is the motion that comes out of the box safe for any arm, what does safety cost, how long?
 
     python -m studies.design_arms [--robot FILE ...] [--out results/design] [--smoke]
 
-Runs `studies.design` with default settings on the arms of the package example-robot-data, each in
-a process of its own as a user would, one after the other.
+Runs `studies.design` on the arms of the package example-robot-data, each in a process of its own
+as a user would, one after the other: with default settings, and with all that keeps an arm safe
+switched off. Arms that this code has done already are not done again.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from oed.process_end import ends_with_this
+from oed.report.code_digest import code_digest
 from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
-from oed.report.result_folder import ResultFiles
 from oed.report.study_files import DESIGN
-from oed.report.table import Row, markdown_table, number_of, write_csv
+from oed.report.table import Row, markdown_table, number_of, read_csv, write_csv
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS, REPOSITORY
 from studies.interrupt import NO_USABLE_RESULT, leave
 
@@ -35,8 +36,9 @@ ARMS = (
     "so_arm_description/urdf/so100.urdf",
     "asr_twodof_description/urdf/TwoDofs.urdf",
 )
-FILES = ResultFiles("design_arms", ("runs.csv", "summary.md", "provenance.json"))
-LONGEST = 300.0  # [s] after which an arm counts as failed
+LONGEST = 900.0  # [s] after which an arm counts as failed
+DIGITS = 16  # of the code's digest
+UNSAFE = ("--periodic", "--margin", "1", "--no-clearance")
 
 
 @dataclass(frozen=True)
@@ -55,28 +57,47 @@ class Config:
 
 
 def run(config: Config) -> list[Row]:
-    """One row an arm; one that fails is a row that says why."""
+    """One row an arm; one that fails is a row that says why.
+
+    Rows that the same code left in the folder are kept; the table is written after each arm.
+    """
     robots = config.robots or tuple(str(EXAMPLE_ROBOTS / arm) for arm in ARMS)
-    return [_row(robot, config) for robot in progress(robots, "arms")]
+    code, table = code_digest("studies.design")[:DIGITS], config.out / "runs.csv"
+    earlier = read_csv(table) if table.is_file() else []
+    done = {row["arm"]: row for row in earlier if row.get("code") == code and row.get("feasible")}
+    rows: list[Row] = []
+    for robot in progress(robots, "arms"):
+        rows.append(done.get(Path(robot).stem) or {**_row(robot, config), "code": code})
+        write_csv(table, rows)
+    return rows
 
 
 def _row(robot: str, config: Config) -> Row:
     with tempfile.TemporaryDirectory() as scratch:
-        out = Path(scratch) / "out"
+        out, unsafe = Path(scratch) / "out", Path(scratch) / "unsafe"
         before, started = _children_cpu(), time.perf_counter()
         problem = _design(robot, out, smoke=config.smoke)
         wall, cpu = time.perf_counter() - started, _children_cpu() - before
         row: Row = {"arm": Path(robot).stem, "wall_s": round(wall, 1), "cpu_s": round(cpu, 1)}
         if problem:
             return {**row, "problem": problem}
-        return {**row, **_found(json.loads((out / "design.json").read_text(encoding="utf-8")))}
+        row |= _found(_record(out))
+        problem = _design(robot, unsafe, *UNSAFE, smoke=config.smoke)
+        if problem:
+            return {**row, "problem": f"without safety: {problem}"}
+        return {**row, **_found_unsafe(_record(unsafe))}
 
 
-def _design(robot: str, out: Path, *, smoke: bool) -> str:
+def _record(out: Path) -> dict:
+    return json.loads((out / "design.json").read_text(encoding="utf-8"))
+
+
+def _design(robot: str, out: Path, *options: str, smoke: bool) -> str:
     """Run the design study; empty if it did its work, else the end of what it said."""
     # The study runs in the repository, not where the user's relative path starts.
     source = robot if robot.startswith("builtin:") else str(Path(robot).absolute())
     command = [sys.executable, "-m", "studies.design", "--robot", source, "--out", str(out)]
+    command += options
     try:
         finished = subprocess.run(  # noqa: S603  # our own study
             [*command, *(["--smoke"] if smoke else [])],
@@ -92,13 +113,14 @@ def _design(robot: str, out: Path, *, smoke: bool) -> str:
     if finished.returncode == 0:
         return ""
     if finished.returncode == NO_USABLE_RESULT and DESIGN.are_in(out):
-        return json.loads((out / DESIGN.names[0]).read_text(encoding="utf-8"))["status"]
+        return json.loads((out / DESIGN.record).read_text(encoding="utf-8"))["status"]
     said = " ".join(finished.stderr.split())[-200:]
     return said or f"ended with code {finished.returncode} and said nothing"
 
 
 def _found(record: dict) -> Row:
-    efficiency, clearance = record["d_efficiency"] or {}, record["clearance"]
+    efficiency, before = record["d_efficiency"] or {}, record["before_clearance"] or {}
+    standing = {limit["limit"]: limit["standing"] for limit in record["asked"]}
     return {
         "joints": len(record["joints"]),
         "base": len(record["base_parameters"]),
@@ -106,14 +128,31 @@ def _found(record: dict) -> Row:
         "violation": record["certified_violation"],
         "J_k": record["J_k"],
         "J_d": record["J_d_log10"],
-        "J_d_continuous": record["J_d_log10_continuous"],
+        "J_k_not_clear": before.get("J_k", ""),
+        "J_d_not_clear": before.get("J_d_log10", ""),
+        "clear": standing.get("clear of itself", ""),
+        "least_mm": _least(record),
         "d_efficiency": efficiency.get("value", ""),
         "kind": efficiency.get("kind", ""),
         "instants": record["instants"],
         "horizon_s": record["horizon"],
         "evaluations": record["evaluations"],
-        "least_distance_m": clearance["least"] if clearance["least"] is not None else "",
     }
+
+
+def _found_unsafe(record: dict) -> Row:
+    return {
+        "J_k_unsafe": record["J_k"],
+        "J_d_unsafe": record["J_d_log10"],
+        "least_mm_unsafe": _least(record),
+    }
+
+
+def _least(record: dict) -> float | str:
+    """Least distance of two links [mm]; empty where none comes near, or none is known."""
+    bodies = record["clearance"]["bodies"] or {}
+    least = bodies.get("least")
+    return "" if least is None else round(1e3 * least, 2)
 
 
 def _children_cpu() -> float:
@@ -122,10 +161,9 @@ def _children_cpu() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def write(rows: Sequence[Row], config: Config, out: Path | None = None) -> None:
-    """Leave runs.csv, summary.md and provenance.json in a folder, the study's own if None."""
-    out = config.out if out is None else out
-    write_csv(out / "runs.csv", rows)
+def write(rows: Sequence[Row], config: Config) -> None:
+    """Leave runs.csv, summary.md and provenance.json."""
+    write_csv(config.out / "runs.csv", rows)
     good = [row for row in rows if row.get("feasible") is True and row.get("J_k") is not None]
     walls, cpus = ([number_of(row[key]) for row in rows] for key in ("wall_s", "cpu_s"))
     shown = [
@@ -134,21 +172,25 @@ def write(rows: Sequence[Row], config: Config, out: Path | None = None) -> None:
     ]
     if not any(row["problem"] for row in shown):
         shown = [{key: row[key] for key in SHOWN} for row in shown]
+    clear = [row for row in good if row.get("clear") == "proven"]
     text = f"""\
 # A motion for any arm, with default settings
 
 `studies.design --robot FILE --out DIR`, one process an arm, one thread, the file and nothing else:
-{len(good)} of {len(rows)} arms have a motion that is proven to keep its limits for all t and a finite J_k.
-The longest took {max(walls):.1f} s of wall and {max(cpus):.1f} s of CPU time, imports, compilation, bound, pictures and
-recording included. J_k = cond Lambda and J_d = log10 det Lambda are without column scaling, R_v = I, at {_all(rows, "instants")}
-instants of a period of {_all(rows, "horizon_s")} s, a row for each joint and instant. D-efficiency
-is against a bound on every periodic motion within the position, velocity and acceleration limits,
-whatever its parametrisation: proven up to two joints, estimated beyond. `least_distance_m` is that of two
-bodies at the instants of a check, negative where they overlap: `--avoid-collision` was not asked for.
+{len(good)} of {len(rows)} arms have a motion that is proven to keep its limits for all t, from rest to rest, and
+a finite J_k; {len(clear)} of these are proven clear of themselves, for all t, by the default clearance. The
+others have no shapes in their file, or lack meshes. The longest took {max(walls):.1f} s of wall and {max(cpus):.1f} s of CPU time,
+imports, compilation, bound, pictures and recording included. J_k = cond Lambda and
+J_d = log10 det Lambda are without column scaling, R_v = I, at {_all(rows, "instants")} instants of a period of
+{_all(rows, "horizon_s")} s, a row for each joint and instant. `..._not_clear` is the best motion found in the same run that
+need not keep clear, `..._unsafe` that of another run with `{" ".join(UNSAFE)}`: what
+safety costs. `least_mm` is the least distance of two links, negative where they overlap.
+D-efficiency is against a bound on every periodic motion within the position, velocity and
+acceleration limits, whatever its parametrisation: proven up to two joints, estimated beyond.
 
 {markdown_table(shown)}"""
-    write_atomically(out / "summary.md", text)
-    Provenance.collect(config, seed=0).write(out / "provenance.json")
+    write_atomically(config.out / "summary.md", text)
+    Provenance.collect(config, seed=0).write(config.out / "provenance.json")
 
 
 def _all(rows: Sequence[Row], key: str) -> str:
@@ -162,11 +204,17 @@ SHOWN = (
     "joints",
     "base",
     "feasible",
+    "clear",
+    "least_mm",
+    "least_mm_unsafe",
     "J_k",
+    "J_k_not_clear",
+    "J_k_unsafe",
     "J_d",
+    "J_d_not_clear",
+    "J_d_unsafe",
     "d_efficiency",
     "kind",
-    "least_distance_m",
     "wall_s",
     "cpu_s",
 )
@@ -181,10 +229,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parser.parse_args(argv)
     given.out = given.out or results_folder("design", smoke=given.smoke)
     config = Config(tuple(given.robot), given.out, given.smoke)
-    with FILES.in_folder(config.out, config.robots) as results:
-        rows = run(config)
-        with results.replaced() as new:
-            write(rows, config, new)
+    rows = run(config)
+    write(rows, config)
     print((config.out / "summary.md").read_text(encoding="utf-8"))
     return 0
 

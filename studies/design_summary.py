@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from oed.design.bound.efficiency import DEfficiency
-from oed.design.clearance import ClearanceCheck
+from oed.design.clearance import ClearanceCheck, Nearest
 from oed.design.design import Design
 
 
@@ -51,19 +51,19 @@ def _efficiency_line(efficiency: DEfficiency | None) -> str:
     return f"at least {efficiency.value:.3f}, {efficiency.kind}"
 
 
-def _clearance_line(clearance: ClearanceCheck) -> str:
-    missing = clearance.missing_shapes
-    unchecked = f"not checked for want of the meshes of {missing} collision shapes; "
-    if clearance.instants == 0:
-        return f"{unchecked if missing else ''}{clearance.note}"
-    if clearance.least is None or clearance.pair is None or clearance.time is None:
-        nothing = f"nothing comes near at {clearance.instants} instants; "
-        return f"{unchecked if missing else nothing}{clearance.note}".rstrip("; ")
-    pair = " and ".join(clearance.pair)
-    distance = f"{abs(clearance.least) * 1e3:.1f} mm at {clearance.time:.2f} s"
-    if clearance.least > 0.0:
-        of_some = f"{unchecked}of the others " if missing else ""
-        found = f"{of_some}least {distance}, {pair} ({clearance.instants} instants)"
-    else:
-        found = f"{pair} overlap by {distance}: use --avoid-collision or narrow the limits"
-    return f"{found}; {clearance.note}".rstrip("; ")
+def _clearance_line(check: ClearanceCheck) -> str:
+    if check.instants == 0:
+        return check.note
+    parts = [_of_kind(found) for found in (check.bodies, check.walls) if found is not None]
+    looked = f"{check.instants} instants, and all times between them"
+    unknown = f"nothing is known of {', '.join(check.missing)}" if check.missing else ""
+    return "; ".join(filter(None, (*parts, looked, unknown, check.note)))
+
+
+def _of_kind(found: Nearest) -> str:
+    if found.least is None or found.pair is None or found.time is None:
+        return "nothing comes near"
+    pair, distance = " and ".join(found.pair), 1e3 * abs(found.least)
+    if found.least <= 0.0:
+        return f"{pair} overlap by {distance:.1f} mm at {found.time:.2f} s"
+    return f"least {distance:.1f} mm, {pair} at {found.time:.2f} s"

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
+from oed.design.clear_posture import clear_posture
 from oed.design.collision import Surroundings
 from oed.errors import NoUsableResult
 from oed.robot import JointLimits
@@ -23,7 +24,6 @@ DRAWS = 40
 # Of one joint's range, each time. Collisions often fill the middle of a side (an elbow that may
 # turn twice): a small step alone would see nothing to gain.
 NARROWINGS = (0.92, 0.8, 0.65, 0.5, 0.35)
-CENTRES = 400  # postures among which the centre is sought where mid-range collides
 
 
 class NoClearRange(NoUsableResult):
@@ -56,10 +56,11 @@ def clear_limits(
         rng: Of the postures.
 
     Raises:
-        NoClearRange: If no posture is clear, or no range about one.
+        NoClearPosture: If no posture is clear.
+        NoClearRange: If there is no range about one.
     """
     position = limits.position
-    centre = _centre(position, surroundings, rng)
+    centre = clear_posture(position, surroundings, rng)
     reach = np.abs(position - centre[:, None])
     factors = np.ones(len(position))
     for _ in range(DRAWS):
@@ -100,23 +101,3 @@ def _gain(
     if left.sum() < FEWEST / 4:
         return -np.inf
     return float((is_bad[inside].mean() - is_bad[left].mean()) / -np.log2(factor))
-
-
-def _centre(
-    position: Float[ndarray, "joints 2"], surroundings: Surroundings, rng: np.random.Generator
-) -> Float[ndarray, " joints"]:
-    """Mid-range where that is clear, else the random posture with most room about it."""
-    middle = position.mean(axis=1)
-    if surroundings.is_clear(middle):
-        return middle
-    best, most = middle, 0.0
-    lower, upper = position.T
-    for q in rng.uniform(lower, upper, (CENTRES, len(position))):
-        room = min(surroundings.distances(q).values(), default=np.inf)
-        if room > most and surroundings.is_clear(q):
-            best, most = q, room
-    if most == 0.0:
-        raise NoClearRange(
-            f"none of {CENTRES} random postures is clear of collisions: check the box and the file"
-        )
-    return best

@@ -1,15 +1,45 @@
-"""How near a motion brings the arm to itself and to its walls.
+"""Proof of how near a motion brings the arm to itself and to its walls, between instants too.
 
-A check is made at instants and is no proof: it says how near the arm came, and when.
+While each joint moves by at most dq_j, no distance changes by more than the sum of dq_j times
+the reach of that joint. A stretch of time about an instant is proven clear where the distances
+at that instant exceed what the arm can move within it; other stretches are split.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
 from oed.design.collision import FAR, Pair, Surroundings, is_wall
+from oed.design.extrema import first_intervals, split_intervals
 from oed.design.status import LimitStatus, Standing
-from oed.dynamics.motion import Motion
+from oed.design.trajectories import TrajectoryClass
+
+TOLERANCE = 1e-3  # [m] between proven and attained distance, where that is not kept
+MOST_INSTANTS = 20_000
+ROUNDING = 2e-4  # [m] by which Drake's distance of two hulls may be off
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The least distance of one kind of pair, and what is proven of all of that kind.
+
+    Attributes:
+        least: At the instants looked at [m]; negative where two overlap or a wall is passed.
+            None where nothing came within `FAR`.
+        pair: Names of those two.
+        time: When [s].
+        spare: Proven for all t: no pair is nearer than what it should keep and this [m];
+            negative where that is not kept.
+    """
+
+    least: float | None
+    pair: Pair | None
+    time: float | None
+    spare: float
 
 
 @dataclass(frozen=True)
@@ -17,99 +47,154 @@ class ClearanceCheck:
     """What a check found.
 
     Attributes:
-        least: Least distance of two bodies, or of a body and a wall [m]; negative where they
-            overlap. None where there is nothing to check, or where nothing came within `FAR`.
-        pair: Names of those two.
-        time: When [s].
+        wanted: Distance that links should keep [m].
+        bodies: Of two links; None where that was not checked.
+        walls: Of a body's origin and a wall of the box; None likewise.
         instants: Number of instants looked at.
-        note: What could not be checked, or is not judged.
-        missing_shapes: Collision shapes whose meshes are missing: the check says nothing of them.
-        has_shapes: Whether bodies were looked at.
-        least_to_wall: Least distance of a body's origin to a wall of the box [m]; negative beyond
-            it, None where there is no box or nothing came within `FAR`.
-        least_of_bodies: Likewise of two bodies.
+        note: What could not be checked, or is not held to `wanted`.
+        missing: Meshes of collision shapes that were not found: the check says nothing of them.
     """
 
-    least: float | None
-    pair: Pair | None
-    time: float | None
+    wanted: float
+    bodies: Nearest | None
+    walls: Nearest | None
     instants: int
     note: str
-    missing_shapes: int = 0
-    has_shapes: bool = False
-    least_to_wall: float | None = None
-    least_of_bodies: float | None = None
+    missing: tuple[str, ...] = ()
 
     @classmethod
-    def not_made(cls, reason: str, missing_shapes: int = 0) -> ClearanceCheck:
+    def not_made(cls, reason: str, missing: tuple[str, ...] = ()) -> ClearanceCheck:
         """Of nothing, and why."""
-        return cls(None, None, None, 0, reason, missing_shapes)
+        return cls(0.0, None, None, 0, reason, missing)
 
     @property
-    def is_clear(self) -> bool:
-        """Whether the check was made of every shape and nothing overlaps."""
-        is_apart = self.least is None or self.least > 0.0
-        return self.instants > 0 and self.missing_shapes == 0 and is_apart
+    def is_kept(self) -> bool:
+        """Whether every distance that could be checked is proven to be kept."""
+        return all(found is None or found.spare >= 0.0 for found in (self.bodies, self.walls))
 
 
-def check_clearance(surroundings: Surroundings, motion: Motion) -> ClearanceCheck:
-    """Look for the least distance at every instant of a motion."""
+def prove_clearance(
+    surroundings: Surroundings, trajectory: TrajectoryClass, z: Float[ndarray, " size"]
+) -> ClearanceCheck:
+    """Bound all distances from below, for all t in the horizon.
+
+    Args:
+        surroundings: What may be hit.
+        trajectory: The class.
+        z: The motion.
+    """
     if not surroundings.has_shapes and surroundings.box is None:
-        return ClearanceCheck.not_made(surroundings.note, surroundings.missing_shapes)
-    least: dict[bool, tuple[float, Pair | None, float | None]] = dict.fromkeys(
-        (False, True), (FAR, None, None)
-    )
-    for t, q in zip(motion.t, motion.q, strict=True):
-        for near, distance in surroundings.distances(q).items():
-            side = is_wall(near)
-            if distance < least[side][0]:
-                least[side] = (distance, near, float(t))
-    distance, pair, time = min(least.values(), key=lambda found: found[0])
-    bodies, wall = (d if near else None for d, near, _ in (least[False], least[True]))
+        return ClearanceCheck.not_made(surroundings.note, surroundings.missing)
+    fastest_change = trajectory.derivative_bound(z, 2)
+    middle, half = first_intervals(trajectory)
+    kinds, instants = (_Kind(surroundings, of_walls) for of_walls in (False, True)), 0
+    bodies, walls = kinds
+    while len(middle):
+        q, speed = (trajectory.derivative(z, middle, order) for order in range(2))
+        moves = np.abs(speed) * half[:, None] + fastest_change * half[:, None] ** 2 / 2
+        for t, posture, move in zip(middle, q, moves, strict=True):
+            distances = surroundings.distances(posture)
+            bodies.look(distances, float(t), move)
+            walls.look(distances, float(t), move)
+        instants += len(middle)
+        is_open = bodies.is_open | walls.is_open
+        if instants + 4 * is_open.sum() > MOST_INSTANTS:
+            is_open[:] = False
+        bodies.close(~is_open)
+        walls.close(~is_open)
+        middle, half = split_intervals(middle[is_open], half[is_open])
     return ClearanceCheck(
-        distance if pair else None,
-        pair,
-        time,
-        len(motion),
+        surroundings.clearance,
+        bodies.found if surroundings.has_shapes else None,
+        None if surroundings.box is None else walls.found,
+        instants,
         surroundings.note,
-        surroundings.missing_shapes,
-        surroundings.has_shapes,
-        wall,
-        bodies,
+        surroundings.missing,
     )
+
+
+class _Kind:
+    """Pairs of bodies, or bodies and walls, while instants are looked at."""
+
+    def __init__(self, surroundings: Surroundings, of_walls: bool) -> None:
+        self._surroundings, self._of_walls = surroundings, of_walls
+        self._near: tuple[float, Pair | None, float | None] = (FAR, None, None)
+        self._spare, self._proven = np.inf, np.inf
+        self._bounds: list[float] = []
+
+    def look(self, distances: dict[Pair, float], t: float, move: ndarray) -> None:
+        """Note what is near at an instant, and what is proven of the stretch about it."""
+        surroundings = self._surroundings
+        bound = FAR - surroundings.clearance - surroundings.drift(None) @ move - ROUNDING
+        for pair, distance in distances.items():
+            if is_wall(pair) != self._of_walls:
+                continue
+            if distance < self._near[0]:
+                self._near = (distance, pair, t)
+            spare = distance - surroundings.wanted(pair)
+            self._spare = min(self._spare, spare)
+            bound = min(bound, spare - surroundings.drift(pair) @ move - ROUNDING)
+        self._bounds.append(float(bound))
+
+    @property
+    def is_open(self) -> Bool[ndarray, " stretches"]:
+        """Stretches that must be split before anything is proven of them."""
+        enough = 0.0 if self._spare >= ROUNDING else self._spare - TOLERANCE
+        return np.array(self._bounds) < enough
+
+    def close(self, closed: Bool[ndarray, " stretches"]) -> None:
+        """Keep what is proven of the stretches that are not split."""
+        self._proven = min([self._proven, *np.array(self._bounds)[closed]])
+        self._bounds = []
+
+    @property
+    def found(self) -> Nearest:
+        """What came out."""
+        distance, pair, time = self._near
+        return Nearest(None if pair is None else distance, pair, time, float(self._proven))
 
 
 def clearance_status(
-    check: ClearanceCheck, *, is_asked: bool, has_box: bool
+    check: ClearanceCheck, *, is_wanted: bool, is_asked: bool, has_box: bool
 ) -> tuple[LimitStatus, ...]:
     """What a check says of the arm's distance to itself, and to its box.
 
     Args:
         check: Of the motion.
-        is_asked: Whether the user asked for an arm clear of itself.
+        is_wanted: Whether the motion is to be clear of the arm itself.
+        is_asked: Whether the user asked for that in words, so that "not checked" will not do.
         has_box: Whether there is a box to be kept.
     """
-    bodies = LimitStatus("clear of itself", *_of_bodies(check, is_asked), is_demanded=is_asked)
+    standing, evidence = _of_bodies(check, is_wanted)
+    bodies = LimitStatus("clear of itself", standing, evidence, is_demanded=is_asked)
     if not has_box:
         return (bodies,)
-    if check.instants == 0:
+    if check.walls is None:
         return bodies, LimitStatus("the box", "not checked", check.note, is_demanded=True)
-    least = check.least_to_wall
-    if least is not None and least <= 0.0:
-        evidence = f"left by {-least:.3g} m"
-        return bodies, LimitStatus("the box", "not kept", evidence, is_demanded=True)
-    evidence = f"origins of bodies at {check.instants} instants"
-    return bodies, LimitStatus("the box", "checked", evidence, is_demanded=True)
+    if check.walls.spare < 0.0:
+        return bodies, LimitStatus("the box", "not kept", _shortfall(check.walls, check.wanted))
+    return bodies, LimitStatus("the box", "proven")
 
 
-def _of_bodies(check: ClearanceCheck, is_asked: bool) -> tuple[Standing, str]:
-    least = check.least_of_bodies
-    if least is not None and least <= 0.0:
-        evidence = f"bodies overlap by {-least * 1e3:.1f} mm"
-        return ("not kept" if is_asked else "given up"), evidence
-    if check.instants == 0 or not check.has_shapes:
+def _of_bodies(check: ClearanceCheck, is_wanted: bool) -> tuple[Standing, str]:
+    wanted = f"{1e3 * check.wanted:g} mm"
+    if check.bodies is not None and check.bodies.spare < 0.0:
+        return ("not kept" if is_wanted else "given up"), _shortfall(check.bodies, check.wanted)
+    if check.missing:
+        count, names = len(check.missing), ", ".join(check.missing)
+        rest = "" if check.bodies is None else f"; the others keep {wanted}"
+        noun = "collision mesh is" if count == 1 else "collision meshes are"
+        return "not checked", f"{count} {noun} not found ({names}): name --package NAME=DIR{rest}"
+    if check.bodies is None:
         return "not checked", check.note.removeprefix("not checked: ")
-    if check.missing_shapes:
-        return "not checked", f"the meshes of {check.missing_shapes} shapes are missing"
-    nearest = f"more than {FAR:g} m" if least is None else f"at least {least * 1e3:.1f} mm"
-    return "checked", f"{nearest} at {check.instants} instants"
+    return "proven", f"by {wanted}" if check.wanted > 0.0 else ""
+
+
+def _shortfall(nearest: Nearest, wanted: float) -> str:
+    if nearest.least is None or nearest.pair is None:  # too fast to be proven
+        return f"not proven to keep {1e3 * wanted:g} mm between instants"
+    pair, distance = " and ".join(nearest.pair), 1e3 * nearest.least
+    if nearest.least <= 0.0:
+        what = "beyond by" if is_wall(nearest.pair) else "overlap by"
+        return f"{pair} {what} {-distance:.1f} mm at {nearest.time:.2f} s"
+    return f"{pair} come within {distance:.1f} mm at {nearest.time:.2f} s"

@@ -1,34 +1,47 @@
-"""A motion moved away from collisions, as little as that takes.
+"""The motion that tells most among those that keep the arm clear of itself and its walls.
 
-Distances are linearised at the instants where they are short, which makes them linear in the
-coefficients of a Fourier motion, as its limits are: the nearest motion that keeps both is a
-quadratic program. Instants are exchanged until none is short. Where that does not end, the
-motion shrinks towards a posture in which nothing touches.
+The criterion is minimised with a price on every distance that is short. Distances are
+linearised at the instants where they are short, or could soon be, and trusted within a step of
+the motion at which that was done; steps that do not lower the sum of criterion and price are
+taken back and shortened (Schulman et al. 2013, "Finding locally optimal, collision-free
+trajectories with sequential convex optimization"). The price rises until no distance is short.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from functools import partial
 
-import clarabel
 import numpy as np
-import scipy.sparse
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.design.clear_limits import clear_limits
+from oed.design.clearance import prove_clearance
 from oed.design.collision import Surroundings
-from oed.design.constraints import LimitConstraints
+from oed.design.constraints import TrustRegion
+from oed.design.optimisers.interior_point import optimise
+from oed.design.optimisers.local_solution import LocalSettings, solve_near
+from oed.design.optimisers.result import Budget, EvaluationLog
 from oed.design.problem import DesignProblem
+from oed.design.trajectories import TrajectoryClass
 from oed.errors import NoUsableResult
 
-AHEAD = 0.03  # [m] beyond what is wanted, within which a distance joins the program
-ROUNDS = 15
-INSTANTS = 400  # looked at in each round
-LIMIT_INSTANTS = 80  # at which the program holds the limits; repair brings in the rest
-STEP = 0.25  # [rad or m] most that a position may move in a round: distances are linearised
-SHORTFALL = 1e3  # price of a distance that stays short, per metre, against squared change
-SHRINKING = 0.95  # of the motion, each time, where the program does not end
-SMALLEST = 0.01  # share of a motion below which it is none
+INSTANTS = 200  # at which distances are looked at
+AHEAD = 0.1  # [m] beyond what is wanted, within which a distance counts
+# [m] beyond what is wanted, where the price begins: room for what lies between the instants.
+BUFFER = 0.003
+PRICE = 3.0  # [decades] at first, of a distance that is `BUFFER` short all the time
+DEARER = 5.0  # times the price, where it does not keep distances
+DEAREST = 100.0
+FIRST_STEP = 0.3  # [rad or m]
+LARGEST_STEP = 0.6
+LEAST_STEP = 0.02
+ROUNDS = 40
+LEAST_GAIN = 0.02  # [decades] of a round that is worth another at the same price
+LOCAL = LocalSettings(iterations=25, constraint_instants=40)
+BUFFERS = 3  # each twice the last, should what lies between the instants be nearer
 
 
 class NoClearMotion(NoUsableResult):
@@ -37,155 +50,185 @@ class NoClearMotion(NoUsableResult):
 
 @dataclass(frozen=True)
 class ClearMotion:
-    """A motion without short distances.
+    """A motion that keeps its distances at `INSTANTS` instants.
 
     Attributes:
         z: (size,) the motion.
-        rounds: Quadratic programs solved.
-        factor: By which the motion was shrunk in the end; 1 where the programs sufficed.
+        cost: Its exact criterion.
+        rounds: Linearisations that were solved; 0 if the search began there.
+        evaluations: Of the criterion.
     """
 
     z: Float[ndarray, " size"]
+    cost: float
     rounds: int
-    factor: float
+    evaluations: int
 
 
-@dataclass(frozen=True)
-class _Short:
-    """A distance to be kept at an instant: slope . q >= bound."""
+@dataclass(frozen=True, eq=False)
+class Distances:
+    """Distances of a class of motions, linearised at one motion.
 
-    instant: int
-    slope: Float[ndarray, " joints"]
-    bound: float
+    Attributes:
+        trajectory: The class.
+        t: (K,) instants [s].
+        where: (C,) instant of each distance.
+        slopes: (C, n) by the joints [m per rad or m].
+        short: (C,) what each wants beyond slope . q [m]: it is short where this is above.
+        spare: Least spare distance, exactly, of the motion itself [m].
+        buffer: Beyond what is wanted, where the price begins [m].
+    """
+
+    trajectory: TrajectoryClass
+    t: Float[ndarray, " samples"]
+    where: Int[ndarray, " distances"]
+    slopes: Float[ndarray, "distances joints"]
+    short: Float[ndarray, " distances"]
+    spare: float
+    buffer: float = BUFFER
+
+    @classmethod
+    def at(
+        cls,
+        trajectory: TrajectoryClass,
+        z: Float[ndarray, " size"],
+        surroundings: Surroundings,
+        buffer: float = BUFFER,
+    ) -> Distances:
+        """Look at a motion."""
+        t = np.linspace(0.0, trajectory.horizon, INSTANTS)
+        found: list[tuple[int, ndarray, float]] = []
+        least = AHEAD
+        for k, posture in enumerate(trajectory.derivative(z, t, 0)):
+            for near in surroundings.near(posture, AHEAD):
+                spare = near.distance - surroundings.wanted(near.pair)
+                least = min(least, spare)
+                found.append((k, near.slope, float(near.slope @ posture) - spare))
+        where, slopes, short = zip(*found, strict=True) if found else ((), (), ())
+        slopes = np.array(slopes).reshape(-1, trajectory.joints)
+        return cls(
+            trajectory, t, np.array(where, dtype=int), slopes, np.array(short), least, buffer
+        )
+
+    def price(self, z: Float[ndarray, " size"], weight: float) -> tuple[float, ndarray]:
+        """What short distances cost [decades], and the gradient by z.
+
+        Of a distance that is short by x times `buffer`, beginning there, x^2, and 2x - 1 from
+        x = 1: deep overlaps must not drown the criterion.
+        """
+        q = self.trajectory.derivative(z, self.t, 0)
+        x = (self.short - (self.slopes * q[self.where]).sum(axis=1)) / self.buffer + 1.0
+        x = np.maximum(x, 0.0)
+        factor = weight / len(self.t)
+        slope = -2 * factor / self.buffer * np.minimum(x, 1.0)[:, None] * self.slopes
+        adjoint = np.zeros_like(q)
+        np.add.at(adjoint, self.where, slope)
+        value = factor * np.where(x < 1.0, x**2, 2 * x - 1).sum()
+        return float(value), self.trajectory.pull_back(z, self.t, (adjoint,))
 
 
-def avoid_collision(
+def find_clear_motion(
     problem: DesignProblem,
     z: Float[ndarray, " size"],
     surroundings: Surroundings,
-    centre: Float[ndarray, " joints"],
+    budget: Budget,
+    rng: np.random.Generator,
 ) -> ClearMotion:
-    """The nearest motion, by linearisation, whose distances are not short at many instants.
+    """The best motion, by local searches, that is proven to keep its distances.
+
+    The search begins at a motion that need not keep them. Where no way leads out of what it
+    hits, it begins anew at the best motion within a range of positions in which collisions are
+    rare, and leaves that range again.
 
     Args:
-        problem: Of a class that is linear in z.
-        z: A motion within its limits.
+        problem: Of a Fourier class.
+        z: A motion within its limits, such as the best one without distances to keep.
         surroundings: What may be hit.
-        centre: (n,) a posture that is clear.
+        budget: Of the search for another beginning; the others keep to its CPU seconds and to
+            `ROUNDS`, not to its evaluations.
+        rng: Of the second beginning.
 
     Raises:
-        ValueError: If the class is not linear.
-        NoClearMotion: If even a motion close to the centre is too near to something.
+        NoClearPosture: If no posture is clear.
+        NoClearRange: If there is no range about a clear posture.
+        NoClearMotion: If no motion is found.
     """
-    if not problem.trajectory.is_linear:
-        raise ValueError("collisions can be avoided by classes linear in their coefficients only")
-    t = np.linspace(0.0, problem.trajectory.horizon, INSTANTS)
-    for number in range(ROUNDS + 1):
-        q = problem.trajectory.motion(z, t).q
-        short, is_clear = _short_distances(surroundings, q)
-        if is_clear:
-            return ClearMotion(z, number, 1.0)
-        if number < ROUNDS:
-            z = problem.repair(_nearest(problem, z, t, short))
-    return _shrunk(problem, z, t, surroundings, centre)
+    found = _proven(problem, z, surroundings, budget)
+    if found is None:
+        room = clear_limits(problem.limits, surroundings, rng)
+        trajectory = dataclasses.replace(problem.trajectory, limits=room.limits)
+        narrow = dataclasses.replace(problem, trajectory=trajectory, limits=room.limits)
+        found = _proven(problem, optimise(narrow, budget, rng).z, surroundings, budget)
+    if found is None:
+        raise NoClearMotion(
+            f"no motion was found that keeps the arm clear of itself and its box by "
+            f"{1e3 * surroundings.clearance:g} mm: ask for less (--clearance), or narrow the "
+            "limits of positions yourself"
+        )
+    return found
 
 
-def _short_distances(surroundings: Surroundings, q: ndarray) -> tuple[list[_Short], bool]:
-    """Distances that are short or nearly so, and whether none is truly short."""
-    found, is_clear = [], True
-    for k, posture in enumerate(q):
-        for near in surroundings.near(posture):
-            wanted = surroundings.wanted(near.pair)
-            # Half of what is asked for counts as clear, so that linearisation need not be exact.
-            is_clear &= near.distance >= wanted / 2
-            if near.distance < wanted + AHEAD and np.any(near.slope):
-                bound = wanted - near.distance + near.slope @ posture
-                found.append(_Short(k, near.slope, float(bound)))
-    return found, is_clear
+def _proven(
+    problem: DesignProblem,
+    z: Float[ndarray, " size"],
+    surroundings: Surroundings,
+    budget: Budget,
+) -> ClearMotion | None:
+    """Descend until what was found is proven between instants too; None if that fails."""
+    seconds = np.inf if budget.cpu_seconds is None else budget.cpu_seconds
+    log, buffer = EvaluationLog(Budget(cpu_seconds=seconds)), BUFFER
+    for _ in range(BUFFERS):
+        found = descend(problem, z, surroundings, log, buffer)
+        if found is None or prove_clearance(surroundings, problem.trajectory, found.z).is_kept:
+            return found
+        z, buffer = found.z, 2 * buffer
+    return None
 
 
-def _nearest(
-    problem: DesignProblem, z: ndarray, t: ndarray, short: list[_Short]
-) -> Float[ndarray, " size"]:
-    """The motion with the least squared change, in units of the box, that is not short."""
-    half = np.diff(problem.trajectory.bounds, axis=1)[:, 0] / 2
-    change = _least_change(*_inequalities(problem, z, t, short, half), len(z), len(short))
-    return z + half * change if np.isfinite(change).all() else z
+def descend(
+    problem: DesignProblem,
+    z: Float[ndarray, " size"],
+    surroundings: Surroundings,
+    log: EvaluationLog,
+    buffer: float = BUFFER,
+) -> ClearMotion | None:
+    """Lower criterion and price together from z; None if no motion on the way is clear.
 
-
-def _inequalities(
-    problem: DesignProblem, z: ndarray, t: ndarray, short: list[_Short], half: ndarray
-) -> tuple[scipy.sparse.csc_matrix, ndarray]:
-    """A and b of A x <= b: limits, most of a step, distances, and shortfalls that are none.
-
-    Unknowns: u, the change in half widths of the box, and one shortfall for each distance.
+    Args:
+        problem: Of a class with an offset.
+        z: A motion within its limits.
+        surroundings: What may be hit.
+        log: Counts evaluations, and says when to stop.
+        buffer: Beyond what is wanted, where the price begins [m].
     """
-    trajectory = problem.trajectory
-    size, count = len(z), len(short)
-    grid = np.linspace(0.0, trajectory.horizon, LIMIT_INSTANTS)
-    limits = LimitConstraints(trajectory, problem.limits, grid)
-    jacobian = limits.jacobian(z) @ scipy.sparse.diags(half)
-    at, values = limits.values(z), trajectory.motion(z, t).q
-    moved = _by_position(problem, z, t)
-    rows = np.stack([s.slope @ moved[s.instant] for s in short]) * half
-    room = np.array([s.slope @ values[s.instant] - s.bound for s in short])
-    position = _by_position(problem, z, grid).reshape(-1, size) * half
-    blank = scipy.sparse.csc_matrix((jacobian.shape[0], count))
-    none = scipy.sparse.csc_matrix((len(position), count))
-    blocks = [
-        scipy.sparse.hstack([jacobian, blank]),
-        scipy.sparse.hstack([-jacobian, blank]),
-        scipy.sparse.hstack([position, none]),
-        scipy.sparse.hstack([-position, none]),
-        scipy.sparse.hstack([-rows, -scipy.sparse.identity(count)]),
-        scipy.sparse.hstack(
-            [scipy.sparse.csc_matrix((count, size)), -scipy.sparse.identity(count)]
-        ),
-    ]
-    step = np.full(len(position), STEP)
-    right = [limits.upper - at, at - limits.lower, step, step, room, np.zeros(count)]
-    bounds = np.concatenate(right)
-    kept = np.isfinite(bounds)
-    return scipy.sparse.vstack(blocks).tocsc()[np.flatnonzero(kept)], bounds[kept]
-
-
-def _least_change(
-    matrix: scipy.sparse.csc_matrix, bounds: ndarray, size: int, count: int
-) -> Float[ndarray, " size"]:
-    """The least `size` changes in squares, and `count` shortfalls at their price, with A x <= b."""
-    cost = scipy.sparse.block_diag(
-        [scipy.sparse.identity(size), scipy.sparse.csc_matrix((count, count))]
-    )
-    price = np.concatenate([np.zeros(size), np.full(count, SHORTFALL)])
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    cones = [clarabel.NonnegativeConeT(len(bounds))]
-    solver = clarabel.DefaultSolver(cost.tocsc(), price, matrix.tocsc(), bounds, cones, settings)
-    return np.array(solver.solve().x)[:size]
-
-
-def _by_position(
-    problem: DesignProblem, z: ndarray, t: ndarray
-) -> Float[ndarray, "samples joints size"]:
-    """Derivative of every joint's position by all variables."""
-    trajectory = problem.trajectory
-    own = trajectory.sensitivity(z, t, 0)
-    result = np.zeros((len(t), trajectory.joints, trajectory.size))
-    for joint, columns in enumerate(trajectory.variables):
-        result[:, joint, columns] = own[:, joint]
-    return result
-
-
-def _shrunk(
-    problem: DesignProblem, z: ndarray, t: ndarray, surroundings: Surroundings, goal: ndarray
-) -> ClearMotion:
-    """The motion brought towards a clear posture in small steps until it is clear."""
-    trajectory, factor = problem.trajectory, 1.0
-    centre = trajectory.centre(z)
-    while factor > SMALLEST:
-        factor *= SHRINKING
-        smaller = trajectory.shrink(z, np.full(trajectory.joints, factor))
-        smaller = trajectory.shift(smaller, (1 - factor) * (goal - centre))
-        if all(surroundings.is_clear(q) for q in trajectory.motion(smaller, t).q):
-            return ClearMotion(smaller, ROUNDS, factor)
-    raise NoClearMotion("no motion clear of collisions was found, however small")
+    seen = Distances.at(problem.trajectory, z, surroundings, buffer)
+    cost, enough = log.evaluate(problem.cost, z), buffer - BUFFER
+    weight, step, rounds = PRICE, FIRST_STEP, 0
+    best = (np.array(z), cost) if seen.spare >= enough else None
+    while rounds < ROUNDS and weight <= DEAREST and not log.is_spent:
+        rounds += 1
+        candidate = problem.repair(
+            solve_near(
+                problem,
+                z,
+                log,
+                LOCAL,
+                trust=TrustRegion(z, step),
+                penalty=partial(seen.price, weight=weight),
+            )
+        )
+        new_cost = log.evaluate(problem.cost, candidate)
+        new = Distances.at(problem.trajectory, candidate, surroundings, buffer)
+        gain = cost + seen.price(z, weight)[0] - new_cost - new.price(candidate, weight)[0]
+        if new.spare >= enough and (best is None or new_cost < best[1]):
+            best = candidate, new_cost
+        if gain > 0.0:
+            z, cost, seen = candidate, new_cost, new
+            step = min(1.5 * step, LARGEST_STEP)
+        else:
+            step /= 3
+        if step < LEAST_STEP or 0.0 < gain < LEAST_GAIN:
+            if seen.spare >= enough:
+                break
+            weight, step = DEARER * weight, FIRST_STEP
+    return None if best is None else ClearMotion(*best, rounds, log.evaluations)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,38 @@ from oed.design.trajectories import TrajectoryClass
 from oed.robot import JointLimits
 
 
+@dataclass(frozen=True, eq=False)
+class JointSums:
+    """Bounds on sums over the joints, each at an instant of its own.
+
+    Attributes:
+        order: Of the derivative of position that is summed.
+        instants: (M,) [s].
+        factors: (M, n) of the joints in each sum.
+        lower: (M,) -inf where there is no bound.
+        upper: (M,) inf likewise.
+    """
+
+    order: int
+    instants: Float[ndarray, " sums"]
+    factors: Float[ndarray, "sums joints"]
+    lower: Float[ndarray, " sums"]
+    upper: Float[ndarray, " sums"]
+
+
+@dataclass(frozen=True, eq=False)
+class TrustRegion:
+    """How far positions may be from those of a motion.
+
+    Attributes:
+        z: (size,) the motion.
+        step: [rad or m]
+    """
+
+    z: Float[ndarray, " size"]
+    step: float
+
+
 @dataclass(frozen=True)
 class LimitConstraints:
     """Sampled limits of a class of motions, each relative to half its range.
@@ -22,32 +55,38 @@ class LimitConstraints:
     Rows: kind after kind, within it instant after instant, within it joint after joint; each
     is a signal less the middle of its range, in half ranges, so that it is kept within
     `lower` and `upper`, mostly -1 and 1. A limit that is infinite on both sides, or that other
-    limits or the box imply, has no rows.
+    limits or the box imply, has no rows. Sums over joints follow, as they are.
 
     Attributes:
         trajectory: The class.
         limits: Of the joints.
         instants: (K,) where they are looked at [s].
+        sums: Bounds on sums over joints besides.
+        trust: Keeps positions at the instants near those of a motion; None for no such bound.
     """
 
     trajectory: TrajectoryClass
     limits: JointLimits
     instants: Float[ndarray, " samples"]
+    sums: tuple[JointSums, ...] = ()
+    trust: TrustRegion | None = None
 
     @property
     def count(self) -> int:
         """Number of rows."""
-        return len(self.instants) * sum(len(kind.joints) for kind in self._kinds)
+        return self._own_count + sum(len(each.instants) for each in self._sums)
 
-    @property
+    @cached_property
     def lower(self) -> Float[ndarray, " constraints"]:
         """Lower bounds of the rows, -inf where there is none."""
-        return self._stack([kind.lower for kind in self._kinds])
+        own = [self._bound(kind, kind.lower, np.maximum, -1.0) for kind in self._kinds]
+        return _joined([*own, *(each.lower for each in self._sums)])
 
-    @property
+    @cached_property
     def upper(self) -> Float[ndarray, " constraints"]:
         """Upper bounds of the rows, inf where there is none."""
-        return self._stack([kind.upper for kind in self._kinds])
+        own = [self._bound(kind, kind.upper, np.minimum, 1.0) for kind in self._kinds]
+        return _joined([*own, *(each.upper for each in self._sums)])
 
     def values(self, z: Float[ndarray, " size"]) -> Float[ndarray, " constraints"]:
         """The rows, within `lower` and `upper` where the limits are kept."""
@@ -55,7 +94,10 @@ class LimitConstraints:
         for kind in self._kinds:
             signal = self.trajectory.derivative(z, self.instants, kind.order)[:, kind.joints]
             parts.append(((signal - kind.middle) / kind.scale).reshape(-1))
-        return np.concatenate(parts) if parts else np.zeros(0)
+        for each in self._sums:
+            signal = self.trajectory.derivative(z, each.instants, each.order)
+            parts.append((each.factors * signal).sum(axis=1))
+        return _joined(parts)
 
     def jacobian_values(self, z: Float[ndarray, " size"]) -> Float[ndarray, " nonzeros"]:
         """Entries of the Jacobian in the order of `rows` and `columns`."""
@@ -63,7 +105,10 @@ class LimitConstraints:
         for kind in self._kinds:
             slopes = self.trajectory.sensitivity(z, self.instants, kind.order)[:, kind.joints]
             parts.append((slopes / kind.scale[:, None]).reshape(-1))
-        return np.concatenate(parts) if parts else np.zeros(0)
+        for each in self._sums:
+            slopes = self.trajectory.sensitivity(z, each.instants, each.order)
+            parts.append((slopes * each.factors[:, :, None]).reshape(-1))
+        return _joined(parts)
 
     def jacobian(self, z: Float[ndarray, " size"]) -> scipy.sparse.csr_matrix:
         """dg/dz."""
@@ -78,36 +123,53 @@ class LimitConstraints:
 
     def room_jacobian(self, z: Float[ndarray, " size"]) -> Float[ndarray, "sides size"]:
         """D room / dz, zeros written out."""
-        own = self.trajectory.variables.shape[1]
-        whole = np.zeros((self.count, self.trajectory.size))
-        entries = self.jacobian_values(z).reshape(-1, own)
-        whole[np.arange(self.count)[:, None], self.columns.reshape(-1, own)] = entries
+        whole = self.jacobian(z).toarray()
         below, above = self._bounded
         return np.concatenate([whole[below], -whole[above]])
 
     @cached_property
     def rows(self) -> ndarray:
         """Row of each structural nonzero of the Jacobian."""
-        own = self.trajectory.variables.shape[1]
-        return np.repeat(np.arange(self.count), own)
+        own = np.arange(self._own_count)
+        sums = np.arange(self._own_count, self.count)
+        per_joint = self.trajectory.variables.shape[1]
+        return np.concatenate([np.repeat(own, per_joint), np.repeat(sums, self.trajectory.size)])
 
     @cached_property
     def columns(self) -> ndarray:
         """Column of each structural nonzero of the Jacobian."""
         variables = self.trajectory.variables
-        parts = [
+        own = [
             np.tile(variables[kind.joints].reshape(-1), len(self.instants)) for kind in self._kinds
         ]
-        return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
+        everything = variables.reshape(-1)
+        sums = [np.tile(everything, len(each.instants)) for each in self._sums]
+        return np.concatenate([np.zeros(0, dtype=int), *own, *sums])
 
     @cached_property
     def _bounded(self) -> tuple[ndarray, ndarray]:
         """Which rows have a lower bound, and which an upper one."""
         return np.isfinite(self.lower), np.isfinite(self.upper)
 
-    def _stack(self, bounds: list[ndarray]) -> ndarray:
-        tiled = [np.tile(bound, len(self.instants)) for bound in bounds]
-        return np.concatenate(tiled) if tiled else np.zeros(0)
+    @property
+    def _own_count(self) -> int:
+        """Rows of single joints."""
+        return len(self.instants) * sum(len(kind.joints) for kind in self._kinds)
+
+    def _bound(
+        self, kind: _Kind, bound: ndarray, tighter: Callable[..., ndarray], side: float
+    ) -> Float[ndarray, " rows"]:
+        """Of the rows of a kind, those of position within the trust region too."""
+        tiled = np.tile(bound, len(self.instants))
+        if self.trust is None or kind.order != 0:
+            return tiled
+        q = self.trajectory.derivative(self.trust.z, self.instants, 0)[:, kind.joints]
+        near = (q + side * self.trust.step - kind.middle) / kind.scale
+        return tighter(tiled, near.reshape(-1))
+
+    @property
+    def _sums(self) -> tuple[JointSums, ...]:
+        return self.sums
 
     @cached_property
     def _kinds(self) -> list[_Kind]:
@@ -135,6 +197,10 @@ class _Kind:
     scale: ndarray
     lower: ndarray
     upper: ndarray
+
+
+def _joined(parts: Sequence[ndarray]) -> ndarray:
+    return np.concatenate(parts) if parts else np.zeros(0)
 
 
 def _kind(order: int, joints: ndarray, limit: Float[ndarray, "limited 2"]) -> _Kind:

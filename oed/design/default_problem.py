@@ -44,7 +44,7 @@ class ProblemSettings:
     harmonics: int = 5
     instants: int = 200
     criterion: Criterion = "J_d"
-    at_rest: bool = False
+    at_rest: bool = True
     torque: bool = True
     scaled: bool = False
 

@@ -10,6 +10,7 @@ from numpy import ndarray
 from oed.design.criteria import condition, log10_det
 from oed.design.design import Design
 from oed.design.limits import KINEMATIC
+from oed.robot import JointLimits
 
 FORMAT = 1
 
@@ -58,7 +59,7 @@ def design_record(
             if getattr(certificate, kind) is not None
         },
         "certified_violation": certificate.violation,
-        "limits": {kind: _bounds(getattr(problem.limits, kind)) for kind in (*KINEMATIC, "torque")},
+        "limits": limits_record(problem.limits),
         "optimiser": design.optimiser,
         "seed": design.seed,
         "cpu_s": design.cpu_s,
@@ -81,6 +82,11 @@ def _with_prior(design: Design) -> dict[str, float | None] | None:
 
 def _number(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def limits_record(limits: JointLimits) -> dict[str, list[list[float | None]]]:
+    """Limits by kind, lower and upper of each joint; infinite ones are null."""
+    return {kind: _bounds(getattr(limits, kind)) for kind in (*KINEMATIC, "torque")}
 
 
 def _bounds(bounds: ndarray) -> list[list[float | None]]:

@@ -45,7 +45,7 @@ def proven_range(
     """
     curvature = trajectory.derivative_bound(z, order + 2)
     scale = trajectory.derivative_bound(z, order)
-    middle, half = _first_intervals(trajectory)
+    middle, half = first_intervals(trajectory)
     attained = np.stack([np.full(len(scale), np.inf), np.full(len(scale), -np.inf)])
     proven = attained.copy()
     gap = tolerance * scale
@@ -86,7 +86,7 @@ def quick_range(
     return np.stack([values.min(axis=0) - slack, values.max(axis=0) + slack], axis=1)
 
 
-def _first_intervals(trajectory: TrajectoryClass) -> tuple[ndarray, ndarray]:
+def first_intervals(trajectory: TrajectoryClass) -> tuple[ndarray, ndarray]:
     """Middles and half widths of intervals that no breakpoint lies within."""
     ends = trajectory.breakpoints
     edges = [np.linspace(a, b, FIRST_INTERVALS + 1) for a, b in itertools.pairwise(ends)]

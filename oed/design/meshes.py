@@ -6,7 +6,7 @@ else there is; binary STL is read here, as that takes a tenth of the time.
 
 from __future__ import annotations
 
-import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -16,6 +16,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.spatial import ConvexHull, QhullError
+
+from oed.robot.packages import find_packages
 
 DRAWN_BY_DRAKE = (".obj", ".gltf", ".glb", ".vtk")
 ELEMENTS = ("visual", "collision")
@@ -30,21 +32,24 @@ class ReadableUrdf:
     Attributes:
         text: The file, its meshes named by absolute path.
         missing: Names of the meshes that could not be found or read, and are left out.
-        missing_shapes: How many collision shapes are left out with them.
+        missing_shapes: Those of them that are collision shapes.
     """
 
     text: str
     missing: tuple[str, ...]
-    missing_shapes: int
+    missing_shapes: tuple[str, ...]
 
 
-def with_readable_meshes(text: str, source: Path, scratch: Path) -> ReadableUrdf:
+def with_readable_meshes(
+    text: str, source: Path, scratch: Path, packages: Mapping[str, Path] | None = None
+) -> ReadableUrdf:
     """Convert what Drake cannot read, and leave out what nobody can.
 
     Args:
         text: A URDF.
         source: Its file, from which relative paths and packages are found.
         scratch: Folder for converted meshes; it must stay while the robot is drawn.
+        packages: As of `find_mesh`.
 
     Raises:
         xml.etree.ElementTree.ParseError: If the text is not XML.
@@ -52,22 +57,23 @@ def with_readable_meshes(text: str, source: Path, scratch: Path) -> ReadableUrdf
     root = ElementTree.fromstring(text)  # noqa: S314  # the user's own robot file
     converted: Converted = {}
     missing: list[str] = []
-    missing_shapes = 0
+    missing_shapes: list[str] = []
     for link in root.iter("link"):
         for element in [e for kind in ELEMENTS for e in link.findall(kind)]:
             for mesh in element.iter("mesh"):
                 name = mesh.get("filename", "")
                 is_hull = element.tag == "collision"
-                readable = _readable(name, source, scratch, converted, is_hull=is_hull)
+                found = find_mesh(name, source, packages)
+                readable = _readable(found, scratch, converted, is_hull=is_hull)
                 if readable is None:
                     missing.append(name)
-                    missing_shapes += is_hull
+                    missing_shapes += [name] if is_hull else []
                     link.remove(element)
                     break
                 mesh.set("filename", str(readable))
     _define_once(root)
     edited = ElementTree.tostring(root, encoding="unicode")
-    return ReadableUrdf(edited, tuple(missing), missing_shapes)
+    return ReadableUrdf(edited, tuple(missing), tuple(missing_shapes))
 
 
 def _define_once(root: ElementTree.Element) -> None:
@@ -92,22 +98,22 @@ def _define_once(root: ElementTree.Element) -> None:
                 visual.remove(material)
 
 
-def find_mesh(name: str, source: Path) -> Path | None:
-    """The file that a URDF means: by path, or by a package among the folders above it.
+def find_mesh(name: str, source: Path, packages: Mapping[str, Path] | None = None) -> Path | None:
+    """The file that a URDF means: by path, or by a package.
 
-    A package is a folder called after it, or one whose package.xml gives its name.
+    Args:
+        name: As in the file.
+        source: That file.
+        packages: Folders of packages by name; others are looked for as by `find_packages`.
     """
     scheme, _, rest = name.rpartition("://")
     if scheme in ("", "file"):
         found = source.parent / rest
         return found if found.is_file() else None
     package, _, inside = rest.partition("/")
-    for folder in source.resolve().parents:
-        for root in (folder / package, folder):
-            is_named = root.name == package or _package_name(root) == package
-            if is_named and (root / inside).is_file():
-                return root / inside
-    return None
+    given = (packages or {}).get(package)
+    roots = find_packages(package, source) if given is None else (given,)
+    return next((root / inside for root in roots if (root / inside).is_file()), None)
 
 
 def load_triangles(path: Path) -> Float[ndarray, "triangles 3 3"]:
@@ -154,10 +160,9 @@ def _by_assimp(path: Path) -> Float[ndarray, "triangles 3 3"]:
 
 
 def _readable(
-    name: str, source: Path, scratch: Path, converted: Converted, *, is_hull: bool
+    found: Path | None, scratch: Path, converted: Converted, *, is_hull: bool
 ) -> Path | None:
     """The mesh in a format of Drake's, converted at most once; None if that fails."""
-    found = find_mesh(name, source)
     if found is None or found.suffix.lower() in DRAWN_BY_DRAKE:
         return found.resolve() if found is not None else None
     key = (found, is_hull)
@@ -179,11 +184,3 @@ def _hull(triangles: Float[ndarray, "triangles 3 3"]) -> Float[ndarray, "faces 3
     except QhullError:
         return triangles
     return hull.points[hull.simplices]
-
-
-def _package_name(folder: Path) -> str | None:
-    description = folder / "package.xml"
-    if not description.is_file():
-        return None
-    found = re.search(r"<name>\s*([^<\s]+)\s*</name>", description.read_text(errors="replace"))
-    return found.group(1) if found else None

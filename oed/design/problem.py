@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.criteria import CRITERIA, Criterion, cost, cost_and_slope
+from oed.design.criteria import CRITERIA, Criterion, condition, cost, cost_and_slope, log10_det
 from oed.design.fast_information import FastInformation
 from oed.design.limits import (
     KINEMATIC,
@@ -23,7 +24,7 @@ from oed.design.limits import (
 )
 from oed.design.nominal_torque import NominalTorque, largest_factor
 from oed.design.torque_range import proven_torque_range
-from oed.design.trajectories import TrajectoryClass
+from oed.design.trajectories import FourierClass, TrajectoryClass
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.compiled import CompiledRegressor, compile_regressor
 from oed.dynamics.torque_model import TorqueModel
@@ -82,6 +83,19 @@ class DesignProblem:
         """Without the compiled code, which every process loads for itself."""
         return {k: v for k, v in self.__dict__.items() if k not in ("regressor", "fast", "_torque")}
 
+    def slower(self, scale: float) -> DesignProblem:
+        """The problem whose z is the same way through space at `scale` times the speed.
+
+        Raises:
+            TypeError: If the class has no period that can be stretched.
+        """
+        if scale == 1.0:
+            return self
+        if not isinstance(self.trajectory, FourierClass):
+            raise TypeError(f"motions of class {self.trajectory.name} cannot be slowed down")
+        trajectory = dataclasses.replace(self.trajectory, horizon=self.trajectory.horizon / scale)
+        return dataclasses.replace(self, trajectory=trajectory, instants=self.instants / scale)
+
     @property
     def size(self) -> int:
         """Number of decision variables."""
@@ -130,6 +144,11 @@ class DesignProblem:
         t = (np.arange(points) + 0.5) * (self.trajectory.horizon / points)
         bare = self.fast.information(self.trajectory.motion(z, t)) * (len(self.instants) / points)
         return self._complete(bare, scaled, prior)
+
+    def worth(self, z: Float[ndarray, " size"]) -> dict[str, float]:
+        """J_k and J_d (log10) of the information at the instants, without prior or scaling."""
+        information = self.information(z, scaled=False, prior=False)
+        return {"J_k": condition(information), "J_d_log10": log10_det(information)}
 
     def cost(self, z: Float[ndarray, " size"]) -> float:
         """The criterion to be minimised, with the exact sign; infinite where singular."""

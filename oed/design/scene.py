@@ -52,9 +52,9 @@ class Scene:
     readable: _Readable | None = None
 
     @property
-    def missing_shapes(self) -> int:
-        """Collision shapes that are left out for want of their meshes."""
-        return 0 if self.readable is None else self.readable.urdf.missing_shapes
+    def missing(self) -> tuple[str, ...]:
+        """Meshes of collision shapes that are left out because they cannot be found or read."""
+        return () if self.readable is None else self.readable.urdf.missing_shapes
 
     def positions(self, q: Float[ndarray, " joints"], rest: ndarray) -> ndarray:
         """All positions of the plant with the robot's joints at q and the others at `rest`."""
@@ -77,7 +77,8 @@ def load_scene(robot: Robot) -> Scene:
     with warnings_off():
         if file.format != "urdf":
             return _parse(robot, None, None, "")
-        readable = _readable_file(file.path.resolve(), file.text)
+        packages = tuple(sorted(file.packages.items()))
+        readable = _readable_file(file.path.resolve(), file.text, packages)
         missing = _missing_note(readable.urdf.missing)
         edited = readable.folder / f"{file.path.stem}.urdf"
         refused = RobotError(f"{robot.source}: no geometry")
@@ -104,11 +105,11 @@ class _Readable:
 
 
 @lru_cache(maxsize=1)
-def _readable_file(source: Path, text: str) -> _Readable:
+def _readable_file(source: Path, text: str, packages: tuple[tuple[str, Path], ...]) -> _Readable:
     """Converted once for the check and the picture."""
     folder = Path(tempfile.mkdtemp(prefix="oed-meshes-"))
     try:
-        return _Readable(with_readable_meshes(text, source, folder), folder)
+        return _Readable(with_readable_meshes(text, source, folder, dict(packages)), folder)
     except ElementTree.ParseError as error:
         shutil.rmtree(folder, ignore_errors=True)
         raise RobotError(f"{source}: no geometry: {error}") from error

@@ -48,6 +48,7 @@ class RobotDescription:
         faults: By link, what is wrong with its inertia in the file; `text` holds another.
         loops: Pairs of bodies that are tied to each other beside the joints between them.
         notes: What was replaced, fixed or assumed.
+        packages: Folders of ROS packages that the user named; others are looked for.
     """
 
     source: str
@@ -60,6 +61,7 @@ class RobotDescription:
     faults: Mapping[str, InertiaFault] = field(default_factory=dict)
     loops: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = ()
+    packages: Mapping[str, Path] = field(default_factory=dict)
 
 
 def read_description(source: str | Path) -> RobotDescription:

@@ -79,6 +79,10 @@ class JointLimits:
             **{kind: np.asarray(bound, dtype=float) for kind, bound in bounds.items()},
         )
 
+    def slower(self, share: float) -> JointLimits:
+        """These limits with a share of the velocity and acceleration that they allow."""
+        return self.with_(velocity=share * self.velocity, acceleration=share * self.acceleration)
+
 
 def _both_sides(bound: Bounds) -> Float[ndarray, "joints 2"]:
     upper = np.asarray(bound, dtype=float)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 
@@ -24,12 +24,33 @@ def find_package(name: str, near: Path) -> Path | None:
     Returns:
         None where it is not found.
     """
+    return next(find_packages(name, near), None)
+
+
+def find_packages(name: str, near: Path) -> Iterator[Path]:
+    """All folders that `find_package` would take, the first first: a package may be in parts."""
     if not re.fullmatch(r"[A-Za-z0-9_.-]+", name) or name in (".", ".."):
-        return None
+        return
     for folder in _candidates(name, near):
         if folder.is_dir() and (folder.name == name or package_name(folder) == name):
-            return folder
-    return None
+            yield folder
+
+
+def read_packages(words: Sequence[str]) -> dict[str, Path]:
+    """Folders of packages by name, from words such as "arm_description=/home/me/arm".
+
+    Raises:
+        ValueError: If a word is no such pair, or its folder is not there.
+    """
+    found = {}
+    for word in words:
+        name, is_pair, folder = word.partition("=")
+        if not (is_pair and name and folder):
+            raise ValueError(f"--package {word}: expected NAME=DIR")
+        if not Path(folder).is_dir():
+            raise ValueError(f"--package {word}: no such folder")
+        found[name] = Path(folder).absolute()
+    return found
 
 
 def package_name(folder: Path) -> str | None:

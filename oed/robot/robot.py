@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -148,6 +150,13 @@ class Robot:
     def with_gravity(self, gravity: Float[ndarray, "3"]) -> Robot:
         """This robot under another gravity [m/s^2]."""
         return dataclasses.replace(self, gravity=np.asarray(gravity, dtype=float))
+
+    def with_packages(self, packages: Mapping[str, Path]) -> Robot:
+        """This robot with folders named in which its file's ROS packages lie."""
+        if self.description is None or not packages:
+            return self
+        described = dataclasses.replace(self.description, packages=dict(packages))
+        return dataclasses.replace(self, description=described)
 
     def with_limits(self, limits: JointLimits) -> Robot:
         """This robot with other limits."""

@@ -16,6 +16,7 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
 from oed.design.meshes import find_mesh, load_triangles, with_readable_meshes, write_obj
+from oed.robot.packages import read_packages
 
 # Edges of 3, 4 and 5 along the axes: its volume is 3 * 4 * 5 / 6. Exact in single precision.
 CORNERS = np.array([[0.0, 0, 0], [3, 0, 0], [0, 4, 0], [0, 0, 5]])
@@ -143,6 +144,35 @@ def test_finds_a_package_by_its_folder(scheme: str, tmp_path: Path) -> None:
     ):
         assert find_mesh(name, source) == mesh
     assert find_mesh(f"{scheme}://other_description/meshes/t.stl", tmp_path / "r.urdf") is None
+
+
+def test_a_package_is_found_where_the_user_or_the_workspace_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, source = "package://arm_description/meshes/t.stl", tmp_path / "here" / "r.urdf"
+    source.parent.mkdir()
+    assert find_mesh(name, source) is None
+    found = {}
+    for root in ("named", "ros/arm_description", "ament/share/arm_description"):
+        mesh = tmp_path / "elsewhere" / root / "meshes" / "t.stl"
+        mesh.parent.mkdir(parents=True)
+        mesh.touch()
+        found[root.partition("/")[0]] = mesh
+    assert find_mesh(name, source) is None
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "elsewhere" / "ament"))
+    assert find_mesh(name, source) == found["ament"]
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "elsewhere" / "ros"))
+    assert find_mesh(name, source) == found["ros"]
+    named = read_packages([f"arm_description={tmp_path / 'elsewhere' / 'named'}"])
+    assert find_mesh(name, source, named) == found["named"]
+
+
+@pytest.mark.parametrize(
+    ("word", "told"), [("arm", "NAME=DIR"), ("=x", "NAME=DIR"), ("arm=/gone", "no such folder")]
+)
+def test_a_package_that_is_not_named_rightly_is_refused(word: str, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        read_packages([word])
 
 
 def test_finds_a_package_by_its_description(tmp_path: Path) -> None:

@@ -7,16 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oed.design.clearance import check_clearance
 from oed.design.collision import Surroundings
 from oed.design.default_limits import with_default_limits
-from oed.dynamics.motion import Motion
 from oed.robot import load_robot
 from tests.design.primitive_arm import LENGTH, TIP, planar_arm, sphere, tip_at
 from tests.paths import example_robot
 
 PAIR = ("base", "lower")
-STILL = Motion(np.zeros(1), *np.zeros((3, 1, 2)))
 
 
 def test_missing_meshes_are_said_and_the_rest_is_checked(tmp_path: Path) -> None:
@@ -26,6 +23,7 @@ def test_missing_meshes_are_said_and_the_rest_is_checked(tmp_path: Path) -> None
     )
     surroundings = Surroundings(robot)
     assert "package://gone/a.stl" in surroundings.note
+    assert surroundings.missing == ("package://gone/a.stl",)
     q = np.array([1.5, 0.1])
     assert surroundings.distances(q)[PAIR] == pytest.approx(
         np.linalg.norm(tip_at(q) - [0, 0.9, 0]) - 0.1 - TIP, abs=1e-9
@@ -89,9 +87,9 @@ def test_a_colour_that_drake_refuses_costs_the_drawing_only(colour: str, tmp_pat
 def test_shapes_that_drake_refuses_are_said(tmp_path: Path) -> None:
     (tmp_path / "bad.obj").write_text("v a b c\n")
     bad = '<collision><geometry><mesh filename="bad.obj"/></geometry></collision>'
-    check = check_clearance(Surroundings(planar_arm(tmp_path, lower=bad)), STILL)
-    assert check.instants == 0
-    assert "shapes cannot be read" in check.note
+    surroundings = Surroundings(planar_arm(tmp_path, lower=bad))
+    assert not surroundings.has_shapes
+    assert "shapes cannot be read" in surroundings.note
 
 
 def test_an_arm_of_meshes_is_found_whole_and_its_slopes_are_finite_differences() -> None:

@@ -125,7 +125,7 @@ def _wishes(rng: np.random.Generator) -> tuple[str, ...]:
     wishes += ["--horizon", str(_often(rng, 10.0, 0.5, 2.0, 60.0))]
     wishes += ["--criterion", str(rng.choice(["J_k", "J_d", "A", "E"]))]
     wishes += ["--seed", str(rng.integers(3))]
-    for wish in ("--at-rest", "--no-torque", "--scaled-columns", "--avoid-collision"):
+    for wish in ("--periodic", "--no-torque", "--scaled-columns", "--avoid-collision"):
         wishes += [wish] if rng.random() < 0.15 else []
     if rng.random() < 0.15:
         size = float(rng.choice([0.2, 1.0, 3.0]))

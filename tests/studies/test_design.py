@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pinocchio
 import pytest
 
 from oed.design.default_problem import ProblemSettings, default_problem
@@ -60,7 +61,7 @@ def test_rotor_inertias_are_excited_or_it_is_said_that_they_are_not(
 
 def test_a_motion_at_rest_completes_an_earlier_experiment(tmp_path: Path) -> None:
     scara = ("--robot", "builtin:imi_scara")
-    first, motion = designed(tmp_path / "first", *scara, "--at-rest", "--horizon", "6")
+    first, motion = designed(tmp_path / "first", *scara, "--horizon", "6")
     rates = motion.filter(regex="^(dq|ddq)_").to_numpy()
     np.testing.assert_allclose(rates[[0, -1]], 0.0, atol=1e-9)
     assert (np.abs(rates).max(axis=0) > 0.1).all()
@@ -95,19 +96,99 @@ def log10_det(information: np.ndarray) -> float:
     return np.linalg.slogdet(information)[1] / np.log(10)
 
 
-def test_collisions_are_avoided_where_that_is_asked(tmp_path: Path) -> None:
+def dense_distance(file: Path, names: list[str], q: np.ndarray) -> float:
+    """The least distance of links that no joint connects, by Pinocchio and Coal on the file."""
+    model = pinocchio.buildModelFromUrdf(str(file))
+    kind = pinocchio.GeometryType.COLLISION
+    shapes = pinocchio.buildGeomFromUrdf(model, str(file), kind)
+    shapes.addAllCollisionPairs()
+    data, of_shapes = model.createData(), pinocchio.GeometryData(shapes)
+    strangers = []
+    for k, pair in enumerate(shapes.collisionPairs):
+        a, b = (shapes.geometryObjects[i].parentJoint for i in (pair.first, pair.second))
+        if a != b and model.parents[a] != b and model.parents[b] != a:
+            strangers.append(k)
+    order = [model.joints[model.getJointId(name)].idx_q for name in names]
+    least = np.inf
+    for posture in q:
+        pinocchio.updateGeometryPlacements(model, data, shapes, of_shapes, posture[order])
+        for k in strangers:
+            least = min(least, pinocchio.computeDistance(shapes, of_shapes, k).min_distance)
+    return least
+
+
+def test_with_no_options_a_motion_can_be_sent_to_the_arm(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     # A post so thick that half of all postures hit it or are beyond it.
     arm_and_post(tmp_path, post=0.35)
-    record, motion = designed(
-        tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"), "--avoid-collision",
-        "--rate", "500",
-    )  # fmt: skip
+    file = tmp_path / "planar.urdf"
+    record, motion = designed(tmp_path / "out", "--robot", str(file), "--rate", "1000")
+    t = motion["t"].to_numpy()
     q = motion[["q_shoulder", "q_elbow"]].to_numpy()
-    least = to_post(q, 0.35).min()
-    assert least > 0.0
-    assert record["clearance"]["least"] is None or record["clearance"]["least"] > 0.0
-    assert record["certified_violation"] <= 0.0
-    assert np.ptp(q, axis=0).min() > 0.1
+    # Clear of itself, by closed form and by programs that the design does not use.
+    assert to_post(q, 0.35).min() >= 0.01
+    assert dense_distance(file, ["shoulder", "elbow"], q) >= 0.01
+    # From rest to rest, and within 90 % of what the file allows, by differences alone.
+    speed, rate = np.gradient(q, t, axis=0), np.gradient(np.gradient(q, t, axis=0), t, axis=0)
+    assert np.abs(speed[[0, -1]]).max() < 0.02
+    assert np.abs(rate[[2, -3]]).max() < 0.3
+    assert np.abs(speed).max() <= 0.9 * 2.0 + 1e-4
+    assert np.abs(speed).max() > 0.8 * 2.0
+    assert np.abs(rate).max() <= 0.9 * 10.0 + 0.05  # ten: assumed, as the file states none
+    columns = ["dq_shoulder", "dq_elbow", "ddq_shoulder", "ddq_elbow"]
+    np.testing.assert_allclose(motion[columns].to_numpy()[[0, -1]], 0.0, atol=1e-9)
+    assert np.ptp(q, axis=0).min() > 0.5
+    told = capsys.readouterr().out
+    assert "clear of itself: by 10 mm" in told or "clear of itself" in record["status"]
+    assert "rest to rest" in told
+    assert "90%" in told
+    assert record["clearance"]["bodies"]["spare"] >= 0.0
+    assert record["margin"] == 0.9
+    assert record["before_clearance"]["J_d_log10"] > record["J_d_log10"] - 3.0
+
+
+def test_every_safety_can_be_switched_off_and_that_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arm_and_post(tmp_path, post=0.35)
+    record, motion = designed(
+        tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"),
+        "--periodic", "--margin", "1", "--no-clearance",
+    )  # fmt: skip
+    truth = to_post(motion[["q_shoulder", "q_elbow"]].to_numpy(), 0.35).min()
+    assert truth < 0.0
+    assert record["clearance"]["bodies"]["least"] == pytest.approx(truth, abs=5e-3)
+    assert record["clearance"]["bodies"]["pair"] == ["base", "lower"]
+    assert motion["dq_shoulder"].abs().max() > 0.95 * 2.0
+    assert np.abs(motion.filter(regex="^dq_").to_numpy()[0]).max() > 0.1
+    told = capsys.readouterr().out
+    assert "given up: rest to rest; clear of itself: base and lower overlap by" in told
+    assert "may start and end at speed" in told
+
+
+def test_a_motion_is_slowed_down_on_the_same_way(tmp_path: Path) -> None:
+    arm_and_post(tmp_path, post=0.35)
+    robot = ("--robot", str(tmp_path / "planar.urdf"))
+    full, fast = designed(tmp_path / "full", *robot)
+    half, slow = designed(tmp_path / "half", *robot, "--scale", "0.5", "--rate", "50")
+    assert half["horizon"] == 2 * full["horizon"]
+    for name in ("shoulder", "elbow"):
+        np.testing.assert_allclose(slow[f"q_{name}"], fast[f"q_{name}"], atol=1e-9)
+        np.testing.assert_allclose(slow[f"dq_{name}"], fast[f"dq_{name}"] / 2, atol=1e-9)
+        np.testing.assert_allclose(slow[f"ddq_{name}"], fast[f"ddq_{name}"] / 4, atol=1e-9)
+    proven = [np.array(record["certified_max"]["velocity"]) for record in (full, half)]
+    np.testing.assert_allclose(proven[1], proven[0] / 2, rtol=1e-4)
+    assert half["clearance"]["bodies"]["spare"] >= 0.0
+
+
+def test_an_arm_on_a_wall_is_designed_for_its_own_gravity(tmp_path: Path) -> None:
+    planar_arm(tmp_path)  # its axes are vertical: gravity shows on a wall alone
+    robot = ("--robot", str(tmp_path / "planar.urdf"), "--no-torque")
+    upright, _ = designed(tmp_path / "upright", *robot)
+    wall, _ = designed(tmp_path / "wall", *robot, "--gravity", "0", "-9.81", "0")
+    assert len(wall["base_parameters"]) > len(upright["base_parameters"])
+    assert wall["gravity"] == [0.0, -9.81, 0.0]
 
 
 def test_a_box_out_of_reach_is_no_usable_result(
@@ -131,20 +212,8 @@ def test_a_box_is_kept_where_it_is_given(tmp_path: Path) -> None:
     assert (elbow[:, 1] < 0.4).all()
     assert record["usable"]
     standing = {limit["limit"]: limit["standing"] for limit in record["asked"]}
-    assert standing["the box"] == "checked"
-    assert record["clearance"]["least"] > 0.0
-
-
-def test_an_overlap_is_told_where_nobody_asked_to_avoid_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    arm_and_post(tmp_path, post=0.35)
-    record, motion = designed(tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"))
-    truth = to_post(motion[["q_shoulder", "q_elbow"]].to_numpy(), 0.35).min()
-    assert truth < 0.0
-    assert record["clearance"]["least"] == pytest.approx(truth, abs=5e-3)
-    assert record["clearance"]["pair"] == ["base", "lower"]
-    assert "--avoid-collision" in capsys.readouterr().out
+    assert standing["the box"] == "proven"
+    assert record["clearance"]["walls"]["spare"] >= 0.0
 
 
 def refused(capfd: pytest.CaptureFixture[str], out: Path, *wishes: str, code: int = 2) -> str:
@@ -175,6 +244,13 @@ def test_a_robot_that_is_not_there_is_one_line(
         (("--rate", "1e9"), "set points"),
         (("--budget", "inf"), "--budget inf"),
         (("--seed", "-1"), "--seed -1"),
+        (("--margin", "1.1"), "--margin 1.1"),
+        (("--margin", "0"), "--margin 0"),
+        (("--scale", "2"), "--scale 2"),
+        (("--clearance", "-1"), "--clearance -1"),
+        (("--clearance", "0.01", "--avoid-collision", "--no-clearance"), "contradict"),
+        (("--gravity", "0", "nan", "0"), "--gravity"),
+        (("--package", "arm"), "NAME=DIR"),
         (("--box", "0", "1", "1", "1", "0", "1"), "--box"),
         (("--box", "0", "1", "0", "nan", "0", "1"), "--box"),
         (("--joints", "wrist"), "wrist"),
@@ -303,6 +379,7 @@ def test_a_budget_that_ends_the_search_first_is_said(tmp_path: Path) -> None:
 
 def test_scaled_columns_do_not_depend_on_the_seed(tmp_path: Path) -> None:
     arguments = ("--robot", "builtin:imi_scara", "--criterion", "J_k", "--scaled-columns")
+    arguments += ("--margin", "1")  # for which `scaling_of` scales
     records = [designed(tmp_path / s, *arguments, "--seed", s)[0] for s in ("0", "1")]
     assert all(record["criterion"] == "J_k_scaled" for record in records)
     scale = scaling_of(imi_scara())

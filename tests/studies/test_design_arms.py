@@ -20,7 +20,9 @@ def good(arm: str, **given) -> Row:
         "arm": arm, "wall_s": 3.1, "cpu_s": 2.2, "joints": 2, "base": 8, "feasible": True,
         "violation": -0.01, "J_k": 12.0, "J_d": 4.0, "J_d_continuous": 4.0,
         "d_efficiency": 0.5, "kind": "certified", "instants": 40, "horizon_s": 7.0,
-        "evaluations": 9, "least_distance_m": "", **given,
+        "evaluations": 9, "clear": "proven", "least_mm": 12.5,
+        "J_k_not_clear": 11.0, "J_k_unsafe": 10.0, "J_d_not_clear": 5.0, "J_d_unsafe": 6.0,
+        "least_mm_unsafe": -3.0, **given,
     }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What is printed of a design claims no more than was checked."""
+"""What is printed of a design claims no more than was proven."""
 
 from __future__ import annotations
 
@@ -7,32 +7,47 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oed.design.clearance import check_clearance
+from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
 from oed.design.collision import Surroundings
-from oed.dynamics.motion import Motion
+from oed.design.trajectories import FourierClass
+from oed.robot import Robot
 from studies.design_summary import _clearance_line
 from tests.design.primitive_arm import planar_arm, sphere
 
 ABSENT = '<collision><geometry><mesh filename="package://gone/a.stl"/></geometry></collision>'
-STILL = Motion(np.zeros(1), *np.zeros((3, 1, 2)))
 
 
-@pytest.mark.parametrize(("base", "told"), [(sphere(0.05), "of the others"), ("", "not checked")])
-def test_a_missing_mesh_leaves_the_clearance_unchecked(
-    base: str, told: str, tmp_path: Path
-) -> None:
-    robot = planar_arm(tmp_path, base=base, upper=ABSENT, lower=sphere(0.05, "-0.3 0 0"))
-    check = check_clearance(Surroundings(robot), STILL)
-    assert check.missing_shapes == 1
-    assert not check.is_clear
-    line = _clearance_line(check)
-    assert line.startswith("not checked for want of the meshes of 1 collision shapes")
-    assert told in line
-    assert "nothing comes near" not in line
+def still(robot: Robot) -> ClearanceCheck:
+    trajectory = FourierClass(1.0, robot.limits, harmonics=1)
+    return prove_clearance(Surroundings(robot), trajectory, np.zeros(trajectory.size))
+
+
+@pytest.mark.parametrize("base", [sphere(0.05), ""])
+def test_a_missing_mesh_leaves_the_clearance_unchecked(base: str, tmp_path: Path) -> None:
+    check = still(planar_arm(tmp_path, base=base, upper=ABSENT, lower=sphere(0.05, "-0.3 0 0")))
+    assert check.missing == ("package://gone/a.stl",)
+    assert "package://gone/a.stl" in _clearance_line(check)
+    (status,) = clearance_status(check, is_wanted=True, is_asked=False, has_box=False)
+    assert status.standing == "not checked"
+    assert "package://gone/a.stl" in status.evidence
+    assert "--package" in status.evidence
+    assert not status.is_open
+    (asked,) = clearance_status(check, is_wanted=True, is_asked=True, has_box=False)
+    assert asked.is_open
 
 
 def test_with_every_shape_there_nothing_comes_near(tmp_path: Path) -> None:
-    robot = planar_arm(tmp_path, base=sphere(0.05), lower=sphere(0.05, "0.3 0 0"))
-    check = check_clearance(Surroundings(robot), STILL)
-    assert check.is_clear
+    check = still(planar_arm(tmp_path, base=sphere(0.05), lower=sphere(0.05, "0.3 0 0")))
     assert _clearance_line(check).startswith("nothing comes near")
+    (status,) = clearance_status(check, is_wanted=True, is_asked=True, has_box=False)
+    assert (status.standing, status.evidence) == ("proven", "by 10 mm")
+
+
+def test_an_overlap_is_not_kept_or_given_up(tmp_path: Path) -> None:
+    check = still(planar_arm(tmp_path, base=sphere(0.3, "0.9 0 0"), lower=sphere(0.1, "0.5 0 0")))
+    assert "base and lower overlap by" in _clearance_line(check)
+    (status,) = clearance_status(check, is_wanted=True, is_asked=False, has_box=False)
+    assert status.standing == "not kept"
+    assert status.is_open
+    (given_up,) = clearance_status(check, is_wanted=False, is_asked=False, has_box=False)
+    assert given_up.standing == "given up"

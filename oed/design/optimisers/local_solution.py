@@ -13,11 +13,11 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.constraints import LimitConstraints
+from oed.design.constraints import LimitConstraints, TrustRegion
 from oed.design.limits import KINEMATIC
 from oed.design.optimisers.nonlinear_program import solve_program
 from oed.design.optimisers.result import EvaluationLog
-from oed.design.optimisers.smooth_program import ProgramSolver
+from oed.design.optimisers.smooth_program import ProgramSolver, ValueAndGradient
 from oed.design.problem import DesignProblem
 
 UNBOUNDED = 1_000_000  # iterations, where a budget does not bound them
@@ -95,6 +95,33 @@ def solve_locally(
     return problem.repair(z), is_converged
 
 
+def solve_near(
+    problem: DesignProblem,
+    start: Float[ndarray, " size"],
+    log: EvaluationLog,
+    settings: LocalSettings,
+    *,
+    trust: TrustRegion,
+    penalty: ValueAndGradient,
+) -> Float[ndarray, " size"]:
+    """A solution of the last smooth problem near a motion, at a price besides.
+
+    Args:
+        problem: What to design.
+        start: A feasible point.
+        log: Counts, and says when to stop.
+        settings: How to work.
+        trust: How far the motion may move.
+        penalty: The price of a point [decades], and its gradient.
+
+    Returns:
+        A point that may violate limits between the instants.
+    """
+    instants = np.linspace(0.0, problem.trajectory.horizon, settings.constraint_instants)
+    smooth = _Smooth(problem, settings.stages[-1], instants, settings, trust, penalty)
+    return smooth.solve(start, log, is_warm=True)[0]
+
+
 @dataclass(frozen=True)
 class _Smooth:
     """The smooth problem of one stage, its limits at some instants."""
@@ -103,13 +130,19 @@ class _Smooth:
     stage: Stage
     instants: Float[ndarray, " samples"]
     settings: LocalSettings
+    trust: TrustRegion | None = None
+    penalty: ValueAndGradient | None = None
 
     def cost_and_gradient(
         self, z: Float[ndarray, " size"]
     ) -> tuple[float, Float[ndarray, " size"]]:
-        return self.problem.cost_and_gradient(
+        value, slope = self.problem.cost_and_gradient(
             z, sign_width=self.stage.sign_width, exponent=self.stage.exponent
         )
+        if self.penalty is None:
+            return value, slope
+        price, push = self.penalty(z)
+        return value + price, slope + push
 
     def solve(
         self, z: Float[ndarray, " size"], log: EvaluationLog, *, is_warm: bool
@@ -117,7 +150,12 @@ class _Smooth:
         iterations, seconds = _left(log)
         solution = self.settings.solver(
             self.cost_and_gradient,
-            LimitConstraints(self.problem.trajectory, self.problem.limits, self.instants),
+            LimitConstraints(
+                self.problem.trajectory,
+                self.problem.limits,
+                self.instants,
+                trust=self.trust,
+            ),
             z,
             iterations=min(self.settings.iterations, iterations),
             cpu_seconds=seconds,

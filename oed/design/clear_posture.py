@@ -1,0 +1,42 @@
+"""A posture with room about it."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.collision import Surroundings
+from oed.errors import NoUsableResult
+
+POSTURES = 400  # random ones among which it is sought
+
+
+class NoClearPosture(NoUsableResult):
+    """No posture was found in which the arm is clear of itself and its box."""
+
+
+def clear_posture(
+    position: Float[ndarray, "joints 2"], surroundings: Surroundings, rng: np.random.Generator
+) -> Float[ndarray, " joints"]:
+    """Mid-range, or the random posture with most room about it if that has more.
+
+    Args:
+        position: Range of each joint [rad or m].
+        surroundings: What may be hit.
+        rng: Of the postures.
+
+    Raises:
+        NoClearPosture: If none is clear.
+    """
+    lower, upper = position.T
+    postures = [position.mean(axis=1), *rng.uniform(lower, upper, (POSTURES, len(position)))]
+    spare = [surroundings.spare(q) for q in postures]
+    best = int(np.argmax(spare))
+    if spare[best] < 0.0:
+        raise NoClearPosture(
+            f"none of {len(postures)} postures keeps the arm clear of itself and its box by "
+            f"{1e3 * surroundings.clearance:g} mm: check the box and the file, or ask for less "
+            "(--clearance)"
+        )
+    return postures[best]

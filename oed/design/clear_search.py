@@ -1,0 +1,75 @@
+"""The best motion there is, and the best one that keeps the arm clear."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.collision import Surroundings
+from oed.design.collision_free import find_clear_motion
+from oed.design.optimisers.interior_point import optimise
+from oed.design.optimisers.result import Budget, OptimiserResult
+from oed.design.problem import DesignProblem
+
+
+@dataclass(frozen=True)
+class ClearSearch:
+    """What a search found.
+
+    Attributes:
+        found: The motion that keeps clear, if there is something to keep clear of.
+        free: (size,) the best motion found that need not; None if that is the same.
+    """
+
+    found: OptimiserResult
+    free: Float[ndarray, " size"] | None
+
+
+def search_clear(
+    problem: DesignProblem,
+    surroundings: Surroundings | None,
+    budget: Budget,
+    rng: np.random.Generator,
+) -> ClearSearch:
+    """Search without distances to keep, then from there with them.
+
+    Half of the evaluations go to the first search. The second counts its rounds instead: with
+    too few it would not be clear. Half of the CPU seconds go to each.
+
+    Args:
+        problem: Of a Fourier class.
+        surroundings: What the motion must keep clear of; None for nothing.
+        budget: In evaluations, CPU seconds or both.
+        rng: Of the starts.
+
+    Raises:
+        NoUsableResult: If no motion is found that keeps clear.
+    """
+    if surroundings is None:
+        return ClearSearch(optimise(problem, budget, rng), None)
+    started, half = time.process_time(), _half(budget)
+    free = optimise(problem, half, rng)
+    clear = find_clear_motion(problem, free.z, surroundings, half, rng)
+    found = dataclasses.replace(
+        free,
+        z=clear.z,
+        cost=clear.cost,
+        evaluations=free.evaluations + clear.evaluations,
+        cpu_s=time.process_time() - started,
+        status=f"{free.status}; {clear.rounds} rounds to keep clear",
+    )
+    return ClearSearch(found, free.z if clear.rounds else None)
+
+
+def _half(budget: Budget) -> Budget:
+    evaluations, seconds = budget.evaluations, budget.cpu_seconds
+    return dataclasses.replace(
+        budget,
+        evaluations=None if evaluations is None else max(1, evaluations // 2),
+        cpu_seconds=None if seconds is None else seconds / 2,
+    )
