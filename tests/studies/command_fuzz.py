@@ -206,6 +206,8 @@ def main(argv: list[str] | None = None) -> int:
         for fault in faults:
             count["faults"] += 1
             print(f"{number}: {case.command} ({case.spoilt}): {fault}", flush=True)
+        if (number - given.first) % 100 == 99:
+            print(f"up to {number}: {dict(sorted(count.items()))}", flush=True)
     print(f"{given.runs} runs from {given.first}: {dict(sorted(count.items()))}", flush=True)
     return 1 if count["faults"] else 0
 
