@@ -28,14 +28,19 @@ LOOK_EVERY = 1.0  # [s] for the parent, where the system tells nothing of its en
 
 
 def leave(main: Callable[[], int | None], name: str, told: str = NOTHING) -> Never:
-    """Run a study from the command line and end the process with its code.
+    """Run a command and end the process with its status; see `exit_status`."""
+    sys.exit(exit_status(main, name, told))
+
+
+def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) -> int:
+    """Run a command: the status that its process ends with, and one line where it cannot go on.
 
     It runs on one BLAS thread: the matrices are small, and threads of one wait for one another,
     which takes two to eight times as long where the machine has other work.
 
     Args:
-        main: Of the study. A `ValueError`, an `OSError` or an `OedError` ends it in one line.
-        name: Of the study, for the message.
+        main: The command. A `ValueError`, an `OSError` or an `OedError` ends it in one line.
+        name: Of the command, for the message.
         told: What an interrupt leaves, in words.
     """
     # Numerical libraries take seconds to load: not before an interrupt can be met.
@@ -61,7 +66,7 @@ def leave(main: Callable[[], int | None], name: str, told: str = NOTHING) -> Nev
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-    sys.exit(code)
+    return code or 0
 
 
 def is_interrupt(error: BaseException | None) -> bool:

@@ -18,6 +18,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from oed.commands.configurations import Diagnose
+from oed.commands.diagnose import diagnose_into
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import RoleProof
 from oed.report.joint_words import over_floor, place_words
@@ -26,7 +28,6 @@ from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.report.result_folder import ResultFiles, ResultFolder
 from oed.report.table import MISSING, Row, markdown_table
-from studies import close_loop
 from studies.case_runner import CaseRunner, RowFile, all_failed, is_finished
 from studies.data_folders import SHARED, data_folder, data_sets
 from studies.interrupt import RESUMES, leave
@@ -102,8 +103,8 @@ class Case:
 def work(case: Case) -> dict[str, str | int | float]:
     """A line of the table: what a diagnosis says of a data set."""
     start = time.perf_counter()
-    outcome = close_loop.run_and_write(
-        close_loop.Config(case.folder, case.kept, smoke=case.smoke, seed=case.seed)
+    outcome = diagnose_into(
+        Diagnose(data=case.folder, out=case.kept, smoke=case.smoke, seed=case.seed)
     )
     found, dataset = outcome.found, outcome.dataset
     return {

@@ -61,6 +61,8 @@ def faults_of_library_file(file: Path, root: Path) -> list[str]:
     layer = parts[1]
     if layer in ORDER:
         allowed = (*SHARED_BY_ALL, *ORDER[: ORDER.index(layer) + 1])
+    elif layer == "__main__":
+        allowed = (*SHARED_BY_ALL, *ORDER)
     elif layer in SHARED_BY_ALL or layer == "__init__":
         allowed = SHARED_BY_ALL
     else:

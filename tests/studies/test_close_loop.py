@@ -1,4 +1,4 @@
-"""The interface of `studies.close_loop`: what it leaves, and how it refuses."""
+"""The interface of `oed diagnose`: what it leaves, and how it refuses."""
 
 import dataclasses
 import json
@@ -7,10 +7,11 @@ from html import unescape
 import numpy as np
 import pytest
 
+from oed.commands.diagnose import base_model
 from oed.experiment.dataset import Drive
 from oed.experiment.write_dataset import write_dataset
-from studies import close_loop
 from tests.diagnosis.arm import data_set, stribeck
+from tests.running import oed
 
 VERDICTS = ("nothing found", "explained", "ambiguous", "unexplained")
 
@@ -18,7 +19,7 @@ VERDICTS = ("nothing found", "explained", "ambiguous", "unexplained")
 def test_leaves_a_diagnosis_in_the_agreed_form(tmp_path):
     write_dataset(data_set(0, extra=stribeck(1.0)), tmp_path / "data")
     out = tmp_path / "out"
-    status = close_loop.main(["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"])
+    status = oed("diagnose", tmp_path / "data", "--out", out, "--smoke")
     assert status == 0
     record = json.loads((out / "diagnosis.json").read_text())
     assert record["format"] == 1
@@ -50,17 +51,17 @@ def test_a_pause_of_the_log_is_told_on_screen_on_the_page_and_in_the_record(tmp_
     lines = file.read_text().splitlines()
     file.write_text("\n".join([*lines[:1001], *lines[1401:]]) + "\n")
     out = tmp_path / "out"
-    given = ["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"]
-    assert close_loop.main([*given, "--candidates", "torque_offset"]) == 0
+    given = ["diagnose", str(tmp_path / "data"), "--out", str(out), "--smoke"]
+    assert oed(*given, "--candidates", "torque_offset") == 0
     pause = "1 gap(s) in the log's time"
-    assert pause in capsys.readouterr().err
+    assert pause in capsys.readouterr().out
     assert "Notes on the data" in (page := unescape((out / "report.html").read_text()))
     assert pause in page
     assert pause in json.loads((out / "diagnosis.json").read_text())["data_notes"][0]
 
 
 def test_says_what_is_wrong_with_a_missing_data_set(tmp_path, capsys):
-    status = close_loop.main(["--data", str(tmp_path / "none"), "--out", str(tmp_path / "out")])
+    status = oed("diagnose", tmp_path / "none", "--out", tmp_path / "out")
     assert status == 2
     assert "no such folder" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
@@ -68,16 +69,16 @@ def test_says_what_is_wrong_with_a_missing_data_set(tmp_path, capsys):
 
 def test_names_only_candidates(tmp_path):
     write_dataset(data_set(0, extra=stribeck(1.0)), tmp_path / "data")
-    given = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
-    assert close_loop.main([*given, "--candidates", "torque_offset", "joint_spring"]) == 0
+    given = ["diagnose", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
+    assert oed(*given, "--candidates", "torque_offset", "joint_spring") == 0
     record = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
     assert not [e for e in record["effects"] if e["name"] == "stribeck"]
 
 
 def test_refuses_a_candidate_that_the_catalogue_lacks(tmp_path, capsys):
     write_dataset(data_set(0), tmp_path / "data")
-    given = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
-    assert close_loop.main([*given, "--candidates", "gremlin"]) == 2
+    given = ["diagnose", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
+    assert oed(*given, "--candidates", "gremlin") == 2
     assert "no effects ['gremlin']" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
@@ -85,14 +86,16 @@ def test_refuses_a_candidate_that_the_catalogue_lacks(tmp_path, capsys):
 @pytest.mark.parametrize(("option", "value"), [("--max-effects", "-1"), ("--seed", "-1")])
 def test_refuses_numbers_that_make_no_sense(tmp_path, capsys, option, value):
     write_dataset(data_set(0), tmp_path / "data")
-    given = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
-    assert close_loop.main([*given, option, value]) == 2
-    assert f"{option} {value}" in capsys.readouterr().err
+    given = ["diagnose", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
+    assert oed(*given, option, value) == 2
+    told = capsys.readouterr().err
+    assert option in told
+    assert value in told
     assert not (tmp_path / "out").exists()
 
 
 def test_declared_rotors_are_nothing_that_the_model_lacks():
     bare = data_set(0, roles=("estimation",))
-    assert close_loop.base_model(bare) == "standard"
+    assert base_model(bare) == "standard"
     geared = dataclasses.replace(bare, drive=Drive(rotor_inertia=np.array([1e-4, 2e-4])))
-    assert close_loop.base_model(geared) == "rotor"
+    assert base_model(geared) == "rotor"

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
+from oed.commands.configurations import SIGN_WIDTH, Feasible
+from oed.commands.feasible import estimate
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from oed.estimation.calibration import calibrate
@@ -26,9 +28,8 @@ from oed.report.table import read_csv
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
 from studies import feasibility_price
-from studies.feasible import Config, main, run
-from studies.from_data_set import SIGN_WIDTH
 from tests.paths import SHARED_CASES, SHARED_DATA, needs_shared_data
+from tests.running import oed
 
 GAZ = 0.0141  # overall relative error of Gaz and others 2019, supplementary material, table III
 
@@ -69,9 +70,7 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def results(simulated: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("out")
-    assert (
-        main(["--data", str(simulated), "--out", str(out), "--smoke", "--model", "standard"]) == 0
-    )
+    assert oed("feasible", str(simulated), "--out", str(out), "--smoke", "--model", "standard") == 0
     return out
 
 
@@ -113,8 +112,8 @@ def test_well_determined_parameters_are_the_true_ones(results: Path) -> None:
 
 def test_a_bound_is_marked_and_its_intervals_are_explained(simulated: Path, tmp_path: Path) -> None:
     # This arm has no rotors: zero bounds what noise makes of them.
-    given = ["--data", str(simulated), "--out", str(tmp_path), "--smoke"]
-    assert main([*given, "--model", "rotor", "--weight", "1e-6"]) == 0
+    given = ["feasible", str(simulated), "--out", str(tmp_path), "--smoke"]
+    assert oed(*given, "--model", "rotor", "--weight", "1e-6") == 0
     record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
     marked = {row["name"] for row in record["parameters"] if row["at_bound"]}
     assert marked == {"Ia_2"}
@@ -123,15 +122,17 @@ def test_a_bound_is_marked_and_its_intervals_are_explained(simulated: Path, tmp_
 
 
 def test_a_prior_and_a_total_mass_are_obeyed(simulated: Path, tmp_path: Path) -> None:
-    options = ["--smoke", "--model", "standard", "--prior", "--weight", "1e-3"]
-    given = ["--data", str(simulated), "--out", str(tmp_path), "--total-mass", "20"]
-    assert main([*given, *options]) == 0
+    options = ["--smoke", "--model", "standard", "--prior", "file", "--weight", "1e-3"]
+    given = ["feasible", str(simulated), "--out", str(tmp_path), "--total-mass", "20"]
+    assert oed(*given, *options) == 0
     rows = {row["name"]: row for row in read_csv(tmp_path / "parameters.csv")}
     assert rows["m_1"]["value"] + rows["m_2"]["value"] == pytest.approx(20.0)
 
 
 def test_a_failed_comparison_of_solvers_does_not_read_as_a_failed_estimate(simulated: Path) -> None:
-    result = run(Config(simulated, simulated, model="standard", weight=1e-3, smoke=True))
+    result = estimate(
+        Feasible(data=simulated, out=simulated, model="standard", weight=1e-3, smoke=True)
+    )
     assert solver_comparison(result).startswith("Objectives of the two solvers differ by")
     alone = dataclasses.replace(result, second=None, second_failure="barrier: 60 Newton steps")
     told = solver_comparison(alone)
@@ -148,8 +149,8 @@ def test_a_pause_of_the_log_is_on_the_page_and_in_the_record(
     lines = file.read_text().splitlines()
     file.write_text("\n".join([*lines[:1001], *lines[1401:]]) + "\n")
     out = tmp_path / "out"
-    given = ["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"]
-    assert main([*given, "--model", "standard", "--weight", "1e-3"]) == 0
+    given = ["feasible", str(tmp_path / "data"), "--out", str(out), "--smoke"]
+    assert oed(*given, "--model", "standard", "--weight", "1e-3") == 0
     assert "held: 1 gap(s)" in (out / "report.html").read_text(encoding="utf-8")
     assert json.loads((out / "estimate.json").read_text())["gaps"]["held"]["gaps"] == 1
 
@@ -158,8 +159,8 @@ def test_bad_input_is_one_line(
     simulated: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     out = tmp_path / "out"
-    given = ["--data", str(simulated), "--out", str(out), "--smoke", "--collision"]
-    assert main(given) == 2
+    given = ["feasible", str(simulated), "--out", str(out), "--smoke", "--collision"]
+    assert oed(*given) == 2
     assert "collision geometry" in capsys.readouterr().err
     assert not out.exists()
 
@@ -179,8 +180,8 @@ def test_the_price_study_runs_and_shows_its_point(tmp_path: Path) -> None:
 def test_the_accuracy_and_the_changes_are_in_the_record_and_on_the_page(
     simulated: Path, tmp_path: Path
 ) -> None:
-    given = ["--data", str(simulated), "--out", str(tmp_path), "--smoke", "--model", "standard"]
-    assert main([*given, "--weight", "1e-3", "--prior"]) == 0
+    given = ["feasible", str(simulated), "--out", str(tmp_path), "--smoke", "--model", "standard"]
+    assert oed(*given, "--weight", "1e-3", "--prior", "file") == 0
     record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
     assert record["accuracy"]["is_accurate"] is True
     assert 0 < record["accuracy"]["reached"] < 1e-6
@@ -197,9 +198,9 @@ def test_the_accuracy_and_the_changes_are_in_the_record_and_on_the_page(
 
 
 def test_a_mass_beyond_reason_is_told_with_the_files(simulated: Path, tmp_path: Path) -> None:
-    given = ["--data", str(simulated), "--out", str(tmp_path), "--smoke", "--model", "standard"]
+    given = ["feasible", str(simulated), "--out", str(tmp_path), "--smoke", "--model", "standard"]
     # A total that the file contradicts, on masses that no torque decides.
-    assert main([*given, "--weight", "1e-3", "--prior", "--total-mass", "300"]) == 0
+    assert oed(*given, "--weight", "1e-3", "--prior", "file", "--total-mass", "300") == 0
     record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
     total = record["changes_from_file"][-1]
     assert total["identified [kg]"] == pytest.approx(300.0, rel=1e-6)
@@ -213,7 +214,7 @@ MED7 = SHARED_CASES / "feasible_no_solver_med7"
 
 @pytest.mark.skipif(not MED7.is_dir(), reason="the cases (../shared/cases) are not on this machine")
 def test_a_short_log_of_a_seven_joint_arm_gives_masses_near_its_files(tmp_path: Path) -> None:
-    assert main(["--data", str(MED7), "--out", str(tmp_path), "--smoke"]) == 0
+    assert oed("feasible", MED7, "--out", tmp_path, "--smoke") == 0
     record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
     assert record["accuracy"]["is_accurate"] is True
     masses = [row["identified [kg]"] for row in record["changes_from_file"]]

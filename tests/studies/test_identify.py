@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from oed.commands.configurations import Identify
+from oed.commands.identify import estimate
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
@@ -14,8 +16,8 @@ from oed.experiment.recording import Recording, Role
 from oed.experiment.write_dataset import write_dataset
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
-from studies.identify import Config, main, run
 from tests.paths import SHARED_DATA, needs_shared_data
+from tests.running import oed
 
 NOISE = (0.05, 0.02)  # [N m]
 WIDTH = 0.02  # [rad/s] of the true Coulomb terms' sign, the study's default
@@ -73,8 +75,8 @@ def _motion(rng: np.random.Generator) -> Motion:
 
 def test_recovers_the_parameters_of_a_simulated_arm(tmp_path: Path) -> None:
     truth = _simulated(tmp_path / "data", np.random.default_rng(21))
-    arguments = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
-    assert main([*arguments, "--model", "standard"]) == 0
+    arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
+    assert oed(*arguments, "--model", "standard") == 0
     record = json.loads((tmp_path / "out" / "estimate.json").read_text())
     assert {p["name"] for p in record["parameters"]} == set(truth)
     for parameter in record["parameters"]:
@@ -96,7 +98,7 @@ def test_gaps_of_the_log_are_told_and_cost_no_accuracy(
     kept = [line for line, gone in zip(lines, missing, strict=True) if not gone]
     file.write_text("\n".join([header, *kept]) + "\n")
     out = tmp_path / "out"
-    assert main(["--data", str(tmp_path / "data"), "--out", str(out), "--model", "standard"]) == 0
+    assert oed("identify", str(tmp_path / "data"), "--out", str(out), "--model", "standard") == 0
     assert "fit: 3 gap(s)" in capsys.readouterr().out
     assert "3 gap(s)" in (out / "report.html").read_text()
     record = json.loads((out / "estimate.json").read_text())
@@ -115,7 +117,7 @@ def test_gaps_of_the_log_are_told_and_cost_no_accuracy(
 def test_leaves_everything_that_it_promises(tmp_path: Path) -> None:
     _simulated(tmp_path / "data", np.random.default_rng(22))
     out = tmp_path / "out"
-    assert main(["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"]) == 0
+    assert oed("identify", str(tmp_path / "data"), "--out", str(out), "--smoke") == 0
     record = json.loads((out / "estimate.json").read_text())
     promised = {
         "format", "data", "joints", "samples", "parameters", "unidentifiable", "condition",
@@ -141,7 +143,7 @@ def test_a_motionless_joint_is_named_and_not_given_numbers(tmp_path: Path) -> No
     dataset = DataSet("still", "tests", "none", imi_scara(), "measured", recordings=(recording,))
     write_dataset(dataset, tmp_path / "data")
     out = tmp_path / "out"
-    code = main(["--data", str(tmp_path / "data"), "--out", str(out), "--model", "standard"])
+    code = oed("identify", str(tmp_path / "data"), "--out", str(out), "--model", "standard")
     assert code == 0
     record = json.loads((out / "estimate.json").read_text())
     assert {"Fc_2", "Fv_2"} <= set(record["unidentifiable"])
@@ -150,8 +152,8 @@ def test_a_motionless_joint_is_named_and_not_given_numbers(tmp_path: Path) -> No
 
 def test_what_cannot_be_right_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     _simulated(tmp_path / "data", np.random.default_rng(28))
-    arguments = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
-    assert main([*arguments, "--model", "standard"]) == 0
+    arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
+    assert oed(*arguments, "--model", "standard") == 0
     assert json.loads((tmp_path / "out" / "estimate.json").read_text())["doubts"] == []
     assert "they cannot be" not in capsys.readouterr().out
     for name in ("fit.csv", "held.csv"):
@@ -160,7 +162,7 @@ def test_what_cannot_be_right_is_named(tmp_path: Path, capsys: pytest.CaptureFix
         header = file.read_text().splitlines()[0]
         table[:, header.split(",").index("tau_2")] *= -1
         np.savetxt(file, table, delimiter=",", header=header, comments="", fmt="%.17g")
-    assert main([*arguments, "--model", "standard"]) == 0
+    assert oed(*arguments, "--model", "standard") == 0
     told = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
     assert "the sign of the torque of joint_2 (tau_2) is reversed" in told[0]
     assert any("Fv_2 = -" in line and "they cannot be" in line for line in told)
@@ -180,8 +182,8 @@ def test_a_joint_whose_encoder_only_flickers_is_told(
         header = file.read_text().splitlines()[0]
         table[:, header.split(",").index("q_2")] = 0.1 + 1e-5 * rng.normal(size=len(table))
         np.savetxt(file, table, delimiter=",", header=header, comments="", fmt="%.17g")
-    arguments = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
-    assert main(arguments) == 0
+    arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
+    assert oed(*arguments) == 0
     assert "does not move in the recordings for estimation: joint_2" in capsys.readouterr().out
 
 
@@ -194,7 +196,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(
     lines[100] = lines[100].replace(lines[100].split(",")[2], "nan")
     file.write_text("\n".join(lines) + "\n")
     out = tmp_path / "out"
-    assert main(["--data", str(tmp_path / "data"), "--out", str(out)]) == 2
+    assert oed("identify", str(tmp_path / "data"), "--out", str(out)) == 2
     message = capsys.readouterr().err
     assert message.count("\n") == 1
     assert "fit.csv" in message
@@ -207,8 +209,8 @@ def test_a_cutoff_that_the_data_cannot_carry_is_refused(
 ) -> None:
     _simulated(tmp_path / "data", np.random.default_rng(25))
     out = tmp_path / "out"
-    arguments = ["--data", str(tmp_path / "data"), "--out", str(out), "--cutoff", "400"]
-    assert main(arguments) == 2
+    arguments = ["identify", str(tmp_path / "data"), "--out", str(out), "--cutoff", "400"]
+    assert oed(*arguments) == 2
     assert "400" in capsys.readouterr().err
     assert not out.exists()
 
@@ -218,8 +220,8 @@ def test_a_cutoff_that_is_no_frequency_is_refused_by_name(
     cutoff: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     _simulated(tmp_path / "data", np.random.default_rng(26))
-    arguments = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
-    assert main([*arguments, "--cutoff", cutoff]) == 2
+    arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
+    assert oed(*arguments, "--cutoff", cutoff) == 2
     assert "cut-off" in capsys.readouterr().err
 
 
@@ -228,7 +230,7 @@ def test_an_out_that_is_a_file_is_refused_before_the_work(
 ) -> None:
     taken = tmp_path / "taken"
     taken.touch()
-    assert main(["--data", str(tmp_path / "absent"), "--out", str(taken)]) == 2
+    assert oed("identify", str(tmp_path / "absent"), "--out", str(taken)) == 2
     assert "is a file" in capsys.readouterr().err
 
 
@@ -237,7 +239,7 @@ def test_an_out_that_is_a_file_is_refused_before_the_work(
 def test_reaches_what_plain_least_squares_reaches_on_measured_data(
     name: str, tmp_path: Path
 ) -> None:
-    calibration = run(Config(data=SHARED_DATA / name, out=tmp_path))
+    calibration = estimate(Identify(data=SHARED_DATA / name, out=tmp_path))
     for role, published in PUBLISHED[name].items():
         reached = calibration.validation[role].relative_rms
         assert (reached <= 1.05 * np.array(published)).all(), (role, reached)
@@ -246,5 +248,5 @@ def test_reaches_what_plain_least_squares_reaches_on_measured_data(
 @needs_shared_data
 def test_the_panda_with_offsets_beats_the_published_error(tmp_path: Path) -> None:
     data = SHARED_DATA / "franka_panda"
-    calibration = run(Config(data=data, out=tmp_path, model="offset"))
+    calibration = estimate(Identify(data=data, out=tmp_path, model="offset"))
     assert calibration.validation["estimation"].overall_relative_rms <= 0.011  # published: 0.0141

@@ -1,29 +1,18 @@
-"""Which physically consistent parameters explain this arm's torque, and what does that cost?
-
-    python -m studies.feasible --data DIR --out DIR [--joints A B …] [--model NAME] [--cutoff HZ]
-        [--prior | --no-prior] [--kind entropic|quadratic] [--weight W] [--total-mass KG] [--collision]
-        [--smoke] [--seed N]
-
-Reads a data set, estimates standard parameters under physical constraints, compares them with
-plain least squares, and leaves estimate.json, parameters.yaml, calibrated_robot.urdf, .sdf and
-.xml (MJCF), figures and report.html. Each robot file is loaded again and its torques are compared.
-"""
+"""`oed feasible`: physically consistent parameters that explain an arm's torque, and their price."""
 
 from __future__ import annotations
 
-import argparse
-import sys
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from oed.commands.configurations import Feasible
+from oed.commands.from_data_set import prepare
+from oed.commands.telling import say, speak
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.errors import OedError
 from oed.estimation.calibration import calibrate
 from oed.estimation.feasible.calibration import (
     FeasibleCalibration,
@@ -33,7 +22,6 @@ from oed.estimation.feasible.calibration import (
 from oed.estimation.feasible.collision_regions import collision_regions
 from oed.estimation.feasible.feasible_set import FeasibleSet
 from oed.estimation.feasible.reference import file_inertials
-from oed.estimation.feasible.regularisation import RegularisationKind
 from oed.export.calibrated_robot import CalibratedRobot
 from oed.export.mjcf import write_mjcf
 from oed.export.parameter_file import ParameterTable, write_parameters
@@ -45,36 +33,13 @@ from oed.report.feasible_rows import change_rows, link_rows, solver_comparison, 
 from oed.report.provenance import Provenance
 from oed.report.study_files import FEASIBLE
 from oed.report.table import Row, text_table
-from studies.from_data_set import DataSetConfig, add_arguments, prepare, say
-from studies.interrupt import leave
-from studies.whole_numbers import from_zero
 
 ROUND_TRIP_SAMPLES = 200
+# Of the file's inertials as what is pulled to; None where they decide by being plausible.
+WANTED = {"auto": None, "file": True, "neutral": False}
 
 
-@dataclass(frozen=True)
-class Config(DataSetConfig):
-    """What to identify, and how; `smoke` takes few resamples and poses as well.
-
-    Attributes:
-        prior: Whether the inertials of the robot's file are a prior, else neutral bodies are;
-            None takes them where they do not look like placeholders.
-        kind: Of the pull to the reference.
-        weight: Of that pull; by cross-validation if None.
-        total_mass: Of all moving links [kg], where it is known.
-        collision: Whether each link's mass must lie in a box around its collision geometry.
-        seed: Of poses and bootstrap.
-    """
-
-    prior: bool | None = None
-    kind: RegularisationKind = "entropic"
-    weight: float | None = None
-    total_mass: float | None = None
-    collision: bool = False
-    seed: int = 0
-
-
-def run(config: Config) -> FeasibleCalibration:
+def estimate(config: Feasible) -> FeasibleCalibration:
     """Read, process, estimate plainly and feasibly, validate; says what it does."""
     dataset, model, settings = prepare(config)
     plain = calibrate(dataset, model, settings)
@@ -129,22 +94,18 @@ def export(result: FeasibleCalibration, out: Path, home: Path) -> list[Row]:
     return rows
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run from the command line; 0 if all went well, 2 if the input cannot be used."""
-    config = _parse(arguments)
+def run(config: Feasible) -> int:
+    """Estimate, and leave estimate.json, the robot's files, figures and report.html."""
+    speak(quiet=config.quiet)
     start = time.perf_counter()
-    try:
-        with FEASIBLE.in_folder(config.out, [config.data]) as results:
-            result = run(config)
-            with results.replaced() as new:
-                rows = export(result, new, results.folder)
-                write_feasible(result, rows, new, Provenance.collect(config, seed=config.seed))
-    except (OedError, ValueError, OSError) as error:
-        sys.stderr.write(f"studies.feasible: {error}\n")
-        return 2
-    say("\n" + text_table(link_rows(result)))
-    say(text_table(validation_rows(result)))
-    say(text_table(rows))
+    with FEASIBLE.in_folder(config.out, [config.data]) as results:
+        result = estimate(config)
+        with results.replaced() as new:
+            rows = export(result, new, results.folder)
+            write_feasible(result, rows, new, Provenance.collect(config, seed=config.seed))
+    print("\n" + text_table(link_rows(result)))
+    print(text_table(validation_rows(result)))
+    print(text_table(rows))
     say(
         f"mass matrix positive definite in {100 * result.positive_definite:.4g} % of "
         f"{result.settings.poses} poses, plain least squares "
@@ -156,17 +117,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     say(result.estimate.solution.accuracy)
     say(solver_comparison(result))
     for warning in result.warnings:
-        say(f"warning: {warning}")
-    say(f"wrote {config.out} in {time.perf_counter() - start:.1f} s")
+        print(f"warning: {warning}")
+    print(f"open {config.out / 'report.html'} ({time.perf_counter() - start:.1f} s)")
     return 0
 
 
-def _settings(config: Config, model: TorqueModel) -> FeasibleSettings:
+def _settings(config: Feasible, model: TorqueModel) -> FeasibleSettings:
     demands = FeasibleSet.of(model).with_(
         total_mass=config.total_mass,
         regions=collision_regions(model.robot) if config.collision else None,
     )
-    inertials = file_inertials(model.robot, wanted=config.prior)
+    inertials = file_inertials(model.robot, wanted=WANTED[config.prior])
     if config.smoke:
         return FeasibleSettings(
             demands=demands,
@@ -191,27 +152,3 @@ def _settings(config: Config, model: TorqueModel) -> FeasibleSettings:
 
 def _some(motion: Motion) -> Motion:
     return motion[np.linspace(0, len(motion) - 1, ROUND_TRIP_SAMPLES).astype(int)]
-
-
-def _parse(arguments: Sequence[str] | None) -> Config:
-    parser = argparse.ArgumentParser(prog="python -m studies.feasible", description=__doc__)
-    add_arguments(parser)
-    parser.add_argument(
-        "--prior",
-        action=argparse.BooleanOptionalAction,
-        help="the inertials of the robot's file are a prior; unless told, where they are no placeholders",
-    )
-    parser.add_argument("--kind", choices=("entropic", "quadratic"), default=Config.kind)
-    parser.add_argument("--weight", type=float, help="of the pull to the reference")
-    parser.add_argument("--total-mass", type=float, help="of the moving links [kg]")
-    parser.add_argument(
-        "--collision", action="store_true", help="mass lies within the collision geometry"
-    )
-    parser.add_argument("--smoke", action="store_true", help="few samples, resamples and poses")
-    parser.add_argument("--seed", type=from_zero, default=0)
-    given = vars(parser.parse_args(arguments))
-    return Config(**{**given, "joints": tuple(given["joints"])})
-
-
-if __name__ == "__main__":
-    leave(main, "studies.feasible")

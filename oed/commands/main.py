@@ -1,0 +1,57 @@
+"""The command `oed`."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+from functools import partial
+from typing import Never
+
+import tyro
+
+from oed.commands import configurations
+from oed.commands.options import STYLE
+from oed.process_end import end_quietly_while_loading, exit_status
+
+# Name: configuration, and the module whose `run` takes it, loaded when it is asked for.
+COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
+    "identify": (configurations.Identify, "identify"),
+    "feasible": (configurations.Feasible, "feasible"),
+    "diagnose": (configurations.Diagnose, "diagnose"),
+}
+DESCRIPTION = """From a robot file and a log to a dynamic model that you can trust.
+
+Exit status: 0 done; 1 something disagrees; 2 the input cannot be used; 3 the input is in order, and
+what was asked for cannot be had; 130 interrupted."""
+
+
+def main() -> Never:
+    """Run the command that the process was given, and end it with the command's status."""
+    end_quietly_while_loading("oed")
+    sys.exit(run(sys.argv[1:] or ["--help"]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command: its exit status.
+
+    Args:
+        arguments: Name of the command, and what it is told.
+
+    Raises:
+        SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
+    """
+    config = tyro.extras.subcommand_cli_from_dict(
+        {name: configuration for name, (configuration, _) in COMMANDS.items()},
+        prog="oed",
+        description=DESCRIPTION,
+        args=arguments,
+        config=STYLE,
+    )
+    name, module = next((n, m) for n, (kind, m) in COMMANDS.items() if type(config) is kind)
+    command = importlib.import_module(f"oed.commands.{module}").run
+    return exit_status(partial(command, config), f"oed {name}")
+
+
+if __name__ == "__main__":
+    main()
