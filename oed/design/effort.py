@@ -113,8 +113,8 @@ def check_room(
         f"{model.robot.source}: by the file's inertia joint {name} needs {ratio:.2g} times its "
         "effort limit to move as its velocity and acceleration limits allow, and the effort limits "
         f"leave hardly any motion ({max(shares):.1g} of it): the inertia is probably in other units "
-        "(kg mm^2 or g mm^2 where kg m^2 is due); correct the file, or design without effort "
-        "limits (--no-torque)",
+        "(kg mm^2 or g mm^2 where kg m^2 is due), or the effort limit is (kN m where N m is due); "
+        "correct the file, or design without effort limits (--no-torque)",
         name,
         ratio,
     )
