@@ -9,6 +9,7 @@ cond Lambda without column scaling, position, velocity and effort limits of the 
 
 from __future__ import annotations
 
+import hashlib
 import json
 import subprocess
 from collections.abc import Sequence
@@ -29,6 +30,7 @@ from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.report.input_files import data_digest
 from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
@@ -41,6 +43,7 @@ Row = dict[str, str | int | float]
 
 UR5 = EXAMPLE_ROBOTS / "ur_description/urdf/ur5_robot.urdf"
 PEER_SCRIPT = Path(__file__).with_name("figaroh_design.py")
+DIGITS = 12  # of a digest in a file name
 HORIZON = 8.0  # [s], four segments of two seconds
 SAMPLES = 161  # figaroh's at 20 Hz, both ends included
 OPTIMISERS = {"slsqp": slsqp.optimise, "interior-point": interior_point.optimise}
@@ -106,8 +109,10 @@ def _nominal(model: TorqueModel) -> np.ndarray:
 
 
 def _peer_row(problem: DesignProblem, source: str, seed: int, config: Config, out: Path) -> Row:
-    file = out / f"figaroh_{seed}.json"
     robot = problem.model.robot
+    decides = (data_digest(source), config.iterations, robot.joint_names, PEER_SCRIPT.read_bytes())
+    digest = hashlib.sha256(repr(decides).encode()).hexdigest()[:DIGITS]
+    file = out / f"figaroh_{seed}_{digest}.json"
     if not file.is_file():
         out.mkdir(parents=True, exist_ok=True)
         request = out / f"figaroh_{seed}_request.json"
@@ -247,7 +252,10 @@ class Options(StudyOptions):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
     options = parse(Options, prog="python -m studies.compare_figaroh", arguments=arguments)
-    write(run(options.config, options.results), options.config, options.results)
+    with options.held([options.robot or UR5]) as results:
+        rows = run(options.config, options.results)
+        with results.replaced() as new:
+            write(rows, options.config, new)
     return 0
 
 

@@ -218,8 +218,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
     options = parse(Options, prog="python -m studies.coverage", arguments=arguments)
     config = SMOKE if options.smoke else Config()
-    rows = run(config)
-    write(rows, config, options.results)
+    with options.held() as results:
+        rows = run(config)
+        with results.replaced() as new:
+            write(rows, config, new)
     print(summarise(rows, config))
 
 

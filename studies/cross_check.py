@@ -16,14 +16,18 @@ from pathlib import Path
 from oed.dynamics.cross_check import AGREEMENT, cross_check
 from oed.dynamics.identifiability import rigid_body_base_parameters
 from oed.errors import OedError
+from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
+from oed.report.result_folder import ResultFiles
 from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import load_arm
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS
 from studies.interrupt import leave
 from studies.whole_numbers import from_zero
+
+FILES = ResultFiles("cross_check", ("runs.csv", "summary.md", "provenance.json"))
 
 
 @dataclass(frozen=True)
@@ -58,9 +62,9 @@ def run(config: Config) -> list[Row]:
     return rows
 
 
-def write(rows: Sequence[Row], config: Config) -> None:
+def write(rows: Sequence[Row], config: Config, out: Path) -> None:
     """Leave runs.csv, summary.md and provenance.json."""
-    write_csv(config.out / "runs.csv", rows)
+    write_csv(out / "runs.csv", rows)
     columns = [name for name in rows[0] if name != "note"]
     notes = "".join(f"\n- {row['robot']}: {row['note']}" for row in rows if row.get("note"))
     text = (
@@ -70,16 +74,17 @@ def write(rows: Sequence[Row], config: Config) -> None:
         'model; "as written" is the numerical rank of the file\'s rounded kinematics.\n\n'
         f"{markdown_table(rows, columns=columns, digits=2)}\n{notes}\n"
     )
-    (config.out / "summary.md").write_text(text)
-    Provenance.collect(config, seed=config.seed).write(config.out / "provenance.json")
+    write_atomically(out / "summary.md", text)
+    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if all robots agree, 1 otherwise."""
     config = _parse(arguments)
-    rows = run(config)
-    config.out.mkdir(parents=True, exist_ok=True)
-    write(rows, config)
+    with FILES.in_folder(config.out, config.robots) as results:
+        rows = run(config)
+        with results.replaced() as new:
+            write(rows, config, new)
     # What was replaced comes before what was found of it.
     for row in rows:
         if row.get("note"):

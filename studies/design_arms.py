@@ -22,10 +22,12 @@ from pathlib import Path
 
 from oed.process_end import ends_with_this
 from oed.report.code_digest import code_digest
+from oed.report.folder_lock import STATE
 from oed.report.json_file import write_atomically
 from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
+from oed.report.result_folder import ResultFiles
 from oed.report.study_files import DESIGN
 from oed.report.table import Row, markdown_table, number_of, read_csv, write_csv
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS, REPOSITORY
@@ -36,6 +38,7 @@ ARMS = (
     "so_arm_description/urdf/so100.urdf",
     "asr_twodof_description/urdf/TwoDofs.urdf",
 )
+FILES = ResultFiles("design_arms", ("runs.csv", "summary.md", "provenance.json"))
 LONGEST = 900.0  # [s] after which an arm counts as failed
 DIGITS = 16  # of the code's digest
 UNSAFE = ("--periodic", "--margin", "1", "--no-clearance")
@@ -56,19 +59,23 @@ class Config:
     smoke: bool = False
 
 
-def run(config: Config) -> list[Row]:
+def run(config: Config, table: Path | None = None) -> list[Row]:
     """One row an arm; one that fails is a row that says why.
 
-    Rows that the same code left in the folder are kept; the table is written after each arm.
+    Args:
+        config: What to run.
+        table: Where rows are kept after each arm; those that the same code left there are not
+            made again. None to keep none.
     """
     robots = config.robots or tuple(str(EXAMPLE_ROBOTS / arm) for arm in ARMS)
-    code, table = code_digest("studies.design")[:DIGITS], config.out / "runs.csv"
-    earlier = read_csv(table) if table.is_file() else []
+    code = code_digest("studies.design")[:DIGITS]
+    earlier = read_csv(table) if table is not None and table.is_file() else []
     done = {row["arm"]: row for row in earlier if row.get("code") == code and row.get("feasible")}
     rows: list[Row] = []
     for robot in progress(robots, "arms"):
         rows.append(done.get(Path(robot).stem) or {**_row(robot, config), "code": code})
-        write_csv(table, rows)
+        if table is not None:
+            write_csv(table, rows)
     return rows
 
 
@@ -113,7 +120,7 @@ def _design(robot: str, out: Path, *options: str, smoke: bool) -> str:
     if finished.returncode == 0:
         return ""
     if finished.returncode == NO_USABLE_RESULT and DESIGN.are_in(out):
-        return json.loads((out / DESIGN.record).read_text(encoding="utf-8"))["status"]
+        return json.loads((out / DESIGN.names[0]).read_text(encoding="utf-8"))["status"]
     said = " ".join(finished.stderr.split())[-200:]
     return said or f"ended with code {finished.returncode} and said nothing"
 
@@ -161,9 +168,10 @@ def _children_cpu() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def write(rows: Sequence[Row], config: Config) -> None:
-    """Leave runs.csv, summary.md and provenance.json."""
-    write_csv(config.out / "runs.csv", rows)
+def write(rows: Sequence[Row], config: Config, out: Path | None = None) -> None:
+    """Leave runs.csv, summary.md and provenance.json in a folder, the study's own if None."""
+    out = config.out if out is None else out
+    write_csv(out / "runs.csv", rows)
     good = [row for row in rows if row.get("feasible") is True and row.get("J_k") is not None]
     walls, cpus = ([number_of(row[key]) for row in rows] for key in ("wall_s", "cpu_s"))
     shown = [
@@ -189,8 +197,8 @@ D-efficiency is against a bound on every periodic motion within the position, ve
 acceleration limits, whatever its parametrisation: proven up to two joints, estimated beyond.
 
 {markdown_table(shown)}"""
-    write_atomically(config.out / "summary.md", text)
-    Provenance.collect(config, seed=0).write(config.out / "provenance.json")
+    write_atomically(out / "summary.md", text)
+    Provenance.collect(config, seed=0).write(out / "provenance.json")
 
 
 def _all(rows: Sequence[Row], key: str) -> str:
@@ -229,8 +237,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parser.parse_args(argv)
     given.out = given.out or results_folder("design", smoke=given.smoke)
     config = Config(tuple(given.robot), given.out, given.smoke)
-    rows = run(config)
-    write(rows, config)
+    with FILES.in_folder(config.out, config.robots) as results:
+        rows = run(config, config.out / STATE / "arms.csv")
+        with results.replaced() as new:
+            write(rows, config, new)
     print((config.out / "summary.md").read_text(encoding="utf-8"))
     return 0
 

@@ -291,8 +291,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
     options = parse(Options, prog="python -m studies.feasibility_price", arguments=arguments)
     config = dataclasses.replace(SMOKE if options.smoke else Config(), seed=options.seed)
-    rows = run(config)
-    write(rows, config, options.results)
+    with options.held() as results:
+        rows = run(config)
+        with results.replaced() as new:
+            write(rows, config, new)
     sys.stdout.write(summarise(rows, repeats=config.repeats, poses=config.poses))
 
 

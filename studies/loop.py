@@ -37,9 +37,11 @@ from oed.experiment.recording import HELD_OUT, Recording, Role
 from oed.experiment.simulation import Setup, simulate
 from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
+from oed.report.result_folder import ResultFiles
 from oed.report.table import Row, text_table, write_csv
 from studies.interrupt import leave
 
+FILES = ResultFiles("loop", ("rounds.csv", "provenance.json"))
 PERIOD = 10.0  # [s] of every motion
 REPETITIONS = 4
 STEP = 0.001  # [s] of the controller
@@ -146,18 +148,19 @@ def informative_motion(model: TorqueModel, rng: np.random.Generator, count: int)
     return cycle.motion(best, np.arange(round(PERIOD / STEP)) * STEP)
 
 
-def write(rows: list[Row], config: Config) -> None:
+def write(rows: list[Row], config: Config, out: Path) -> None:
     """The table of rounds and its provenance."""
-    config.out.mkdir(parents=True, exist_ok=True)
-    write_csv(config.out / "rounds.csv", rows)
-    Provenance.collect(config, seed=config.seed).write(config.out / "provenance.json")
+    write_csv(out / "rounds.csv", rows)
+    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
     config = parse(Config, prog="python -m studies.loop", arguments=arguments)
-    rows = run(config)
-    write(rows, config)
+    with FILES.in_folder(config.out) as results:
+        rows = run(config)
+        with results.replaced() as new:
+            write(rows, config, new)
     _say(text_table(rows))
     return 0
 

@@ -176,6 +176,12 @@ class Options(StudyOptions):
     """
 
     study: ClassVar[str] = "optimality_bound"
+    names: ClassVar[tuple[str, ...]] = (
+        "bounds.csv",
+        "designs.csv",
+        "summary.md",
+        "provenance.json",
+    )
 
     degrees: tuple[Count, ...] = Config.degrees
     seconds: float = Config.cpu_seconds
@@ -193,7 +199,10 @@ class Options(StudyOptions):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
     options = parse(Options, prog="python -m studies.optimality_bound", arguments=arguments)
-    write(run(options.config), options.config, options.results)
+    with options.held() as results:
+        found = run(options.config)
+        with results.replaced() as new:
+            write(found, options.config, new)
     return 0
 
 

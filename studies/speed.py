@@ -166,6 +166,7 @@ class Options(StudyOptions):
     """
 
     study: ClassVar[str] = "speed"
+    names: ClassVar[tuple[str, ...]] = ("speed.json", "provenance.json")
 
     robot: str = str(PANDA)
     instants: Count = Config.instants
@@ -181,8 +182,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         repetitions=2 if options.smoke else Config.repetitions,
         seed=options.seed,
     )
-    result = run(config)
-    write(result, config, options.results)
+    with options.held([config.robot]) as results:
+        result = run(config)
+        with results.replaced() as new:
+            write(result, config, new)
     print(
         f"{result.joints} joints, {result.base} base parameters, {config.instants} instants: "
         f"Lambda {result.value_ms:.1f} ms, J_d with gradient {result.gradient_ms:.1f} ms "

@@ -25,6 +25,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.streaming import StreamingLeastSquares
+from oed.report.json_file import write_atomically
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
@@ -110,12 +111,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parse(Options, prog="python -m studies.streaming", arguments=arguments)
     samples = 20_000 if options.smoke else options.samples
     config = Config(out=options.results, samples=samples, seed=options.seed)
-    row = run(config)
-    config.out.mkdir(parents=True, exist_ok=True)
-    write_csv(config.out / "runs.csv", [row])
-    table = [{"quantity": key, "value": value} for key, value in row.items()]
-    (config.out / "summary.md").write_text(f"# Streaming\n\n{markdown_table(table)}\n")
-    Provenance.collect(config, seed=config.seed).write(config.out / "provenance.json")
+    with options.held() as results:
+        row = run(config)
+        table = [{"quantity": key, "value": value} for key, value in row.items()]
+        with results.replaced() as new:
+            write_csv(new / "runs.csv", [row])
+            write_atomically(new / "summary.md", f"# Streaming\n\n{markdown_table(table)}\n")
+            Provenance.collect(config, seed=config.seed).write(new / "provenance.json")
     sys.stdout.write(text_table(table) + "\n")
     return 0
 

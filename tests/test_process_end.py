@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from oed.process_end import leave
 from studies.case_runner import CaseRunner, RowFile
+from tests.paths import REPO
 
 
 def interrupted() -> int:
@@ -70,3 +73,36 @@ def test_a_study_runs_on_one_thread_of_linear_algebra() -> None:
         leave(main, "a study")
     assert seen
     assert set(seen) == {1}
+
+
+@pytest.mark.parametrize("how", ["numpy", "scipy"])
+def test_an_interrupt_while_modules_load_is_one_line(tmp_path: Path, how: str) -> None:
+    interrupting = "import os, signal, time\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(60)\n"
+    (tmp_path / f"{how}.py").write_text(interrupting)
+    ended = subprocess.run(
+        [sys.executable, "-m", "studies.identify", "--data", "nowhere", "--out", "nowhere"],
+        cwd=REPO,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.stderr.strip() == "studies.identify: interrupted: nothing was written"
+    assert ended.returncode == 130
+
+
+@pytest.mark.parametrize(
+    "error", [OSError(28, "No space left on device", "runs.csv"), ValueError("two\nlines")]
+)
+def test_what_cannot_be_done_is_one_line_and_status_2(
+    error: Exception, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def main() -> int:
+        raise error
+
+    with pytest.raises(SystemExit) as end:
+        leave(main, "studies.test")
+    assert end.value.code == 2
+    told = capsys.readouterr().err
+    assert told.startswith("studies.test: ")
+    assert told.count("\n") == 1

@@ -60,7 +60,7 @@ def check_apart(folder: Path, homes: Iterable[Path], inputs: Sequence[str | Path
     for given in inputs:
         if Path(given).is_dir() and _place(Path(given)) in places:
             raise ValueError(
-                f"--out {folder}: is the folder {given} that is read; choose another folder"
+                f"--out {folder}: is the folder that is read, {given}; choose another folder"
             )
         for file in input_files(given):
             if _place(file.parent) in places or _place(file.resolve().parent) in places:

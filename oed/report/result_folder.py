@@ -22,7 +22,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from oed.experiment.manifest import MANIFEST
 from oed.report.folder_lock import STATE, held
@@ -32,6 +32,7 @@ from oed.report.output_folder import check_output_folder, is_committed, is_scrat
 
 NEW, READY, RECORD = "new", "ready.json", "record.json"
 LISTED = 3  # names of files in a message
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 NO_FILE = "no file"  # in place of a hash, where a folder, a link or a device lies
 
 
@@ -54,8 +55,11 @@ class Record:
         """The record in a file; None where there is none that can be read."""
         try:
             told = read_json(path)
-            return cls(str(told["command"]), str(told["key"]), dict(told["files"]))
-        except (OSError, ValueError, KeyError, TypeError):
+            files = {str(name): str(hashed) for name, hashed in told["files"].items()}
+            if any(PurePosixPath(n).is_absolute() or ".." in PurePosixPath(n).parts for n in files):
+                return None
+            return cls(str(told["command"]), str(told["key"]), files)
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return None
 
 
@@ -65,8 +69,9 @@ class ResultFiles:
 
     Attributes:
         command: Its name.
-        names: Of all files that it may leave, relative to the folder; empty where these depend
-            on its input, so that a folder in which something lies has to be its own.
+        names: Of all files that it may leave, relative to the folder, the one that says most
+            first; empty where they depend on its input, so that a folder in which something lies
+            has to be its own.
     """
 
     command: str
@@ -96,6 +101,11 @@ class ResultFiles:
             for name in results.changed():
                 _say(f"note: {folder / name} was changed since a run left it: it stays as it is")
             yield results
+
+    def are_in(self, folder: Path) -> bool:
+        """Whether a folder holds this command's results."""
+        record = Record.read(folder / STATE / RECORD)
+        return record is not None and record.command == self.command
 
     def is_of(self, folder: Path, key: str) -> bool:
         """Whether a folder holds this command's whole, unchanged results under a key."""
@@ -166,8 +176,12 @@ class ResultFolder:
             files = {name.as_posix(): _hash(new / name) for name in names}
             # From here on they are whole: whoever comes next finishes, if this run cannot.
             write_json(self.state / READY, Record(self.results.command, key, files))
-        except BaseException:
+        except BaseException as error:
             shutil.rmtree(new, ignore_errors=True)
+            if isinstance(error, OSError) and error.errno in NO_ROOM:
+                raise OSError(
+                    f"{self.folder}: {error.strerror}: what was there stays; make room and run again"
+                ) from error
             raise
         try:
             self.finish()

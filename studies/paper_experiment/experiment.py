@@ -19,7 +19,7 @@ from oed.experiment.paper_signals import Processing
 from studies.paper_experiment.campaign import CampaignConfig
 from studies.paper_experiment.config import Config
 from studies.paper_experiment.stages import run_stages
-from studies.paper_experiment.writing import write
+from studies.paper_experiment.writing import FILES, write
 from studies.study_options import StudyOptions
 
 
@@ -36,6 +36,7 @@ class Options(StudyOptions):
     """
 
     study: ClassVar[str] = "paper"
+    names: ClassVar[tuple[str, ...]] = FILES
 
     cache: Path = Config.cache
     experiments: Count = Config.experiments
@@ -59,8 +60,12 @@ class Options(StudyOptions):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    config = parse(Options, prog="python -m studies.paper_experiment", arguments=arguments).config
+    options = parse(Options, prog="python -m studies.paper_experiment", arguments=arguments)
+    config = options.config
     print("The paper's experiment", flush=True)
-    write(run_stages(config), config)
+    with options.held() as results:
+        found = run_stages(config)
+        with results.replaced() as new:
+            write(found, config, new)
     print(f"left in {config.out}", flush=True)
     return 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 from oed.report.json_file import write_atomically, write_json
 from oed.report.provenance import Provenance
@@ -14,10 +15,38 @@ from studies.paper_experiment.config import PERIOD, Config
 from studies.paper_experiment.stages import DrakeCheck, Result
 from studies.paper_experiment.summary import PaperRows, claim_rows, summarise
 
+TABLES = (
+    *(
+        f"{name}.csv"
+        for name in (
+            "comparison",
+            "horizons",
+            "terms",
+            "processing",
+            "energy",
+            "runs",
+            "claims",
+            "drake",
+        )
+    ),
+    *(
+        f"figures/{name}.csv"
+        for name in (
+            "trajectories",
+            "designs",
+            "generations",
+            "torques",
+            "recursion",
+            "bode",
+        )
+    ),
+)
+FILES = (*TABLES, "figures/settings.json", "summary.md", "provenance.json")
 
-def write(result: Result, config: Config) -> None:
+
+def write(result: Result, config: Config, out: Path) -> None:
     """Tables, figure data, claims, summary and provenance."""
-    out, truth = config.out, config.campaign.laboratory.truth()
+    truth = config.campaign.laboratory.truth()
     horizon = float(result.horizons.chosen)
     claims = find_claims(
         result.horizons, result.designs, result.monte_carlo, result.processing, truth
@@ -39,23 +68,24 @@ def write(result: Result, config: Config) -> None:
         samples=config.designs.samples,
         experiments=config.experiments,
     )
-    for name, listed in (
-        ("comparison", rows.comparison),
-        ("horizons", rows.horizons),
-        ("terms", rows.terms),
-        ("processing", rows.processing),
-        ("energy", rows.energy),
-        ("runs", rows.monte_carlo),
-        ("claims", claim_rows(claims)),
-        ("drake", rows.drake),
-        ("figures/trajectories", data.trajectories(result.designs, PERIOD)),
-        ("figures/designs", data.designs(result.designs)),
-        ("figures/generations", data.generations(result.designs)),
-        ("figures/torques", data.torques(result.single, horizon)),
-        ("figures/recursion", data.recursion(result.single)),
-        ("figures/bode", data.bode(config.campaign, result.bench)),
-    ):
-        write_csv(out / f"{name}.csv", listed)
+    tabled = (
+        rows.comparison,
+        rows.horizons,
+        rows.terms,
+        rows.processing,
+        rows.energy,
+        rows.monte_carlo,
+        claim_rows(claims),
+        rows.drake,
+        data.trajectories(result.designs, PERIOD),
+        data.designs(result.designs),
+        data.generations(result.designs),
+        data.torques(result.single, horizon),
+        data.recursion(result.single),
+        data.bode(config.campaign, result.bench),
+    )
+    for name, listed in zip(TABLES, tabled, strict=True):
+        write_csv(out / name, listed)
     write_json(
         out / "figures/settings.json", data.settings(config.designs, config.campaign, horizon)
     )

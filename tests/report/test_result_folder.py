@@ -107,6 +107,18 @@ def test_a_folder_with_files_of_these_names_and_no_record_is_refused(tmp_path: P
         pass
 
 
+def test_a_record_that_names_what_lies_elsewhere_is_none(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run(out, a="1")
+    (tmp_path / "mine.txt").write_text("1")
+    record = json.loads((out / ".oed" / "record.json").read_text())
+    record["files"]["../mine.txt"] = record["files"]["a.txt"]
+    (out / ".oed" / "record.json").write_text(json.dumps(record))
+    with pytest.raises(ValueError, match="no run is recorded"):
+        run(out, b="2")
+    assert listing(tmp_path)["mine.txt"] == "1"
+
+
 def test_another_command_s_results_are_not_replaced(tmp_path: Path) -> None:
     run(tmp_path, a="1")
     with pytest.raises(ValueError, match="holds results of try"), IDENTIFY.in_folder(tmp_path):
@@ -248,7 +260,7 @@ def test_a_mount_is_a_folder_like_any_other(mount: Path) -> None:
 
 def test_a_full_disk_leaves_the_last_results(mount: Path) -> None:
     run(mount, a="1")
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(OSError, match="No space left on device: what was there stays; make room"):
         run(mount, a="2", b="x" * 400_000)
     assert listing(mount) == {"a.txt": "1"}
     run(mount, a="3")

@@ -27,7 +27,7 @@ class Effort:
     Attributes:
         proofs: Settings of the certified bound, one after the other; the lowest bound counts.
         search: Settings of the estimate.
-        cpu_seconds: After which to do without; as many seconds of wall time times `PATIENCE`.
+        cpu_seconds: After which to do without; of wall time `PATIENCE` times as many.
     """
 
     proofs: tuple[BoundSettings, ...] = tuple(
@@ -43,7 +43,7 @@ QUICK = Effort(
     SearchSettings(first_states=300, rounds=2, candidates=200, kept=50, sweeps=3, last_steps=20),
     cpu_seconds=5.0,
 )
-PATIENCE = 4.0  # wall seconds a CPU second, on a machine that does other work as well
+PATIENCE = 20.0  # wall seconds a CPU second, on a machine that does other work as well
 
 
 class NoBound(OedError):
