@@ -1,0 +1,150 @@
+"""What an installer gets: requirements that hold, a wheel that is whole and works elsewhere."""
+
+import ast
+import re
+import subprocess
+import sys
+import sysconfig
+import tomllib
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.version import Version
+
+from oed import __version__
+from tests.experiment.tiny_dataset import tiny_files, write_files
+from tests.paths import REPO
+
+PROJECT = tomllib.loads((REPO / "pyproject.toml").read_text())["project"]
+# Where a package that is imported has another name in the registry.
+REGISTRY_NAMES = {
+    "pydrake": "drake",
+    "pinocchio": "pin",
+    "coal": "pin",  # which requires it, at the version that it was built with
+    "yaml": "pyyaml",
+    "tomli_w": "tomli-w",
+    "cycler": "matplotlib",  # which it is a part of
+}
+
+
+def pins() -> dict[str, Version]:
+    lines = (REPO / "environment.txt").read_text().splitlines()
+    found = [re.match(r"([a-z0-9.-]+)==(\S+)", line) for line in lines]
+    return {match[1]: Version(match[2]) for match in found if match}
+
+
+def required(*extras: str) -> dict[str, Requirement]:
+    texts = [*PROJECT["dependencies"]]
+    for extra in extras:
+        texts += PROJECT["optional-dependencies"][extra]
+    found = [Requirement(text) for text in texts]
+    return {requirement.name: requirement for requirement in found if requirement.name != "oed"}
+
+
+def test_the_lock_satisfies_every_requirement():
+    locked = pins()
+    for name, requirement in required("ros", "docs", "dev").items():
+        assert name in locked, f"environment.txt lacks {name}"
+        assert requirement.specifier.contains(locked[name]), f"{name} {locked[name]}"
+
+
+def test_every_lower_bound_is_the_series_that_the_tests_run_with():
+    locked = pins()
+    for name, requirement in required("ros", "docs", "dev").items():
+        (bound,) = requirement.specifier
+        assert bound.operator == ">="
+        series = bound.version.split(".")[:2]
+        assert series == str(locked[name]).split(".")[: len(series)], name
+
+
+def imported_packages() -> set[str]:
+    """Packages from outside that some file of oed imports, wherever in it."""
+    found = set()
+    for file in (REPO / "oed").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                found.add(node.module.partition(".")[0])
+    return found - set(sys.stdlib_module_names) - {"oed"}
+
+
+def test_every_package_that_is_imported_is_required():
+    names = {REGISTRY_NAMES.get(package, package) for package in imported_packages()}
+    assert names <= set(required("ros")), names - set(required("ros"))
+
+
+def test_the_version_is_stated_once():
+    assert PROJECT["dynamic"] == ["version"]
+    assert f"version: {__version__}\n" in (REPO / "CITATION.cff").read_text()
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> Path:
+    """Built without isolation, from what the environment holds: nothing is fetched."""
+    out = tmp_path_factory.mktemp("dist")
+    source = tmp_path_factory.mktemp("source")
+    files = subprocess.run(
+        ["git", "ls-files", "oed", "pyproject.toml", "README.md", "LICENSE"],
+        cwd=REPO,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    for name in files.stdout.splitlines():
+        target = source / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes((REPO / name).read_bytes())
+    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(out)]
+    subprocess.run([*command, str(source)], check=True, capture_output=True)
+    (found,) = out.glob("*.whl")
+    return found
+
+
+def test_the_wheel_holds_every_file_of_the_library(wheel):
+    files = {str(p.relative_to(REPO)) for p in (REPO / "oed").rglob("*") if p.is_file()}
+    names = set(zipfile.ZipFile(wheel).namelist())
+    missing = {name for name in files - names if "__pycache__" not in name}
+    assert not missing
+    assert "oed/py.typed" in names
+
+
+USE = """
+import sys
+from pathlib import Path
+import oed
+assert Path(oed.__file__).is_relative_to(sys.prefix), oed.__file__
+from importlib.metadata import version
+assert version("oed") == oed.__version__
+from oed.dynamics.models import build_model
+from oed.experiment.read_dataset import read_dataset
+from oed.report.page import render_page
+dataset = read_dataset(sys.argv[1])
+print(len(dataset.recordings), len(build_model("standard", dataset.robot).effects))
+"""
+
+
+def test_the_wheel_works_in_an_environment_of_its_own(wheel, tmp_path):
+    """Outside the checkout; what it requires is lent by the environment of the tests."""
+    home = tmp_path / "env"
+    venv.create(home, with_pip=False)
+    python = home / "bin" / "python"
+    packages = next(home.glob("lib/python*/site-packages"))
+    lent = sysconfig.get_path("purelib")
+    (packages / "lent.pth").write_text(f"import site; site.addsitedir({lent!r})\n")
+    target = ["--no-deps", "--no-index", "--no-compile", "--quiet", "--target", str(packages)]
+    pip = [sys.executable, "-m", "pip", "install", *target, str(wheel)]
+    subprocess.run(pip, check=True, capture_output=True)
+    folder = write_files(tmp_path / "set", tiny_files())
+    run = subprocess.run(
+        [str(python), "-c", USE, str(folder)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.split()[0] == "2"
