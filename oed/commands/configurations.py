@@ -7,17 +7,22 @@ here as text; a test holds that they are those of the library.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
 
-from oed.commands.options import Seed
+from oed.commands.options import Count, OutFolder, Seed
 
 ModelName = Literal["standard", "offset", "rotor"]
 # Below this velocity the direction of a geared arm's motion is not known to the data; the
 # baselines published with the measured sets use the same figure.
 SIGN_WIDTH = 0.02  # [rad/s]
+MOST_POINTS = 1_000_000  # that a motion is written with
+# Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
+CLEARANCE = 0.01
+MOST_CLEARANCE = 0.15
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,15 +52,12 @@ class DataSetCommand(Command):
     """
 
     data: Annotated[Path, tyro.conf.Positional]
-    out: Path
+    out: OutFolder
     joints: tuple[str, ...] = ()
     cutoff: float | None = None
     model: ModelName = "rotor"
     sign_width: float = SIGN_WIDTH
     smoke: bool = False
-
-    def __post_init__(self) -> None:
-        _refuse_empty(self.out)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +116,7 @@ class Diagnose(Command):
     """
 
     data: Annotated[Path, tyro.conf.Positional]
-    out: Path
+    out: OutFolder
     model: ModelName | None = None
     max_effects: int | None = None
     candidates: tuple[str, ...] = ()
@@ -122,11 +124,162 @@ class Diagnose(Command):
     seed: Seed = 0
 
     def __post_init__(self) -> None:
-        _refuse_empty(self.out)
         if self.max_effects is not None and self.max_effects < 0:
             raise ValueError(
                 f"--max-effects {self.max_effects} must not be negative; 0 only tests the model"
             )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design(Command):
+    """Find the motion that excites an arm best, and prove that it keeps its limits.
+
+    By default it is clear of itself, from rest to rest, and uses 90 % of the velocity and
+    acceleration limits. Leaves motion.csv, ROS 2 JointTrajectory files, design.json and
+    motion.html, in which the arm moves. Where a limit is not kept, nothing for a controller is
+    written and the exit status is 3.
+
+    Attributes:
+        robot: URDF, SDF, MJCF, xacro or DH file, or builtin:NAME.
+        data: Folder of a data set whose robot is meant; recordings need not be there yet.
+        out: Folder for the results.
+        joints: Names of the joints to move; the arm proper if not given.
+        model: Torque model whose parameters the motion is to excite.
+        horizon: Length of the motion [s].
+        criterion: What is optimised: log10 det of the information (J_d), its condition number
+            (J_k), its mean (A) or worst (E) variance.
+        scaled_columns: Scale the columns first, for J_k, A and E: J_k_scaled and so on.
+        periodic: The motion may start and end at speed, as the paper's do.
+        margin: Share of velocity and acceleration limits that is used.
+        scale: Speed of the finished motion, as a share.
+        gravity: In the base frame [m/s^2], for an arm on a wall or ceiling.
+        no_torque: Ignore effort limits.
+        prior: design.json of earlier experiments, which this one completes.
+        clearance: Distance that links keep from one another [m].
+        no_clearance: Links may touch; whether they do is told.
+        avoid_collision: Refuse a motion that cannot be proven clear.
+        package: Where a ROS package lies, as NAME=DIR, should its meshes not be found.
+        box: Lower and upper x, y, z that no body's origin may leave [m].
+        rate: Set points a second [Hz].
+        evaluations: Of the criterion; the same number and seed give the same motion.
+        budget: CPU time after which the optimiser stops in any case [s].
+        smoke: Do less, to see that it works.
+        seed: Of starts and of the states of the bound.
+    """
+
+    robot: str = ""
+    data: str = ""
+    out: OutFolder
+    joints: tuple[str, ...] = ()
+    model: ModelName = "standard"
+    horizon: float = 10.0
+    criterion: Literal["J_k", "J_d", "A", "E"] = "J_d"
+    scaled_columns: bool = False
+    periodic: bool = False
+    margin: float = 0.9
+    scale: float = 1.0
+    gravity: tuple[float, float, float] | None = None
+    no_torque: bool = False
+    prior: tuple[str, ...] = ()
+    clearance: float = CLEARANCE
+    no_clearance: bool = False
+    avoid_collision: bool = False
+    package: tuple[str, ...] = ()
+    box: tuple[float, float, float, float, float, float] | None = None
+    rate: float = 100.0
+    evaluations: Count = 1000
+    budget: float = 60.0
+    smoke: bool = False
+    seed: Seed = 0
+
+    def __post_init__(self) -> None:
+        if bool(self.robot) == bool(self.data):
+            raise ValueError("name either a robot's file (--robot) or a data set (--data)")
+        self._check_numbers()
+        if self.avoid_collision and self.no_clearance:
+            raise ValueError("--avoid-collision and --no-clearance contradict each other")
+        if self.gravity is not None and self.data:
+            raise ValueError("--gravity: with --data, dataset.toml says it")
+        if self.gravity is not None and not all(map(isfinite, self.gravity)):
+            raise ValueError("--gravity: a component is not a finite number")
+        if self.box is not None and not all(map(isfinite, self.box)):
+            raise ValueError("--box: a bound is not a finite number")
+        if self.box is not None and any(
+            a >= b for a, b in zip(self.box[::2], self.box[1::2], strict=True)
+        ):
+            raise ValueError("--box: each lower bound must be below its upper bound")
+
+    def _check_numbers(self) -> None:
+        for name in ("rate", "budget", "horizon"):
+            value = getattr(self, name)
+            if not (value > 0 and isfinite(value)):
+                raise ValueError(f"--{name} {value:g} is not a positive number")
+        if self.rate * self.horizon > MOST_POINTS:
+            raise ValueError(
+                f"--rate {self.rate:g} for --horizon {self.horizon:g} is more than "
+                f"{MOST_POINTS} set points"
+            )
+        for name in ("margin", "scale"):
+            share = getattr(self, name)
+            if not 0.0 < share <= 1.0:
+                raise ValueError(f"--{name} {share:g} is not a share above 0 and up to 1")
+        if not 0.0 <= self.clearance < MOST_CLEARANCE:
+            raise ValueError(
+                f"--clearance {self.clearance:g} is not between 0 and {MOST_CLEARANCE:g} m"
+            )
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What is read."""
+        return tuple(given for given in (self.robot, self.data, *self.prior) if given)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImportLog(Command):
+    """Make a data set of log files: ROS 2 bags, CSV, Parquet, .mat, .npz, HDF5.
+
+    Finds columns, joints, units and roles, says why, and writes a folder with a dataset.toml that
+    can be read, corrected and kept. Nothing is written if anything cannot be used.
+
+    Attributes:
+        logs: Log files of one format, in the order in which they were recorded.
+        robot: The robot's file, or builtin:NAME.
+        out: Folder to make.
+        joints: The robot's joints in the order of the log's columns.
+        columns: Columns, as in t=time q=a,b tau=c,d; dq= leaves velocities out.
+        units: Units, as in q=deg tau=mNm t=ms.
+        sign: 1 or -1 a joint, where the log counts the other way.
+        zero: What is logged where each joint of the robot is at zero.
+        ticks_per_turn: Of encoders that are logged in ticks.
+        rate: Rows a second, where no column tells the time [Hz].
+        fixed: Where joints stood that are not logged [rad or m], as in finger=0.04.
+        torque: How the torque was obtained.
+        current_to_torque: Joint torque per motor current, gear included, one a joint [N m/A].
+        gravity: In the robot's base frame [m/s^2].
+        roles: One a log.
+        reference: Leave logs where they are instead of copying them.
+    """
+
+    logs: Annotated[tuple[Path, ...], tyro.conf.Positional]
+    robot: str
+    out: OutFolder
+    joints: tuple[str, ...] = ()
+    columns: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    sign: tuple[float, ...] = ()
+    zero: tuple[float, ...] = ()
+    ticks_per_turn: float | None = None
+    rate: float | None = None
+    fixed: tuple[str, ...] = ()
+    torque: Literal["measured", "current", "commanded"] | None = None
+    current_to_torque: tuple[float, ...] = ()
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    roles: tuple[Literal["estimation", "validation", "test"], ...] = ()
+    reference: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.logs:
+            raise ValueError("name at least one log file")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,16 +294,10 @@ class CrossCheck(Command):
     """
 
     robots: Annotated[tuple[str, ...], tyro.conf.Positional]
-    out: Path | None = None
+    out: OutFolder | None = None
     states: int = 1000
     seed: Seed = 0
 
     def __post_init__(self) -> None:
         if not self.robots:
             raise ValueError("name at least one robot file")
-
-
-def _refuse_empty(folder: Path) -> None:
-    """A path of no characters is the folder at hand, which nobody means."""
-    if folder == Path():
-        raise ValueError("--out is empty; name a folder")

@@ -11,14 +11,17 @@ from typing import Never
 import tyro
 
 from oed.commands import configurations
-from oed.commands.options import STYLE
+from oed.commands.options import STYLE, refused_in_one_line
 from oed.process_end import end_quietly_while_loading, exit_status
 
 # Name: configuration, and the module whose `run` takes it, loaded when it is asked for.
 COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
+    "import": (configurations.ImportLog, "import_log"),
+    "design": (configurations.Design, "design"),
     "identify": (configurations.Identify, "identify"),
     "feasible": (configurations.Feasible, "feasible"),
     "diagnose": (configurations.Diagnose, "diagnose"),
+    "cross-check": (configurations.CrossCheck, "cross_check"),
 }
 DESCRIPTION = """From a robot file and a log to a dynamic model that you can trust.
 
@@ -41,13 +44,15 @@ def run(arguments: Sequence[str]) -> int:
     Raises:
         SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
     """
-    config = tyro.extras.subcommand_cli_from_dict(
-        {name: configuration for name, (configuration, _) in COMMANDS.items()},
-        prog="oed",
-        description=DESCRIPTION,
-        args=arguments,
-        config=STYLE,
-    )
+    named = bool(arguments) and arguments[0] in COMMANDS
+    with refused_in_one_line(f"oed {arguments[0]}" if named else "oed"):
+        config = tyro.extras.subcommand_cli_from_dict(
+            {name: configuration for name, (configuration, _) in COMMANDS.items()},
+            prog="oed",
+            description=DESCRIPTION,
+            args=arguments,
+            config=STYLE,
+        )
     name, module = next((n, m) for n, (kind, m) in COMMANDS.items() if type(config) is kind)
     command = importlib.import_module(f"oed.commands.{module}").run
     return exit_status(partial(command, config), f"oed {name}")

@@ -7,7 +7,11 @@ refused by `__post_init__`, with a ValueError that names the option.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import io
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr
 from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -42,9 +46,37 @@ def parse(
         description: What help says first; the configuration's docstring if None.
 
     Raises:
-        SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
+        SystemExit: With 0 after `--help`; with 2 for options that cannot be used, which are told
+            in one line.
     """
-    return tyro.cli(configuration, prog=prog, args=arguments, description=description, config=STYLE)
+    with refused_in_one_line(prog):
+        return tyro.cli(
+            configuration, prog=prog, args=arguments, description=description, config=STYLE
+        )
+
+
+@contextmanager
+def refused_in_one_line(prog: str) -> Iterator[None]:
+    """What tyro says of options that cannot be used in a box is said in one line, as all errors.
+
+    Args:
+        prog: How the command is called.
+    """
+    told = io.StringIO()
+    try:
+        with redirect_stderr(told):
+            yield
+    except SystemExit as end:
+        if end.code:
+            sys.stderr.write(f"{prog}: {_unboxed(told.getvalue())}; see {prog} --help\n")
+        raise
+
+
+def _unboxed(text: str) -> str:
+    lines = [re.sub("[\u2500-\u257f]", " ", line).strip() for line in text.splitlines()]
+    told = " ".join(line for line in lines[1:] if line)
+    told = re.split("For full helptext|Argument helptext", told)[0].strip()
+    return re.sub(r"^Error parsing (?=--)|^Error parsing \w+: ", "", told)
 
 
 def _whole_number(text: Sequence[str], *, least: int) -> int:

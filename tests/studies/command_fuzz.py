@@ -24,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oed.commands.main import COMMANDS
 from oed.commands.main import run as oed
 from oed.design.default_limits import with_default_limits
 from oed.dynamics.cross_check import file_torque
@@ -35,13 +36,12 @@ from tests.studies.spoiled_inputs import Case, make_case
 
 # As the commands' own descriptions state them; 2 is also what a wrong option ends in.
 STATUSES = {
-    "cross_check": (0, 1, 2),
+    "cross-check": (0, 1, 2),
     "design": (0, 2, 3),
     "identify": (0, 2),
     "feasible": (0, 2, 3),
-    "close_loop": (0, 2),
+    "diagnose": (0, 2),
 }
-RENAMED = {"identify": "identify", "feasible": "feasible", "close_loop": "diagnose"}
 REFUSED = 2
 TOLERANCE = 1e-6  # a share of a limit: digits of the file, and sums in another order
 SECONDS = 240.0  # of waiting, for a run; most take one, on a machine that has other work a few
@@ -100,7 +100,7 @@ def _become(command: str, arguments: list[str], scratch: Path) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     status = 99
     try:
-        status = _run(command, arguments)
+        status = oed([command, *arguments])
     except SystemExit as error:
         status = error.code if isinstance(error.code, int) else 98
     except BaseException:  # noqa: BLE001  # whatever it is, it is what this looks for
@@ -110,14 +110,6 @@ def _become(command: str, arguments: list[str], scratch: Path) -> None:
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)
-
-
-def _run(command: str, arguments: list[str]) -> int:
-    if name := RENAMED.get(command):
-        # The folder of data is named without an option.
-        data = arguments.index("--data")
-        return oed([name, *arguments[:data], *arguments[data + 1 :]])
-    return importlib.import_module(f"studies.{command}").main(arguments) or 0
 
 
 def _digest(folder: Path) -> str:
@@ -136,7 +128,7 @@ def _of_refusal(told: str, out: Path, case: Case) -> list[str]:
     faults = []
     if not lines or not lines[-1].strip():
         faults.append("refused without a word")
-    elif not any(RENAMED.get(case.command, case.command) in line for line in lines[-1:]):
+    elif not any(case.command in line for line in lines[-1:]):
         faults.append(f"refused in other words: {lines[-1][:300]}")
     if any(len(line) > LONGEST_MESSAGE + 500 for line in lines):
         faults.append(f"a line of {max(map(len, lines))} letters")
@@ -207,8 +199,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--deadline", type=float, default=SECONDS, help="of a run [s]")
     given = parser.parse_args(argv)
     for command in STATUSES:  # once, so that a run need not
-        name = RENAMED.get(command)
-        importlib.import_module(f"oed.commands.{name}" if name else f"studies.{command}")
+        importlib.import_module(f"oed.commands.{COMMANDS[command][1]}")
     count: Counter[str] = Counter()
     for number in range(given.first, given.first + given.runs):
         case, status, faults = run_case(number, given.deadline)

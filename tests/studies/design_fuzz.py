@@ -26,7 +26,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces
 
-from studies.design import main
+from tests.running import oed
 
 FOR_A_CONTROLLER = ("motion.csv", "joint_trajectory.json", "joint_trajectory.yaml")
 DEADLINE = 120  # [s] of a run by hand
@@ -144,7 +144,7 @@ def check(case: Case, folder: Path) -> tuple[int, str]:
     file.write_text(case.urdf)
     said, complained = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
-        code = main(["--robot", str(file), "--out", str(out), "--smoke", *case.wishes])
+        code = oed("design", "--robot", file, "--out", out, "--smoke", *case.wishes)
     assert file.read_text() == case.urdf
     assert code in {0, 2, 3}, code
     assert complained.getvalue().count("\n") == (code != 0), complained.getvalue()

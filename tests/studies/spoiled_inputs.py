@@ -281,9 +281,9 @@ class Case:
 def make_case(number: int, folder: Path) -> Case:
     """Write the inputs of a case into an empty folder, spoilt."""
     rng = random.Random(number)  # noqa: S311  # spoilt files are no secrets
-    commands = ("cross_check", "design", "identify", "feasible", "close_loop")
+    commands = ("cross-check", "design", "identify", "feasible", "diagnose")
     command = rng.choices(commands, weights=(9, 4, 5, 1, 1))[0]
-    with_data = command in ("identify", "feasible", "close_loop") or (
+    with_data = command in ("identify", "feasible", "diagnose") or (
         command == "design" and rng.random() < 0.25
     )
     files: dict[str, str] = {}
@@ -300,12 +300,17 @@ def make_case(number: int, folder: Path) -> Case:
         name = rng.choices(list(ROBOTS), weights=(6, 2, 2, 2, 1))[0]
         files = {name: ROBOTS[name]}
     told = _spoil(files, folder, rng)
-    source = ("--data", "{in}") if with_data else ("--robot", f"{{in}}/{next(iter(files))}")
+    file = f"{{in}}/{next(iter(files))}"
+    source = ("{in}",) if with_data else (file,)
+    if command == "design":
+        source = ("--data" if with_data else "--robot", *source)
     more = rng.choices(
         [(), ("--joints", "joint_2"), ("--joints", "nobody"), ("--joints", "joint_1", "joint_1")],
         weights=(12, 2, 1, 1),
     )[0]
-    return Case(command, (*source, "--smoke", *(() if command == "cross_check" else more)), told)
+    if command == "cross-check":
+        return Case(command, (*source, "--states", "50"), told)
+    return Case(command, (*source, "--smoke", *(() if command == "diagnose" else more)), told)
 
 
 def _spoil(files: dict[str, str], folder: Path, rng: random.Random) -> str:

@@ -47,6 +47,6 @@ def test_cases_reach_every_command_and_every_kind_of_file(tmp_path: Path) -> Non
         case = make_case(number, folder)
         seen[case.command] += 1
         seen.update(path.name for path in folder.iterdir())
-    commands = {"cross_check", "design", "identify", "feasible", "close_loop"}
+    commands = {"cross-check", "design", "identify", "feasible", "diagnose"}
     files = {"robot.urdf", "arm.xml", "arm.sdf", "dh.toml", "arm.urdf.xacro", "dataset.toml"}
     assert commands | files <= set(seen)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.cross_check import main
+from tests.running import oed
 from tests.studies.spoiled_inputs import ROBOTS, URDF
 
 
@@ -14,7 +14,7 @@ def crossed(folder: Path, text: str, name: str = "robot.urdf") -> tuple[int, Pat
     """The command's status for a robot file of that text."""
     path = folder / name
     path.write_text(text)
-    return main(["--robot", str(path), "--out", str(folder / "out"), "--smoke"]), path
+    return oed("cross-check", path, "--out", folder / "out", "--states", 50), path
 
 
 def test_what_was_replaced_is_said_first_and_all_agree_on_it(

@@ -15,14 +15,14 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot, imi_scara
-from studies.design import main
 from tests.design.primitive_arm import arm_and_post, elbow_at, planar_arm, to_post
 from tests.experiment.tiny_dataset import urdf_text
+from tests.running import oed
 
 
 def test_one_command_gives_a_motion_within_proven_limits(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert main(["--robot", "builtin:imi_scara", "--out", str(out), "--smoke"]) == 0
+    assert oed("design", "--robot", "builtin:imi_scara", "--out", str(out), "--smoke") == 0
     record = json.loads((out / "design.json").read_text())
     promised = {
         "format", "robot", "joints", "class", "coefficients", "horizon", "instants", "J_k",
@@ -43,7 +43,7 @@ def test_one_command_gives_a_motion_within_proven_limits(tmp_path: Path) -> None
 
 def designed(out: Path, *wishes: str) -> tuple[dict, pd.DataFrame]:
     """The record and the motion of a quick design that must succeed."""
-    assert main([*wishes, "--out", str(out), "--smoke"]) == 0
+    assert oed("design", *wishes, "--out", str(out), "--smoke") == 0
     return json.loads((out / "design.json").read_text()), pd.read_csv(out / "motion.csv")
 
 
@@ -218,11 +218,11 @@ def test_a_box_is_kept_where_it_is_given(tmp_path: Path) -> None:
 
 def refused(capfd: pytest.CaptureFixture[str], out: Path, *wishes: str, code: int = 2) -> str:
     """The one line on a wish that cannot be met; nothing is left behind."""
-    assert main([*wishes, "--out", str(out)]) == code
+    assert oed("design", *wishes, "--out", str(out)) == code
     printed = capfd.readouterr()
     assert printed.out == ""
     assert printed.err.count("\n") == 1
-    assert printed.err.startswith("studies.design: ")
+    assert printed.err.startswith("oed design: ")
     assert not out.exists()
     return printed.err
 
@@ -243,7 +243,7 @@ def test_a_robot_that_is_not_there_is_one_line(
         (("--rate", "nan"), "--rate nan"),
         (("--rate", "1e9"), "set points"),
         (("--budget", "inf"), "--budget inf"),
-        (("--seed", "-1"), "--seed -1"),
+        (("--seed", "-1"), "--seed: -1 "),
         (("--margin", "1.1"), "--margin 1.1"),
         (("--margin", "0"), "--margin 0"),
         (("--scale", "2"), "--scale 2"),
@@ -256,7 +256,7 @@ def test_a_robot_that_is_not_there_is_one_line(
         (("--joints", "wrist"), "wrist"),
         (("--joints", "elbow", "elbow"), "named twice"),
         (("--prior", "nowhere/design.json"), "nowhere/design.json"),
-        (("--evaluations", "0"), "--evaluations 0"),
+        (("--evaluations", "0"), "--evaluations: 0 "),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else None,
 )
@@ -323,7 +323,7 @@ def test_results_are_not_put_where_a_file_is(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "out").write_text("mine")
-    assert main(["--robot", "builtin:imi_scara", "--out", str(tmp_path / "out")]) == 2
+    assert oed("design", "--robot", "builtin:imi_scara", "--out", str(tmp_path / "out")) == 2
     assert capfd.readouterr().err.count("\n") == 1
     assert (tmp_path / "out").read_text() == "mine"
 
@@ -346,7 +346,7 @@ def test_nothing_for_a_controller_is_left_where_a_limit_is_not_kept(
 
     monkeypatch.setattr("oed.design.design.prove", careless)
     capfd.readouterr()
-    assert main([*wishes, "--out", str(out), "--smoke"]) == 3
+    assert oed("design", *wishes, "--out", str(out), "--smoke") == 3
     printed = capfd.readouterr()
     assert "NOT usable: position: joint shoulder beyond its limit by" in printed.out
     assert "proven feasible" not in printed.out
@@ -417,9 +417,9 @@ def test_a_mass_that_cannot_be_is_refused_where_torque_is_limited_by_it(
     file.write_text(urdf_text(2).replace('mass value="1"', 'mass value="-1"', 1))
     out = tmp_path / "out"
     arguments = ["--robot", str(file), "--out", str(out), "--smoke"]
-    assert main(arguments) == 2
+    assert oed("design", *arguments) == 2
     message = capsys.readouterr().err
     assert "link 'link_1' has a mass of -1 kg" in message
     assert message.count("\n") == 1
     assert not out.exists()
-    assert main([*arguments, "--no-torque"]) == 0
+    assert oed("design", *arguments, "--no-torque") == 0

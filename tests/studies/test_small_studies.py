@@ -14,6 +14,7 @@ from oed.report.table import read_csv
 from studies import cross_check, scara_recordings, streaming
 from studies.data_folders import data_sets
 from tests.paths import REPO
+from tests.running import oed
 
 
 def test_cross_check_agrees_and_says_with_what(tmp_path: Path) -> None:
@@ -26,19 +27,17 @@ def test_cross_check_agrees_and_says_with_what(tmp_path: Path) -> None:
 
 
 def test_cross_check_of_a_file_that_is_no_robot_is_a_row(tmp_path: Path) -> None:
-    absent = str(tmp_path / "absent.urdf")
     out = tmp_path / "out"
-    assert cross_check.main(["--robot", absent, "--out", str(out)]) == 1
+    assert oed("cross-check", tmp_path / "absent.urdf", "--out", out) == 1
     assert "no such robot file" in read_csv(out / "runs.csv")[0]["problem"]
 
 
-def test_cross_check_of_ones_own_robot_leaves_the_kept_results_alone(
+def test_cross_check_leaves_nothing_where_no_folder_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert cross_check.main(["--robot", "builtin:imi_scara", "--smoke"]) == 0
-    assert cross_check.main(["--robot", "absent.urdf"]) == 1
-    assert [folder.name for folder in tmp_path.iterdir()] == ["out"]
+    assert oed("cross-check", "builtin:imi_scara", "--states", 50) == 0
+    assert not list(tmp_path.iterdir())
 
 
 def test_streaming_finds_the_truth(tmp_path: Path) -> None:

@@ -9,7 +9,6 @@ from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.robot import load_robot
-from studies import import_log
 from tests.experiment.importing.eleven_logs import (
     JOINTS,
     LOGS,
@@ -18,6 +17,7 @@ from tests.experiment.importing.eleven_logs import (
     simulate,
     write_urdf,
 )
+from tests.running import oed
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def truth(arm) -> Truth:
 
 def imported(log, arm, folder, *more: str) -> DataSet:
     out = folder / "set"
-    assert import_log.main([str(log), "--robot", str(arm), "--out", str(out), *more]) == 0
+    assert oed("import", str(log), "--robot", str(arm), "--out", str(out), *more) == 0
     return read_dataset(out)
 
 

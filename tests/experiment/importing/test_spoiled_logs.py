@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from oed.robot import load_robot
-from studies import import_log
 from tests.experiment.importing.eleven_logs import (
     LOGS,
     TORQUE_CONSTANT,
@@ -14,6 +13,7 @@ from tests.experiment.importing.eleven_logs import (
     simulate,
     write_urdf,
 )
+from tests.running import oed
 
 ROUNDS = 20  # spoiled files of each kind
 LONGEST = 2500  # letters of a line that names a file and says what to do
@@ -62,7 +62,7 @@ def test_a_spoiled_log_is_imported_or_refused_in_one_line(kind, arm, truth, tmp_
         file.write_bytes(spoiled(whole, rng))
         before = tree(tmp_path)
         out = tmp_path / f"set{i}"
-        code = import_log.main([str(log), "--robot", str(arm), "--out", str(out), *more])
+        code = oed("import", str(log), "--robot", str(arm), "--out", str(out), *more)
         outcomes.append(code)
         told = capsys.readouterr().err
         if code == 0:
@@ -70,7 +70,7 @@ def test_a_spoiled_log_is_imported_or_refused_in_one_line(kind, arm, truth, tmp_
             continue
         assert code == 2
         assert told.count("\n") == 1
-        assert "studies.import_log: " in told
+        assert "oed import: " in told
         assert len(told) < LONGEST
         assert tree(tmp_path) == before
         assert not out.exists()

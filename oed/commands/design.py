@@ -1,0 +1,280 @@
+"""`oed design`: an excitation motion that provably keeps its limits."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.commands.configurations import Design
+from oed.commands.telling import speak
+from oed.design.bound.efficiency import QUICK, DEfficiency, NoBound, d_efficiency
+from oed.design.clear_search import search_clear
+from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
+from oed.design.collision import Surroundings
+from oed.design.default_limits import with_default_limits
+from oed.design.default_problem import ProblemSettings, default_problem
+from oed.design.design import Design as FoundDesign
+from oed.design.design_file import design_record, limits_record
+from oed.design.export import (
+    SetPoints,
+    write_csv,
+    write_joint_trajectory_json,
+    write_joint_trajectory_yaml,
+)
+from oed.design.optimisers.result import Budget
+from oed.design.prior_experiments import prior_information
+from oed.design.problem import DesignProblem
+from oed.design.status import DesignStatus, LimitStatus
+from oed.design.still_joints import hold_still_joints
+from oed.dynamics.models import build_model
+from oed.errors import NoUsableResult, OedError, RobotError
+from oed.experiment.read_dataset import read_dataset
+from oed.process_end import NO_USABLE_RESULT
+from oed.report.design_plots import draw_motion
+from oed.report.design_summary import summary
+from oed.report.json_file import write_json
+from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
+from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
+from oed.report.study_files import DESIGN
+from oed.report.style import save_figure
+from oed.robot import JointLimits, Robot, load_arm
+from oed.robot.load import EARTH_GRAVITY
+from oed.robot.packages import read_packages
+
+SMOKE_EVALUATIONS, SMOKE_INSTANTS = 100, 40  # a second on two joints
+ROTORS = (
+    "rotor inertias are no part of the model that this excites; oed identify estimates them "
+    "unless told otherwise: --model rotor excites them as well"
+)
+
+
+@dataclass(frozen=True)
+class Result:
+    """A design, what was assumed, what it is worth and what the geometry says of it.
+
+    Attributes:
+        design: The motion.
+        limits: Of the robot, of which the motion uses a share.
+        notes: What was assumed or left out.
+        efficiency: What it is worth against a bound; None where that is not known.
+        clearance: What the geometry says of it.
+        before: J_k and J_d of the best motion found that need not keep clear, at the same speed;
+            None where that one was clear, or nothing had to be.
+    """
+
+    design: FoundDesign
+    limits: JointLimits
+    notes: tuple[str, ...]
+    efficiency: DEfficiency | None
+    clearance: ClearanceCheck
+    before: dict[str, float] | None
+
+
+def find(config: Design) -> Result:
+    """Design a motion."""
+    robot, held = hold_still_joints(_robot(config))
+    robot, assumed = with_default_limits(robot.with_packages(read_packages(config.package)))
+    limits = robot.limits
+    robot = robot.with_limits(limits.slower(config.margin))
+    notes = [*robot.notes, *held, *assumed, *([ROTORS] if config.model == "standard" else [])]
+    rng = np.random.default_rng(config.seed)
+    surroundings, unchecked = _surroundings(robot, config)
+    posed = default_problem(build_model(config.model, robot), _problem(config))
+    problem = posed.problem
+    notes += posed.notes
+    if config.prior:
+        problem = _with_prior(problem, config.prior)
+    kept = _kept(surroundings, robot, config)
+    search = search_clear(problem, kept, Budget(_evaluations(config), config.budget), rng)
+    found = search.found
+    if found.cpu_s >= config.budget:
+        notes.append(
+            f"stopped by --budget {config.budget:g} CPU s after {found.evaluations} of "
+            f"{_evaluations(config)} evaluations: the same seed may give another motion"
+        )
+    problem = problem.slower(config.scale)
+    design = FoundDesign.from_result(
+        problem, found, optimiser="interior_point", seed=config.seed, others=posed.others
+    )
+    _check_information(design)
+    clearance = (
+        ClearanceCheck.not_made(unchecked)
+        if surroundings is None
+        else prove_clearance(surroundings, problem.trajectory, design.z)
+    )
+    design = dataclasses.replace(design, status=_status(design, clearance, config))
+    efficiency = None
+    try:
+        efficiency = d_efficiency(design, rng, QUICK if config.smoke else None)
+    except NoBound as error:
+        notes.append(f"D-efficiency not known: {error}")
+    before = None if search.free is None else problem.worth(search.free)
+    return Result(design, limits, tuple(notes), efficiency, clearance, before)
+
+
+def _kept(surroundings: Surroundings | None, robot: Robot, config: Design) -> Surroundings | None:
+    """What the motion must keep clear of; None where there is nothing."""
+    has_shapes = surroundings is not None and surroundings.has_shapes
+    if config.avoid_collision and not has_shapes:
+        reason = "it has no file" if surroundings is None else surroundings.note
+        raise RobotError(f"--avoid-collision: {reason}")
+    if surroundings is None:
+        if config.box:
+            raise RobotError(f"--box: {robot.name} does not come from a file: it has no geometry")
+        return None
+    if not config.no_clearance:
+        return surroundings if has_shapes or config.box else None
+    return Surroundings(robot, _walls(config), walls_only=True) if config.box else None
+
+
+def _status(design: FoundDesign, clearance: ClearanceCheck, config: Design) -> DesignStatus:
+    """The status with what is kept besides limits."""
+    rest = LimitStatus("rest to rest", "proven" if not config.periodic else "given up")
+    return design.status.with_limits(
+        (
+            rest,
+            *clearance_status(
+                clearance,
+                is_wanted=not config.no_clearance,
+                is_asked=config.avoid_collision,
+                has_box=config.box is not None,
+            ),
+        )
+    )
+
+
+def _check_information(design: FoundDesign) -> None:
+    """Refuse a motion that leaves a base parameter without information."""
+    if not np.isfinite(design.J_k):
+        eigenvalues, vectors = np.linalg.eigh(design.information)
+        name = design.problem.base.names[int(np.abs(vectors[:, 0]).argmax())]
+        raise NoUsableResult(
+            "the motion found tells nothing of some base parameters, least of "
+            f"{name} (eigenvalues of Lambda {eigenvalues[0]:.1e} ... {eigenvalues[-1]:.1e}): "
+            "widen the limits, lengthen --horizon, or leave out joints that hardly move (--joints)"
+        )
+
+
+def _problem(config: Design) -> ProblemSettings:
+    return ProblemSettings(
+        horizon=config.horizon,
+        instants=SMOKE_INSTANTS if config.smoke else ProblemSettings.instants,
+        criterion=config.criterion,
+        at_rest=not config.periodic,
+        torque=not config.no_torque,
+        scaled=config.scaled_columns,
+    )
+
+
+def _evaluations(config: Design) -> int:
+    return min(config.evaluations, SMOKE_EVALUATIONS) if config.smoke else config.evaluations
+
+
+def _walls(config: Design) -> Float[ndarray, "3 2"]:
+    """The box as lower and upper bounds of x, y, z; empty where there is none."""
+    return np.array(config.box or ()).reshape(-1, 2)
+
+
+def _robot(config: Design) -> Robot:
+    if config.data:
+        return read_dataset(config.data, joints=config.joints or None).robot
+    gravity = config.gravity or EARTH_GRAVITY
+    return load_arm(config.robot, joints=config.joints, gravity=gravity)
+
+
+def _surroundings(robot: Robot, config: Design) -> tuple[Surroundings | None, str]:
+    """What may be hit; None with the reason where the robot has no geometry."""
+    clearance = config.clearance if not config.no_clearance else 0.0
+    try:
+        return Surroundings(robot, _walls(config) if config.box else None, clearance), ""
+    except OedError as error:
+        return None, f"not checked: {error}"
+
+
+def _with_prior(problem: DesignProblem, files: Sequence[str]) -> DesignProblem:
+    try:
+        return dataclasses.replace(problem, prior=prior_information(files, problem))
+    except ValueError as error:
+        raise ValueError(f"--prior {error}") from error
+
+
+def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
+    """Write motion files, `design.json`, plot, recording and provenance; all notes.
+
+    Nothing that a controller could run where the motion is not usable.
+    """
+    design = result.design
+    robot = design.problem.model.robot
+    if design.status.is_usable:
+        _write_for_controller(design, config, out)
+    fine = design.motion(np.linspace(0.0, design.horizon, 1000))
+    nominal = design.problem.nominal
+    torque = None if nominal is None else design.problem.model.torque(nominal, fine)
+    figure = draw_motion(fine, robot.joint_names, result.limits, design.certificate, torque)
+    save_figure(figure, out / "motion", formats=("png",))
+    frames = design.motion(np.arange(0.0, design.horizon, 1 / FRAMES_PER_SECOND))
+    note = record_motion(robot, frames, out / "motion.html")
+    notes = (*result.notes, *((note,) if note else ()))
+    record = design_record(
+        design,
+        versions=package_versions(KEY_PACKAGES),
+        d_efficiency=None if result.efficiency is None else dataclasses.asdict(result.efficiency),
+        notes=notes,
+    )
+    more: dict[str, object] = {"evaluations_asked": _evaluations(config)}
+    more |= {"margin": config.margin, "scale": config.scale, "before_clearance": result.before}
+    more |= {"robot_limits": limits_record(result.limits), "gravity": robot.gravity.tolist()}
+    more |= {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
+    write_json(out / "design.json", {**record, **more})
+    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
+    return notes
+
+
+def _write_for_controller(design: FoundDesign, config: Design, out: Path) -> None:
+    problem = design.problem
+    points = SetPoints.sample(
+        problem.trajectory, design.z, problem.model.robot.joint_names, config.rate
+    )
+    write_csv(points, out / "motion.csv")
+    write_joint_trajectory_yaml(points, out / "joint_trajectory.yaml")
+    write_joint_trajectory_json(points, out / "joint_trajectory.json")
+
+
+def run(config: Design) -> int:
+    """Design, and leave the motion, its proof and its pictures; the exit status."""
+    speak(quiet=config.quiet)
+    with DESIGN.in_folder(config.out, config.inputs) as results:
+        result = find(config)
+        with results.replaced() as new:
+            notes = write(result, config, new)
+    told = _told(result, config, notes)
+    print(summary(result.design, result.efficiency, result.clearance, told))
+    print(f"open {config.out / 'motion.html'}")
+    if result.design.status.is_usable:
+        return 0
+    sys.stderr.write(
+        "oed design: no motion for a controller was written: a limit is not kept (see status)\n"
+    )
+    return NO_USABLE_RESULT
+
+
+def _told(result: Result, config: Design, notes: Sequence[str]) -> tuple[str, ...]:
+    """The notes, and what safety asks and costs."""
+    ends = "may start and end at speed" if config.periodic else "rest to rest"
+    asked = f"{ends}; velocity and acceleration within {config.margin:.0%} of their limits"
+    if config.scale != 1.0:
+        asked += f"; slowed down to {config.scale:.0%} of the speed it was designed for"
+    if result.before is None:
+        return (asked, *notes)
+    costs = (
+        f"keeping clear costs J_k {result.before['J_k']:.4g} -> {result.design.J_k:.4g}, "
+        f"J_d {result.before['J_d_log10']:.2f} -> {result.design.J_d:.2f}"
+    )
+    return (asked, costs, *notes)
