@@ -46,7 +46,7 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
     # Numerical libraries take seconds to load: not before an interrupt can be met.
     from threadpoolctl import threadpool_limits  # noqa: PLC0415
 
-    from oed.errors import NoUsableResult, OedError  # noqa: PLC0415
+    from oed.errors import NoUsableResult, OedError, one_line  # noqa: PLC0415
 
     before = {
         number: signal.signal(number, signal.default_int_handler)
@@ -61,7 +61,7 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
         sys.stderr.write(f"\n{name}: interrupted: {told}\n")
         code = INTERRUPTED
     except (OedError, ValueError, OSError) as error:
-        sys.stderr.write(f"{name}: {' '.join(str(error).split())}\n")
+        sys.stderr.write(f"{name}: {one_line(error)}\n")
         code = NO_USABLE_RESULT if isinstance(error, NoUsableResult) else BAD_INPUT
     finally:
         for number, handler in before.items():

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from oed.process_end import leave
+from oed.errors import LONGEST_MESSAGE
+from oed.process_end import BAD_INPUT, exit_status, leave
 from studies.case_runner import CaseRunner, RowFile
 from tests.paths import REPO
 
@@ -106,3 +107,16 @@ def test_what_cannot_be_done_is_one_line_and_status_2(
     told = capsys.readouterr().err
     assert told.startswith("studies.test: ")
     assert told.count("\n") == 1
+
+
+def test_a_message_of_megabytes_is_one_line_that_somebody_reads(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def fail() -> int:
+        raise ValueError("unknown\ncolumns: " + ", ".join(map(str, range(1_000_000))))
+
+    assert exit_status(fail, "oed identify") == BAD_INPUT
+    told = capsys.readouterr().err
+    assert told.startswith("oed identify: unknown columns: 0, 1, 2")
+    assert told.count("\n") == 1
+    assert len(told) < LONGEST_MESSAGE + 100
