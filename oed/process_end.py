@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from typing import Never
 
 INTERRUPTED = 130  # 128 and the number of SIGINT
-BAD_INPUT = 2  # as argparse has it
+BAD_INPUT = 2  # as for options that cannot be used
 NO_USABLE_RESULT = 3  # the input is in order, and what was asked for cannot be had
 NOTHING = "nothing was written"
 RESUMES = "what was done is kept; the same command goes on from there"

@@ -30,13 +30,13 @@ from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.process_end import leave
 from oed.report.input_files import data_digest
 from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import Robot, arm_joints, load_robot
 from studies.data_folders import EXAMPLE_ROBOTS
-from studies.interrupt import leave
 from studies.study_options import StudyOptions
 
 Row = dict[str, str | int | float]

@@ -37,11 +37,11 @@ from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.process_end import RESUMES, leave
 from oed.report.provenance import Provenance
 from oed.robot import JointLimits, Robot, arm_joints, load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed, is_finished
 from studies.data_folders import PANDA
-from studies.interrupt import RESUMES, leave
 from studies.optimiser_summary import write_summary
 from studies.study_options import CaseOptions
 

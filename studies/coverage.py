@@ -27,6 +27,7 @@ from oed.estimation.covariance import CovarianceMethod, estimate_covariance
 from oed.estimation.least_squares import batch_least_squares
 from oed.estimation.noise import whiten
 from oed.estimation.weights import variances_from_residuals
+from oed.process_end import leave
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
@@ -36,7 +37,6 @@ from oed.robot.builtin import (
     IMI_LINK_LENGTHS,
     IMI_VISCOUS,
 )
-from studies.interrupt import leave
 from studies.study_options import StudyOptions
 
 TRUTH = np.array(

@@ -1,6 +1,5 @@
 """Which data sets and example robots there are to work on."""
 
-import argparse
 import sysconfig
 from pathlib import Path
 
@@ -22,13 +21,6 @@ EXAMPLE_ARMS = (
     "double_pendulum_description/urdf/double_pendulum.urdf",
 )
 PANDA = EXAMPLE_ROBOTS / "panda_description/urdf/panda.urdf"
-
-
-def data_folder(text: str) -> Path:
-    """A folder named on a command line, refused before anything is run if there is none."""
-    if not Path(text).is_dir():
-        raise argparse.ArgumentTypeError(f"{text}: no such folder")
-    return Path(text)
 
 
 def data_sets(data: Path | None) -> tuple[Path, ...]:

@@ -9,7 +9,6 @@ switched off. Arms that this code has done already are not done again.
 
 from __future__ import annotations
 
-import argparse
 import json
 import resource
 import subprocess
@@ -19,19 +18,20 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
-from oed.process_end import ends_with_this
+from oed.commands.options import parse
+from oed.process_end import NO_USABLE_RESULT, ends_with_this, leave
 from oed.report.code_digest import code_digest
 from oed.report.folder_lock import STATE
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.result_folder import ResultFiles
 from oed.report.study_files import DESIGN
 from oed.report.table import Row, markdown_table, number_of, read_csv, write_csv
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS, REPOSITORY
-from studies.interrupt import NO_USABLE_RESULT, leave
+from studies.study_options import StudyOptions
 
 ARMS = (
     *EXAMPLE_ARMS,
@@ -228,16 +228,25 @@ SHOWN = (
 )
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+@dataclass(frozen=True)
+class Options(StudyOptions):
+    """Is the motion that comes out of the box safe for any arm, what does safety cost, how long?
+
+    Attributes:
+        robot: Files; the default list if none.
+    """
+
+    study: ClassVar[str] = "design"
+    names: ClassVar[tuple[str, ...]] = FILES.names
+
+    robot: tuple[str, ...] = ()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--robot", nargs="+", default=(), help="files; the default list if none")
-    parser.add_argument("--out", type=output_folder, help="results/design if not given")
-    parser.add_argument("--smoke", action="store_true", help="a few seconds an arm")
-    given = parser.parse_args(argv)
-    given.out = given.out or results_folder("design", smoke=given.smoke)
-    config = Config(tuple(given.robot), given.out, given.smoke)
-    with FILES.in_folder(config.out, config.robots) as results:
+    options = parse(Options, prog="python -m studies.design_arms", arguments=arguments)
+    config = Config(options.robot, options.results, options.smoke)
+    with options.held(config.robots) as results:
         rows = run(config, config.out / STATE / "arms.csv")
         with results.replaced() as new:
             write(rows, config, new)

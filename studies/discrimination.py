@@ -23,10 +23,10 @@ from oed.commands.options import Count, parse
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.discrimination import error_rate, separation
 from oed.diagnosis.terms.scores import Score
+from oed.process_end import RESUMES, leave
 from oed.report.provenance import Provenance
 from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed, is_finished
 from studies.discrimination_summary import write_summary
-from studies.interrupt import RESUMES, leave
 from studies.rival_experiment import Decision, Duel, Table, design, lay, tune
 from studies.study_options import CaseOptions
 

@@ -30,6 +30,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.read_dataset import read_dataset
+from oed.process_end import RESUMES, leave
 from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
 from studies.bench.case import KEY_COLUMNS, Case, NoiseKind
@@ -38,7 +39,6 @@ from studies.bench.make_dataset import make_dataset
 from studies.bench.plan import TWO_JOINTS
 from studies.bench.truth import HiddenTruth
 from studies.case_runner import CaseRunner, RowFile, all_failed
-from studies.interrupt import RESUMES, leave
 from studies.interval_summary import Interval, packed, page
 from studies.study_options import CaseOptions
 

@@ -39,6 +39,7 @@ from oed.estimation.feasible.mass_matrix import (
     share_positive_definite,
 )
 from oed.estimation.feasible.regularisation import Regularisation
+from oed.process_end import leave
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, write_csv
@@ -46,7 +47,6 @@ from oed.robot import Robot
 from oed.robot.inertia import parameters_from_pseudo_inertia, pseudo_inertia
 from studies.elbow_arm import COULOMB, VISCOUS, elbow_arm
 from studies.feasibility_summary import summarise
-from studies.interrupt import leave
 from studies.study_options import StudyOptions
 
 

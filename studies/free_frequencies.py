@@ -30,11 +30,11 @@ from oed.design.trajectories import HarmonicClass
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.process_end import RESUMES, leave
 from oed.report.provenance import Provenance
 from oed.robot import load_robot
 from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed, is_finished
 from studies.free_frequency_summary import write_summary
-from studies.interrupt import RESUMES, leave
 from studies.study_options import CaseOptions
 
 INSTANTS = 80  # the paper's, section 5

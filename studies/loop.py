@@ -35,11 +35,11 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.imi_laboratory import ImiLaboratory
 from oed.experiment.recording import HELD_OUT, Recording, Role
 from oed.experiment.simulation import Setup, simulate
+from oed.process_end import leave
 from oed.report.output_folder import check_output_folder
 from oed.report.provenance import Provenance
 from oed.report.result_folder import ResultFiles
 from oed.report.table import Row, text_table, write_csv
-from studies.interrupt import leave
 
 FILES = ResultFiles("loop", ("rounds.csv", "provenance.json"))
 PERIOD = 10.0  # [s] of every motion

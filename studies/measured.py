@@ -11,27 +11,26 @@ it stopped; a data set that has changed since, or whose diagnosis has, is done a
 
 from __future__ import annotations
 
-import argparse
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from oed.commands.configurations import Diagnose
 from oed.commands.diagnose import diagnose_into
+from oed.commands.options import Folder, OutFolder, Seed, parse
 from oed.diagnosis.diagnosis import Diagnosis
 from oed.diagnosis.evidence.proof import RoleProof
+from oed.process_end import RESUMES, leave
 from oed.report.joint_words import over_floor, place_words
 from oed.report.json_file import write_atomically
-from oed.report.output_folder import output_folder, results_folder
 from oed.report.provenance import Provenance
 from oed.report.result_folder import ResultFiles, ResultFolder
 from oed.report.table import MISSING, Row, markdown_table
 from studies.case_runner import CaseRunner, RowFile, all_failed, is_finished
-from studies.data_folders import SHARED, data_folder, data_sets
-from studies.interrupt import RESUMES, leave
-from studies.whole_numbers import from_zero
+from studies.data_folders import SHARED, data_sets
+from studies.study_options import StudyOptions
 
 RUNS = "runs.csv"
 FILES = ResultFiles("measured", ("summary.md", "provenance.json"))
@@ -187,34 +186,38 @@ def run(cases: Sequence[Case], config: Config, results: ResultFolder) -> list[di
     return lines
 
 
+@dataclass(frozen=True)
+class Options(StudyOptions):
+    """What does a diagnosis say of measured arms, side by side?
+
+    Attributes:
+        data: Folder of data sets; ../shared/data if not given. Results on it go to out/measured.
+        reports: Folder for whole diagnoses.
+        seed: Of every diagnosis.
+    """
+
+    study: ClassVar[str] = "measured"
+    names: ClassVar[tuple[str, ...]] = FILES.names
+
+    data: Folder | None = None
+    reports: OutFolder = Path("out/measured")
+    seed: Seed = 0
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether these are results of this project: not of a user's data."""
+        return super().is_kept and self.data is None
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 1 if all failed, 2 if the input cannot be used, else 0."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument(
-        "--data", type=data_folder, help="folder of data sets; ../shared/data if not given"
-    )
-    parser.add_argument(
-        "--out", type=output_folder, help="results/measured if not given, out/measured with --data"
-    )
-    parser.add_argument(
-        "--reports",
-        type=output_folder,
-        default=Path("out/measured"),
-        help="folder for whole diagnoses",
-    )
-    parser.add_argument("--seed", type=from_zero, default=0, help="of every diagnosis")
-    parser.add_argument("--smoke", action="store_true", help="small diagnoses")
-    options = parser.parse_args(arguments)
-    out = options.out or results_folder(
-        "measured", smoke=options.smoke, own_data=options.data is not None
-    )
+    options = parse(Options, prog="python -m studies.measured", arguments=arguments)
     folders = data_sets(options.data)
     if not folders:
-        sys.stderr.write(f"studies.measured: {SHARED}: no data sets; name a folder with --data\n")
-        return 2
+        raise ValueError(f"{SHARED}: no data sets; name a folder with --data")
     config = Config(tuple(f.name for f in folders), options.seed, options.smoke)
     cases = [Case(folder, options.seed, options.smoke, options.reports) for folder in folders]
-    with FILES.in_folder(out, folders) as results:
+    with options.held(folders) as results:
         lines = run(cases, config, results)
     print(page(lines))
     return int(all_failed(lines))

@@ -25,12 +25,12 @@ from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.process_end import leave
 from oed.report.json_file import write_atomically
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import markdown_table, write_csv
 from oed.robot import JointLimits, load_robot
-from studies.interrupt import leave
 from studies.study_options import StudyOptions
 
 INSTANTS = 80

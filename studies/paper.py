@@ -12,17 +12,17 @@ What is finished and unchanged is kept from an earlier run.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from oed.commands.options import Folder, OutFolder, parse
+from oed.process_end import leave
 from paper_figures.writing import HERE, write_all
 from studies import close_loop, identify, scara_recordings
-from studies.data_folders import REPOSITORY, data_folder, data_sets
-from studies.interrupt import leave
+from studies.data_folders import REPOSITORY, data_sets
 from studies.paper_experiment import experiment
 
 
@@ -39,9 +39,26 @@ class Step:
     run: Callable[[], int]
 
 
+@dataclass(frozen=True)
+class Options:
+    """The paper's experiment, its figures, your data, and the loop closed.
+
+    Attributes:
+        data: A data set, or a folder of data sets; those in ../shared/data if not given.
+        out: Folder for reports.
+        results: Folder for results.
+        smoke: Every step, as small as can be.
+    """
+
+    data: Folder | None = None
+    out: OutFolder = REPOSITORY / "out"
+    results: OutFolder = REPOSITORY / "results"
+    smoke: bool = False
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run all steps; the first failure ends the job with its code."""
-    given = _parser().parse_args(arguments)
+    given = parse(Options, prog="python -m studies.paper", arguments=arguments)
     start = time.perf_counter()
     for number, step in enumerate(_steps(given.data, given.out, given.results, given.smoke), 1):
         _say(f"[{number}] {step.title}")
@@ -96,15 +113,6 @@ def _draw(results: Path, out: Path) -> int:
     for file in write_all(results, out):
         _say(f"  {file}")
     return 0
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m studies.paper", description=__doc__)
-    parser.add_argument("--data", type=data_folder, help="a data set, or a folder of data sets")
-    parser.add_argument("--out", type=Path, default=REPOSITORY / "out")
-    parser.add_argument("--results", type=Path, default=REPOSITORY / "results")
-    parser.add_argument("--smoke", action="store_true", help="every step, as small as can be")
-    return parser
 
 
 def _say(text: str) -> None:

@@ -32,12 +32,12 @@ from oed.experiment.plant import TruePlant
 from oed.experiment.recording import Recording, Role
 from oed.experiment.simulation import Setup, simulate
 from oed.experiment.write_dataset import write_dataset
+from oed.process_end import leave
 from oed.report.code_digest import code_digest
 from oed.report.output_folder import check_output_folder
 from oed.report.result_folder import ResultFiles
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB
-from studies.interrupt import leave
 
 HIDDEN = ("cable", "stribeck", "none")
 STATIC_RISE = 0.6  # of the Coulomb friction of joint 1, towards standstill

@@ -24,11 +24,11 @@ from oed.dynamics.compiled import CompiledRegressor, compile_regressor
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.process_end import leave
 from oed.report.json_file import write_json
 from oed.report.provenance import Provenance
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
-from studies.interrupt import leave
 from studies.study_options import StudyOptions
 
 SIGN_WIDTH = 0.02  # [rad/s]

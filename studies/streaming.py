@@ -25,13 +25,13 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.streaming import StreamingLeastSquares
+from oed.process_end import leave
 from oed.report.json_file import write_atomically
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table, text_table, write_csv
 from oed.robot import arm_joints, load_robot
 from studies.data_folders import PANDA
-from studies.interrupt import leave
 from studies.study_options import StudyOptions
 
 BLOCK = 2000  # samples taken in at once

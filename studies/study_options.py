@@ -35,8 +35,13 @@ class StudyOptions:
     @property
     def results(self) -> Path:
         """Where the results go: a try must not replace what is kept."""
-        kept = Path("out" if self.smoke else "results") / self.study
-        return kept if self.out is None else self.out
+        home = Path("results" if self.is_kept else "out")
+        return home / self.study if self.out is None else self.out
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether these are results of this project."""
+        return not self.smoke
 
     def held(self, inputs: Sequence[str | Path] = ()) -> AbstractContextManager[ResultFolder]:
         """The folder for the results, for this run alone; as `ResultFiles.in_folder`."""

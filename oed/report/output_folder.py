@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import tempfile
 from pathlib import Path
 
@@ -27,47 +26,6 @@ def check_output_folder(folder: Path) -> None:
     except OSError as error:
         message = f"--out {folder}: cannot be written: {error.strerror}; choose another folder"
         raise ValueError(message) from error
-
-
-def named_folder(text: str) -> Path:
-    """The folder that an option names, as argparse's `type`, for one that is judged later.
-
-    Raises:
-        argparse.ArgumentTypeError: If the text is empty, which a path takes for the folder at hand.
-    """
-    if not text.strip():
-        raise argparse.ArgumentTypeError("is empty; name a folder")
-    return Path(text)
-
-
-def output_folder(text: str) -> Path:
-    """The folder that an option names, as argparse's `type`; one that cannot be written ends it.
-
-    Raises:
-        argparse.ArgumentTypeError: As `check_output_folder` refuses, or if the text is empty.
-    """
-    folder = named_folder(text)
-    try:
-        check_output_folder(folder)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error).removeprefix("--out ")) from error
-    return folder
-
-
-def results_folder(study: str, *, smoke: bool, own_data: bool = False) -> Path:
-    """Where a study leaves its results if nothing else is said.
-
-    Args:
-        study: Name of its folder.
-        smoke: Whether it only tries whether it works: that must not replace results.
-        own_data: Whether it works on a user's data: these are no results of this project.
-
-    Raises:
-        ValueError: If it cannot be written.
-    """
-    folder = Path("out" if smoke or own_data else "results") / study
-    check_output_folder(folder)
-    return folder
 
 
 def is_committed(folder: Path) -> bool:

@@ -1,7 +1,7 @@
 """`python -m studies.bench`."""
 
+from oed.process_end import RESUMES, leave
 from studies.bench.study import main
-from studies.interrupt import RESUMES, leave
 
 if __name__ == "__main__":
     leave(main, "studies.bench", RESUMES)

@@ -1,11 +1,10 @@
 """The folder for results is judged before the work."""
 
-import argparse
 from pathlib import Path
 
 import pytest
 
-from oed.report.output_folder import check_output_folder, output_folder
+from oed.report.output_folder import check_output_folder
 
 
 def test_a_folder_to_be_made_is_fine_and_is_not_made_yet(tmp_path: Path) -> None:
@@ -26,15 +25,3 @@ def test_a_place_where_nothing_can_be_made_is_refused_though_it_may_seem_permitt
     """To root, /proc looks like a folder that may be written."""
     with pytest.raises(ValueError, match="cannot be written"):
         check_output_folder(Path("/proc/oed"))
-
-
-def test_an_option_that_names_such_a_place_ends_the_command(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--out", type=output_folder)
-    assert parser.parse_args(["--out", str(tmp_path / "new")]).out == tmp_path / "new"
-    with pytest.raises(SystemExit, match="2"):
-        parser.parse_args(["--out", "/proc/oed"])
-    assert "argument --out: /proc/oed: cannot be written" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())

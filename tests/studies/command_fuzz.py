@@ -9,7 +9,6 @@ and of a motion that is called usable, limits that a dense look at it does not r
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import importlib
 import json
@@ -20,12 +19,14 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from oed.commands.main import COMMANDS
 from oed.commands.main import run as oed
+from oed.commands.options import parse
 from oed.design.default_limits import with_default_limits
 from oed.dynamics.cross_check import file_torque
 from oed.dynamics.motion import Motion
@@ -191,13 +192,24 @@ def _share(values: np.ndarray, limits: np.ndarray) -> float:
     return float((np.abs(values[:, is_limited] - middle) / half).max(initial=0.0))
 
 
+@dataclass(frozen=True)
+class Options:
+    """Spoilt inputs for every command.
+
+    Attributes:
+        runs: Number of cases.
+        first: Number of the first.
+        deadline: Of a run [s].
+    """
+
+    runs: int = 2000
+    first: int = 0
+    deadline: float = SECONDS
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run many cases; 1 if anything was wrong with one of them."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--runs", type=int, default=2000)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--deadline", type=float, default=SECONDS, help="of a run [s]")
-    given = parser.parse_args(argv)
+    given = parse(Options, prog="command_fuzz", arguments=argv)
     for command in STATUSES:  # once, so that a run need not
         importlib.import_module(f"oed.commands.{COMMANDS[command][1]}")
     count: Counter[str] = Counter()

@@ -10,7 +10,6 @@ numbers does not refute.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import io
 import json
@@ -26,6 +25,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces
 
+from oed.commands.options import parse
 from tests.running import oed
 
 FOR_A_CONTROLLER = ("motion.csv", "joint_trajectory.json", "joint_trajectory.yaml")
@@ -209,11 +209,21 @@ def _check_torque(
                 assert abs(torque[k]) <= effort * (1 + 1e-3), (name, torque[k], effort)
 
 
+@dataclass(frozen=True)
+class Options:
+    """Odd robots and wishes for the design command.
+
+    Attributes:
+        runs: Number of cases.
+        first: Number of the first.
+    """
+
+    runs: int = 300
+    first: int = 0
+
+
 def _run_by_hand() -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--runs", type=int, default=300)
-    parser.add_argument("--first", type=int, default=0)
-    given = parser.parse_args()
+    given = parse(Options, prog="design_fuzz")
     counts: dict[str, int] = {}
     for k in range(given.first, given.first + given.runs):
         signal.alarm(DEADLINE)  # ends the run where it hangs

@@ -71,10 +71,11 @@ def test_a_user_s_data_write_nothing_into_the_project_s_results_and_a_failure_is
     assert row["status"].startswith("failed")
 
 
-def test_a_folder_without_data_sets_is_refused_in_a_line(tmp_path, monkeypatch, capsys):
+def test_no_data_sets_at_hand_are_told_before_anything_is_run(tmp_path, monkeypatch):
     monkeypatch.setattr(measured, "data_sets", lambda _: ())
-    assert measured.main(["--out", str(tmp_path / "out")]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    with pytest.raises(ValueError, match="no data sets; name a folder with --data"):
+        measured.main(["--out", str(tmp_path / "out")])
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_folder_that_is_not_there_is_refused_before_anything_is_run(tmp_path, capsys):
