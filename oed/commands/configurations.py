@@ -16,6 +16,7 @@ import tyro
 from oed.commands.options import Count, OutFolder, Seed
 
 ModelName = Literal["standard", "offset", "rotor"]
+Prior = Literal["auto", "file", "neutral"]
 # Below this velocity the direction of a geared arm's motion is not known to the data; the
 # baselines published with the measured sets use the same figure.
 SIGN_WIDTH = 0.02  # [rad/s]
@@ -90,7 +91,7 @@ class Feasible(DataSetCommand):
         seed: Of poses and bootstrap.
     """
 
-    prior: Literal["auto", "file", "neutral"] = "auto"
+    prior: Prior = "auto"
     kind: Literal["entropic", "quadratic"] = "entropic"
     weight: float | None = None
     total_mass: float | None = None

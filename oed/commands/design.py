@@ -18,6 +18,7 @@ from oed.design.bound.efficiency import QUICK, DEfficiency, NoBound, d_efficienc
 from oed.design.clear_search import search_clear
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
 from oed.design.collision import Surroundings
+from oed.design.criteria import Criterion
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
 from oed.design.design import Design as FoundDesign
@@ -77,9 +78,50 @@ class Result:
     before: dict[str, float] | None
 
 
-def find(config: Design) -> Result:
-    """Design a motion."""
-    robot, held = hold_still_joints(_robot(config))
+def design_motion(
+    robot: Robot | str | Path,
+    *,
+    horizon: float = Design.horizon,
+    criterion: Criterion = Design.criterion,
+    clearance: float = Design.clearance,
+    margin: float = Design.margin,
+    evaluations: int = Design.evaluations,
+    seed: int = Design.seed,
+) -> Result:
+    """Find the motion that excites an arm best, and prove that it keeps its limits.
+
+    It is clear of itself where shapes are known, and from rest to rest.
+
+    Args:
+        robot: A robot, its file, or "builtin:NAME".
+        horizon: Length of the motion [s].
+        criterion: "J_d" (log10 det of the information), "J_k" (its condition number), "A" or "E".
+        clearance: Distance that links keep from one another [m].
+        margin: Share of velocity and acceleration limits that is used.
+        evaluations: Of the criterion; the same number and seed give the same motion.
+        seed: Of starts and of the states of the bound.
+
+    Raises:
+        RobotError: If the file cannot be used.
+        NoUsableResult: If no motion tells anything of some base parameter.
+    """
+    source = robot.name if isinstance(robot, Robot) else str(robot)
+    config = Design(
+        robot=source,
+        out=Path(),
+        horizon=horizon,
+        criterion=criterion,
+        clearance=clearance,
+        margin=margin,
+        evaluations=evaluations,
+        seed=seed,
+    )
+    return find(config, robot if isinstance(robot, Robot) else _robot(config))
+
+
+def find(config: Design, robot: Robot) -> Result:
+    """Design a motion for a robot, as a command asks for it."""
+    robot, held = hold_still_joints(robot)
     robot, assumed = with_default_limits(robot.with_packages(read_packages(config.package)))
     limits = robot.limits
     robot = robot.with_limits(limits.slower(config.margin))
@@ -251,7 +293,7 @@ def run(config: Design) -> int:
     """Design, and leave the motion, its proof and its pictures; the exit status."""
     speak(quiet=config.quiet)
     with DESIGN.in_folder(config.out, config.inputs) as results:
-        result = find(config)
+        result = find(config, _robot(config))
         with results.replaced() as new:
             notes = write(result, config, new)
     told = _told(result, config, notes)

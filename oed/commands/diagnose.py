@@ -46,10 +46,26 @@ class Outcome:
     following: NextExperiment | None
 
 
-def find(config: Diagnose) -> Outcome:
-    """Read, diagnose, and design the next experiment where rivals remain."""
+def diagnose_data(data: DataSet | str | Path, *, seed: int = 0) -> Outcome:
+    """Find out what the torque model of an arm lacks, and what adding it gains.
+
+    Args:
+        data: A data set, or its folder.
+        seed: Of everything random.
+
+    Returns:
+        The diagnosis, and the motion that tells its rivals apart where there are any.
+
+    Raises:
+        DataSetError: If the folder holds no data set that can be used.
+    """
+    dataset = data if isinstance(data, DataSet) else read_dataset(data)
+    return find(Diagnose(data=Path(dataset.name), out=Path(), seed=seed), dataset)
+
+
+def find(config: Diagnose, dataset: DataSet) -> Outcome:
+    """Diagnose, and design the next experiment where rivals remain."""
     settings = settings_of(config)
-    dataset = read_dataset(config.data)
     for file, column in dataset.unused:
         say(f"note: {file}: column {column!r} is not used")
     notes = (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0))
@@ -94,7 +110,7 @@ def write(outcome: Outcome, config: Diagnose, out: Path) -> None:
 def diagnose_into(config: Diagnose) -> Outcome:
     """Both, in a folder that is refused before the work if results cannot go there."""
     with CLOSE_LOOP.in_folder(config.out, [config.data]) as results:
-        outcome = find(config)
+        outcome = find(config, read_dataset(config.data))
         with results.replaced() as new:
             write(outcome, config, new)
     return outcome

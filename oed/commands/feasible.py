@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from oed.commands.configurations import Feasible
-from oed.commands.from_data_set import prepare
+from oed.commands.configurations import Feasible, ModelName, Prior
+from oed.commands.from_data_set import Prepared, prepare, prepare_for
 from oed.commands.telling import say, speak
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
@@ -22,6 +22,7 @@ from oed.estimation.feasible.calibration import (
 from oed.estimation.feasible.collision_regions import collision_regions
 from oed.estimation.feasible.feasible_set import FeasibleSet
 from oed.estimation.feasible.reference import file_inertials
+from oed.experiment.dataset import DataSet
 from oed.export.calibrated_robot import CalibratedRobot
 from oed.export.mjcf import write_mjcf
 from oed.export.parameter_file import ParameterTable, write_parameters
@@ -39,12 +40,50 @@ ROUND_TRIP_SAMPLES = 200
 WANTED = {"auto": None, "file": True, "neutral": False}
 
 
+def identify_feasible(
+    data: DataSet | str | Path,
+    *,
+    model: ModelName = "rotor",
+    cutoff: float | None = None,
+    prior: Prior = "auto",
+    weight: float | None = None,
+    total_mass: float | None = None,
+    seed: int = 0,
+) -> FeasibleCalibration:
+    """Estimate parameters of an arm that belong to real bodies, so that a simulator takes them.
+
+    Args:
+        data: A data set, or its folder.
+        model: As of `identify`.
+        cutoff: Of the low-pass [Hz]; chosen from the data if None.
+        prior: What is pulled to: the inertials of the robot's file ("file"), bodies of the size of
+            the links ("neutral"), or the former where they are no placeholders ("auto").
+        weight: Of that pull; by cross-validation if None.
+        total_mass: Of all moving links [kg], where it is known.
+        seed: Of poses and bootstrap.
+
+    Raises:
+        DataSetError: If the folder holds no data set that can be used.
+        OedError: If no bodies fulfil what is demanded.
+    """
+    prepared = prepare(data, model=model, cutoff=cutoff)
+    demands = FeasibleSet.of(prepared.model).with_(total_mass=total_mass)
+    inertials = file_inertials(prepared.model.robot, wanted=WANTED[prior])
+    settings = FeasibleSettings(demands=demands, inertials=inertials, weight=weight, seed=seed)
+    return _calibrated(prepared, settings)
+
+
 def estimate(config: Feasible) -> FeasibleCalibration:
-    """Read, process, estimate plainly and feasibly, validate; says what it does."""
-    dataset, model, settings = prepare(config)
-    plain = calibrate(dataset, model, settings)
-    say(f"estimating {len(model.parameters)} parameters of {dataset.robot.n} joints feasibly")
-    return calibrate_feasibly(plain, _settings(config, model))
+    """The same for a command."""
+    prepared = prepare_for(config)
+    return _calibrated(prepared, _settings(config, prepared.model))
+
+
+def _calibrated(prepared: Prepared, settings: FeasibleSettings) -> FeasibleCalibration:
+    plain = calibrate(prepared.dataset, prepared.model, prepared.settings)
+    parameters, joints = len(prepared.model.parameters), prepared.dataset.robot.n
+    say(f"estimating {parameters} parameters of {joints} joints feasibly")
+    return calibrate_feasibly(plain, settings)
 
 
 def export(result: FeasibleCalibration, out: Path, home: Path) -> list[Row]:

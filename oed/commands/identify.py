@@ -3,22 +3,58 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 from oed.checkup.checkup import check_calibration
-from oed.commands.configurations import Identify
-from oed.commands.from_data_set import prepare
+from oed.commands.configurations import Identify, ModelName
+from oed.commands.from_data_set import Prepared, prepare, prepare_for
 from oed.commands.telling import say, speak
 from oed.estimation.calibration import Calibration, calibrate, convergence, residual_spectrum
+from oed.experiment.dataset import DataSet
 from oed.report.calibration_report import print_summary, write_calibration
 from oed.report.provenance import Provenance
 from oed.report.study_files import IDENTIFY
 
 
+def identify(
+    data: DataSet | str | Path,
+    *,
+    model: ModelName = "rotor",
+    cutoff: float | None = None,
+    robust: bool = False,
+) -> Calibration:
+    """Estimate the base parameters of an arm, with intervals, and validate them.
+
+    Args:
+        data: A data set, or its folder.
+        model: "standard" (rigid body, Coulomb and viscous friction), "offset" (a constant torque
+            a joint besides) or "rotor" (a rotor inertia a joint besides).
+        cutoff: Of the low-pass [Hz]; chosen from the data if None.
+        robust: Whether to use Huber's loss in place of least squares.
+
+    Returns:
+        The estimate, and its errors on every recording.
+
+    Raises:
+        DataSetError: If the folder holds no data set that can be used.
+        OedError: If the data determine nothing.
+    """
+    return _calibrated(prepare(data, model=model, cutoff=cutoff), robust=robust)
+
+
 def estimate(config: Identify) -> Calibration:
-    """Read, process, estimate, validate; says what it does."""
-    dataset, model, settings = prepare(config)
-    say(f"estimating: {dataset.robot.n} joints, model {config.model!r}")
-    return calibrate(dataset, model, settings, robust="huber" if config.robust else None)
+    """The same for a command."""
+    return _calibrated(prepare_for(config), robust=config.robust)
+
+
+def _calibrated(prepared: Prepared, *, robust: bool) -> Calibration:
+    say(f"estimating: {prepared.dataset.robot.n} joints")
+    return calibrate(
+        prepared.dataset,
+        prepared.model,
+        prepared.settings,
+        robust="huber" if robust else None,
+    )
 
 
 def run(config: Identify) -> int:

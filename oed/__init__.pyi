@@ -1,0 +1,15 @@
+# What a notebook needs, and only that; each name is loaded when it is used.
+from .commands.design import design_motion as design_motion
+from .commands.diagnose import diagnose_data as diagnose_data
+from .commands.feasible import identify_feasible as identify_feasible
+from .commands.identify import identify as identify
+from .errors import OedError as OedError
+from .experiment.dataset import DataSet as DataSet
+from .experiment.read_dataset import read_dataset as read_dataset
+from .report.estimation_plots import plot_residuals as plot_residuals
+from .report.estimation_plots import plot_torques as plot_torques
+from .robot import Robot as Robot
+from .robot import load_arm as load_arm
+
+__version__: str
+__all__: list[str]
