@@ -9,7 +9,6 @@ hidden effect: it is for trying out what reads data sets.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import sys
 from collections.abc import Sequence
@@ -21,31 +20,17 @@ import numpy as np
 from oed.commands.options import Count, Seed, parse
 from oed.design.limits import repair
 from oed.design.trajectories import FourierClass
-from oed.dynamics.effects import State
 from oed.dynamics.motion import Motion
-from oed.dynamics.scalars import Scalar
 from oed.experiment.dataset import DataSet
-from oed.experiment.disturbance import Disturbance
-from oed.experiment.friction_memory import BristleFriction
-from oed.experiment.imi_laboratory import ImiLaboratory
-from oed.experiment.plant import TruePlant
-from oed.experiment.recording import Recording, Role
-from oed.experiment.simulation import Setup, simulate
+from oed.experiment.imi_recordings import HIDDEN, control_period, record_imi
+from oed.experiment.recording import Role
 from oed.experiment.write_dataset import write_dataset
 from oed.process_end import leave
 from oed.report.code_digest import code_digest
 from oed.report.output_folder import check_output_folder
 from oed.report.result_folder import ResultFiles
 from oed.robot import imi_scara
-from oed.robot.builtin import IMI_COULOMB
 
-HIDDEN = ("cable", "stribeck", "none")
-STATIC_RISE = 0.6  # of the Coulomb friction of joint 1, towards standstill
-STRIBECK_SPEED = 0.15  # [rad/s]
-CABLE_STIFFNESS = 1.2  # [N m/rad] of a cable that pulls joint 2 back
-CABLE_REST = 0.3  # [rad]
-# Torque that reaches the joints beside the commanded one, and the logger's own noise.
-DISTURBANCE = Disturbance((0.3, 0.08), (30.0, 30.0))  # [N m], [rad/s]
 ROLES: tuple[tuple[str, Role], ...] = (
     ("estimation_1", "estimation"),
     ("estimation_2", "estimation"),
@@ -53,7 +38,6 @@ ROLES: tuple[tuple[str, Role], ...] = (
     ("test", "test"),
 )
 HARMONICS = 5
-LOGGED = 4  # one sample in that many is written: 250 Hz of the controller's 1 kHz
 
 FILES = ResultFiles("scara_recordings")
 MODULE = "studies.scara_recordings"  # also where it is run as the main program
@@ -94,35 +78,13 @@ class Config:
 def run(config: Config) -> DataSet:
     """Simulate all recordings."""
     rng = np.random.default_rng(config.seed)
-    laboratory = ImiLaboratory()
-    setup = Setup(
-        _plant(laboratory, config.hidden),
-        laboratory.controller(),
-        laboratory.setup("plain", laboratory.controller(), DISTURBANCE).sensors,
-        DISTURBANCE,
-        lead_in=laboratory.settling,
-    )
-    recordings = tuple(
-        _thinned(
-            simulate(
-                setup,
-                _random_motion(config.period, setup.controller.period, rng),
-                rng,
-                repetitions=2 if config.smoke else config.repetitions,
-                periodic=True,
-                name=name,
-                role=role,
-            )
-        )
-        for name, role in ROLES
-    )
-    return DataSet(
-        name="imi-scara-simulated",
+    step = control_period()
+    return record_imi(
+        ((name, role, _random_motion(config.period, step, rng)) for name, role in ROLES),
+        rng,
+        hidden=config.hidden,
+        repetitions=2 if config.smoke else config.repetitions,
         source="simulated: studies.scara_recordings",
-        licence="BSD-3-Clause",
-        robot=imi_scara(),
-        torque="commanded",
-        recordings=recordings,
     )
 
 
@@ -138,26 +100,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _plant(laboratory: ImiLaboratory, hidden: str) -> TruePlant:
-    plant = laboratory.plant("plain")
-    if hidden == "cable":
-        return dataclasses.replace(plant, extra=(*plant.extra, _cable))
-    if hidden == "stribeck":
-        rising = BristleFriction(
-            joint=0,
-            coulomb=IMI_COULOMB[0],
-            deflection=laboratory.presliding,
-            static_rise=STATIC_RISE * IMI_COULOMB[0],
-            stribeck_speed=STRIBECK_SPEED,
-        )
-        return dataclasses.replace(plant, memory=(rising, *plant.memory[1:]))
-    return plant
-
-
-def _cable(state: State, load: Sequence[Scalar]) -> dict[int, Scalar]:  # noqa: ARG001  # any load
-    return {1: CABLE_STIFFNESS * (state.q[1] - CABLE_REST)}
-
-
 def _random_motion(period: float, step: float, rng: np.random.Generator) -> Motion:
     """One period of a random Fourier series, as large as the paper's limits allow."""
     limits = imi_scara().limits
@@ -165,19 +107,6 @@ def _random_motion(period: float, step: float, rng: np.random.Generator) -> Moti
     start = rng.uniform(series.bounds[:, 0], series.bounds[:, 1])
     fitted = repair(series, start, limits)
     return series.motion(fitted, np.arange(round(period / step)) * step)
-
-
-def _thinned(recording: Recording) -> Recording:
-    kept = slice(None, None, LOGGED)
-    repetition = recording.repetition
-    return dataclasses.replace(
-        recording,
-        t=recording.t[kept],
-        q=recording.q[kept],
-        tau=recording.tau[kept],
-        dq=None,
-        repetition=None if repetition is None else repetition[kept],
-    )
 
 
 if __name__ == "__main__":

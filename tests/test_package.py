@@ -26,6 +26,7 @@ REGISTRY_NAMES = {
     "coal": "pin",  # which requires it, at the version that it was built with
     "yaml": "pyyaml",
     "tomli_w": "tomli-w",
+    "lazy_loader": "lazy-loader",
     "cycler": "matplotlib",  # which it is a part of
 }
 
@@ -148,3 +149,7 @@ def test_the_wheel_works_in_an_environment_of_its_own(wheel, tmp_path):
     )
     assert run.returncode == 0, run.stderr
     assert run.stdout.split()[0] == "2"
+    command = [str(python), "-m", "oed", "identify", str(folder), "--out", "estimate", "--smoke"]
+    told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert told.returncode in (0, 2), told.stderr
+    assert "Traceback" not in told.stderr

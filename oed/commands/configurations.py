@@ -302,3 +302,23 @@ class CrossCheck(Command):
     def __post_init__(self) -> None:
         if not self.robots:
             raise ValueError("name at least one robot file")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demo(Command):
+    """Go the whole way once on a simulated arm: design, record, identify, diagnose, export.
+
+    The arm is the paper's two-link SCARA, with a cable that its model does not declare. Leaves a
+    folder for each step, and index.html, which links their pages.
+
+    Attributes:
+        out: Folder for everything.
+        hidden: What the arm has and its model lacks.
+        smoke: Do less, to see that it works.
+        seed: Of motions, noise and everything random.
+    """
+
+    out: OutFolder = Path("oed-demo")
+    hidden: Literal["cable", "stribeck", "none"] = "cable"
+    smoke: bool = False
+    seed: Seed = 0

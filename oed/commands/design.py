@@ -116,7 +116,7 @@ def design_motion(
         evaluations=evaluations,
         seed=seed,
     )
-    return find(config, robot if isinstance(robot, Robot) else _robot(config))
+    return find(config, robot if isinstance(robot, Robot) else robot_of(config))
 
 
 def find(config: Design, robot: Robot) -> Result:
@@ -224,7 +224,8 @@ def _walls(config: Design) -> Float[ndarray, "3 2"]:
     return np.array(config.box or ()).reshape(-1, 2)
 
 
-def _robot(config: Design) -> Robot:
+def robot_of(config: Design) -> Robot:
+    """The robot that a command names."""
     if config.data:
         return read_dataset(config.data, joints=config.joints or None).robot
     gravity = config.gravity or EARTH_GRAVITY
@@ -293,7 +294,7 @@ def run(config: Design) -> int:
     """Design, and leave the motion, its proof and its pictures; the exit status."""
     speak(quiet=config.quiet)
     with DESIGN.in_folder(config.out, config.inputs) as results:
-        result = find(config, _robot(config))
+        result = find(config, robot_of(config))
         with results.replaced() as new:
             notes = write(result, config, new)
     told = _told(result, config, notes)

@@ -21,6 +21,7 @@ COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
     "identify": (configurations.Identify, "identify"),
     "feasible": (configurations.Feasible, "feasible"),
     "diagnose": (configurations.Diagnose, "diagnose"),
+    "demo": (configurations.Demo, "demo"),
     "cross-check": (configurations.CrossCheck, "cross_check"),
 }
 DESCRIPTION = """From a robot file and a log to a dynamic model that you can trust.

@@ -103,11 +103,23 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Links:
+    """Other pages, each with what it shows.
+
+    Attributes:
+        rows: Name, address relative to this page, and what is found there.
+    """
+
+    rows: Sequence[tuple[str, str, str]]
+    kind: ClassVar[str] = "links"
+
+
+@dataclass(frozen=True)
 class Section:
     """A titled part of the page."""
 
     title: str
-    blocks: Sequence[Text | Table | Picture]
+    blocks: Sequence[Text | Table | Picture | Links]
 
 
 @dataclass(frozen=True)

@@ -63,3 +63,5 @@ DESIGN = ResultFiles(
         "provenance.json",
     ),
 )
+DEMO = ResultFiles("demo", ("index.html", "provenance.json"))
+RECORDINGS = ResultFiles("demo recordings")

@@ -1,0 +1,21 @@
+"""`oed demo`: from nothing to pages, and what it finds is what was hidden."""
+
+import re
+from pathlib import Path
+
+from oed.report.json_file import read_json
+from tests.running import oed
+
+
+def test_the_demo_finds_the_cable_and_links_every_page(tmp_path: Path) -> None:
+    out = tmp_path / "demo"
+    assert oed("demo", "--smoke", "--quiet", "--out", out) == 0
+    (effect,) = read_json(out / "diagnosis" / "diagnosis.json")["effects"]
+    assert (effect["name"], effect["joint"]) == ("joint_spring", 1)
+    # 1.2 N m/rad is hidden.
+    found = next(v for k, v in effect["parameters"].items() if k.startswith("spring"))
+    assert abs(found["value"] - 1.2) < 4 * found["std"]
+    page = (out / "index.html").read_text(encoding="utf-8")
+    linked = re.findall(r'<a href="([^"#]+)"', page)
+    assert len(linked) >= 4
+    assert all((out / address).is_file() for address in linked)
