@@ -1,6 +1,7 @@
 """What holds for every test: shape checks on, figures off screen, one BLAS thread."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 # Read once, when a numerical library loads: so before any import that may load one.
@@ -10,6 +11,7 @@ import matplotlib as mpl
 import pytest
 from hypothesis import settings
 
+from tests.browser import Browser, opened
 from tests.shape_checks import begin_anew, check_first_calls
 
 mpl.use("Agg")
@@ -29,6 +31,13 @@ check_first_calls(sorted(modules - {UNCHECKED}))
 def _checks() -> None:
     """Shapes are checked at the first calls in every file of tests."""
     begin_anew()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """One browser for all tests that open a page; they skip where there is none."""
+    with opened() as browser:
+        yield browser
 
 
 # The same examples in every run: a failure seen once can be seen again. No deadline: the

@@ -1,13 +1,13 @@
-"""What an identification hands on: estimate.json, tables, figures and a page."""
+"""What an identification hands on: estimate.json, tables and a page."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
-from matplotlib.figure import Figure
 from numpy import ndarray
 
 from oed.checkup.checkup import doubts
@@ -23,14 +23,14 @@ from oed.report.calibration_record import (
     parameter_rows,
     validation_rows,
 )
-from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
-from oed.report.joint_words import torque_label, torque_units
+from oed.report.chart import THINNED, Chart, points_for
+from oed.report.estimation_charts import residual_chart, spectrum_chart, torque_chart
+from oed.report.joint_words import torque_units
 from oed.report.json_file import write_json
 from oed.report.origin_section import origin_section
-from oed.report.page import Page, Picture, Section, Table, Text, Verdict, write_page
-from oed.report.parameter_plots import plot_parameter_convergence, plot_parameter_intervals
+from oed.report.page import Page, Section, Table, Text, Verdict, write_page
+from oed.report.parameter_charts import convergence_chart, interval_charts
 from oed.report.provenance import Provenance
-from oed.report.style import save_figure
 from oed.report.table import text_table, write_csv
 
 VALIDATION_CAPTION = (
@@ -39,11 +39,10 @@ VALIDATION_CAPTION = (
 )
 LISTED = 8  # names in a line
 PARAMETER_COLUMNS = ("name", "expression", "unit", "value", "std", "lower95", "upper95")
-PARAMETER_PICTURES = {
-    "parameters": "Estimates with 95 % intervals.",
-    "convergence": "Recursive estimates against samples used, with 95 % intervals of (8), "
-    "which take residuals as white.",
-}
+CONVERGENCE = (
+    "Recursive estimates against samples used, as distances from their final values in standard "
+    "deviations of (8), which take residuals as white."
+)
 Spectrum = tuple[Float[ndarray, " frequencies"], Float[ndarray, "frequencies joints"]]
 
 
@@ -56,7 +55,7 @@ def write_calibration(
     *,
     checkup: Checkup,
 ) -> None:
-    """Leave estimate.json, tables, figures and report.html in a folder.
+    """Leave estimate.json, tables and report.html in a folder.
 
     Args:
         calibration: To write down.
@@ -67,55 +66,11 @@ def write_calibration(
         checkup: Of its data.
     """
     out.mkdir(parents=True, exist_ok=True)
-    figures = draw_figures(calibration, history, spectrum)
-    pictures = {
-        name: save_figure(figure, out / name, ("png",))[0] for name, figure in figures.items()
-    }
     write_csv(out / "parameters.csv", parameter_rows(calibration), columns=PARAMETER_COLUMNS)
     write_csv(out / "validation_errors.csv", validation_rows(calibration))
-    write_page(out / "report.html", _page(calibration, checkup, pictures, provenance))
+    write_page(out / "report.html", _page(calibration, history, spectrum, checkup, provenance))
     # Last: whoever finds this file finds the rest complete.
     write_json(out / "estimate.json", estimate_record(calibration, checkup, provenance))
-
-
-def draw_figures(
-    calibration: Calibration, history: RecursiveEstimate, spectrum: Spectrum
-) -> dict[str, Figure]:
-    """Figures by file stem: torque and residual for each role, parameters, convergence."""
-    names, joints = calibration.dataset.robot.joint_names, calibration.dataset.robot.joints
-    torque, residual = torque_label(joints), torque_label(joints, "residual torque")
-    density = "residual density [(N m)²/Hz]"
-    if "N" in torque_units(joints):
-        density = density.replace("]", "; N²/Hz at prismatic joints]")
-    figures: dict[str, Figure] = {}
-    for role, recordings in calibration.recordings.items():
-        t = _joined_time(recordings)
-        measured = np.concatenate([recording.tau for recording in recordings])
-        result = calibration.validation[role]
-        figures[f"torque_{role}"] = plot_torques(
-            t, measured, measured - result.residual, names, ylabel=torque
-        )
-        figures[f"residual_{role}"] = plot_residuals(
-            t, result.residual, names, result.rms, ylabel=residual
-        )
-    figures["spectrum_estimation"] = plot_residual_spectrum(
-        *spectrum, names, cutoff=calibration.settings.cutoff, ylabel=density
-    )
-    estimate = calibration.estimate
-    interval = estimate.interval(0.95)
-    shown = estimate.determined
-    if shown.any():
-        figures["parameters"] = plot_parameter_intervals(
-            [n for n, keep in zip(estimate.names, shown, strict=True) if keep],
-            estimate.parameters[shown],
-            interval[shown, 0],
-            interval[shown, 1],
-            [u for u, keep in zip(estimate.units, shown, strict=True) if keep],
-        )
-    # It keeps the directions that the estimate leaves out, and settles elsewhere.
-    if not (estimate.reach > LARGEST_REACH).any():
-        figures["convergence"] = _draw_convergence(calibration, history)
-    return figures
 
 
 def print_summary(calibration: Calibration, checkup: Checkup) -> None:
@@ -138,7 +93,72 @@ def print_summary(calibration: Calibration, checkup: Checkup) -> None:
         say(f"note: {calibration.base.note}\n")
 
 
-def _joined_time(recordings: tuple[ProcessedRecording, ...]) -> Float[ndarray, " samples"]:
+def _page(
+    calibration: Calibration,
+    history: RecursiveEstimate,
+    spectrum: Spectrum,
+    checkup: Checkup,
+    provenance: Provenance,
+) -> Page:
+    return Page(
+        title=f"Dynamic parameters of {calibration.dataset.name}",
+        verdict=_verdict(calibration, checkup),
+        sections=(
+            _prediction_section(calibration, checkup),
+            _parameter_section(calibration, history),
+            _residual_section(calibration, spectrum),
+            origin_section(calibration, provenance),
+        ),
+    )
+
+
+def _prediction_section(calibration: Calibration, checkup: Checkup) -> Section:
+    charts = [
+        chart
+        for role, recordings in calibration.recordings.items()
+        for chart in _role_charts(calibration, role, recordings)
+    ]
+    return Section(
+        "How well it predicts",
+        (
+            *(Text(f"Note: {note}.") for note in doubts(checkup)),
+            Table(validation_rows(calibration), caption=VALIDATION_CAPTION),
+            *charts,
+            Text(THINNED),
+        ),
+    )
+
+
+def _role_charts(
+    calibration: Calibration, role: Role, recordings: Sequence[ProcessedRecording]
+) -> tuple[Chart, Chart]:
+    """Torque and residual of a role's recordings, one after another."""
+    robot, result = calibration.dataset.robot, calibration.validation[role]
+    joints, units = robot.joint_names, torque_units(robot.joints)
+    points = points_for(3 * robot.n * len(calibration.recordings))
+    ends = np.cumsum([len(recording.motion) for recording in recordings])[:-1]
+    t, measured, residual = (
+        np.insert(values, ends, np.nan, axis=0)  # no line leads from one recording to the next
+        for values in (
+            _joined_time(recordings),
+            np.concatenate([recording.tau for recording in recordings]),
+            result.residual,
+        )
+    )
+    return (
+        torque_chart(
+            t, measured, measured - residual, joints, units, points=points,
+            caption=f"Measured and reconstructed torque, recordings with role {role}.",
+        ),
+        residual_chart(
+            t, residual, result.rms, joints, units, points=points,
+            caption=f"Measured minus reconstructed torque, recordings with role {role}; the "
+            "lines are at ± rms.",
+        ),
+    )  # fmt: skip
+
+
+def _joined_time(recordings: Sequence[ProcessedRecording]) -> Float[ndarray, " samples"]:
     """Times of recordings set one after another [s]."""
     pieces: list[ndarray] = []
     start = 0.0
@@ -148,81 +168,53 @@ def _joined_time(recordings: tuple[ProcessedRecording, ...]) -> Float[ndarray, "
     return np.concatenate(pieces)
 
 
-def _draw_convergence(calibration: Calibration, history: RecursiveEstimate) -> Figure:
-    # Undetermined at first: the figure begins where every parameter has a value.
-    known = np.isfinite(history.parameters).all(axis=1)
-    estimates, std = history.parameters[known], history.std[known]
-    return plot_parameter_convergence(
-        history.rows[known] // calibration.dataset.robot.n,
-        estimates,
-        np.stack([estimates - 1.96 * std, estimates + 1.96 * std], axis=2),
-        calibration.estimate.names,
-        calibration.estimate.units,
+def _parameter_section(calibration: Calibration, history: RecursiveEstimate) -> Section:
+    estimate = calibration.estimate
+    shown = np.flatnonzero(estimate.determined)
+    charts = interval_charts(
+        [estimate.names[k] for k in shown],
+        estimate.parameters[shown],
+        estimate.interval(0.95)[shown],
+        [estimate.units[k] for k in shown],
+        caption="Estimates with 95 % intervals.",
     )
-
-
-def _page(
-    calibration: Calibration,
-    checkup: Checkup,
-    pictures: dict[str, Path],
-    provenance: Provenance,
-) -> Page:
-    return Page(
-        title=f"Dynamic parameters of {calibration.dataset.name}",
-        verdict=_verdict(calibration, checkup),
-        sections=(
-            _prediction_section(calibration, checkup, pictures),
-            _parameter_section(calibration, pictures),
-            _residual_section(pictures),
-            origin_section(calibration, provenance),
-        ),
-    )
-
-
-def _prediction_section(
-    calibration: Calibration, checkup: Checkup, pictures: dict[str, Path]
-) -> Section:
-    captions = {
-        "torque": "Measured and reconstructed torque, recordings with role",
-        "residual": "Measured minus reconstructed torque, recordings with role",
-    }
-    by_role = [
-        Picture(pictures[f"{kind}_{role}"], f"{caption} {role}.")
-        for role in calibration.recordings
-        for kind, caption in captions.items()
-    ]
-    return Section(
-        "How well it predicts",
-        (
-            *(Text(f"Note: {note}.") for note in doubts(checkup)),
-            Table(validation_rows(calibration), caption=VALIDATION_CAPTION),
-            *by_role,
-        ),
-    )
-
-
-def _parameter_section(calibration: Calibration, pictures: dict[str, Path]) -> Section:
+    # It keeps the directions that the estimate leaves out, and settles elsewhere.
+    if not (estimate.reach > LARGEST_REACH).any():
+        # Undetermined at first: the figure begins where every parameter has a value.
+        known = np.isfinite(history.parameters).all(axis=1)
+        charts.append(
+            convergence_chart(
+                history.rows[known] // calibration.dataset.robot.n,
+                history.parameters[known],
+                history.std[known],
+                estimate.names,
+                estimate.units,
+                caption=CONVERGENCE,
+            )
+        )
     return Section(
         "Parameters",
         (
-            Text(f"{calibration.estimate.method}. Intervals are at 95 %."),
+            Text(f"{estimate.method}. Intervals are at 95 %."),
             Table(parameter_rows(calibration), columns=PARAMETER_COLUMNS),
             *_unidentified(calibration),
-            *(
-                Picture(pictures[name], caption)
-                for name, caption in PARAMETER_PICTURES.items()
-                if name in pictures
-            ),
+            *charts,
         ),
     )
 
 
-def _residual_section(pictures: dict[str, Path]) -> Section:
+def _residual_section(calibration: Calibration, spectrum: Spectrum) -> Section:
+    robot = calibration.dataset.robot
+    chart = spectrum_chart(
+        *spectrum, robot.joint_names, torque_units(robot.joints),
+        cutoff=calibration.settings.cutoff, points=points_for(robot.n),
+        caption="Spectral density of the residual.",
+    )  # fmt: skip
     return Section(
         "What is left",
         (
             Text("A flat spectrum below the cut-off is noise; a slope is a missing effect."),
-            Picture(pictures["spectrum_estimation"], "Spectral density of the residual."),
+            chart,
         ),
     )
 

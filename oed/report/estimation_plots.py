@@ -19,7 +19,6 @@ from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
 _TORQUE = "torque [N m]"
 _RESIDUAL = "residual torque [N m]"
-_DENSITY = "residual density [(N m)²/Hz]"
 _TIME = "time [s]"
 
 
@@ -86,44 +85,6 @@ def plot_residuals(
         )
         panel.margins(x=0)
     legend_above(figure, panels[0])
-    return figure
-
-
-@mpl.rc_context(STYLE)
-def plot_residual_spectrum(
-    frequency: Float[ndarray, " frequencies"],
-    density: Float[ndarray, "frequencies joints"],
-    joint_names: Sequence[str],
-    *,
-    cutoff: float | None = None,
-    ylabel: str = _DENSITY,
-) -> Figure:
-    """Spectral density of the residual: flat is noise, a peak or a slope is not.
-
-    Args:
-        frequency: (F,) [Hz]; the first may be zero and is then left out.
-        density: (F, n) [(N m)²/Hz].
-        joint_names: (n,) names, in the order of the columns.
-        cutoff: Cut-off of the low-pass filter, drawn where given [Hz].
-        ylabel: Another label where the joints are prismatic.
-
-    Raises:
-        ValueError: If there is not one name a joint.
-    """
-    _require_names(joint_names, density.shape[1])
-    figure, panels = joint_grid(joint_names, xlabel="frequency [Hz]", ylabel=ylabel, sharey=True)
-    positive = frequency > 0
-    for j, panel in enumerate(panels):
-        panel.set_xscale("log")
-        panel.set_yscale("log")
-        draw_signal(panel, frequency[positive], density[positive, j], color=BLUE, label="residual")
-        if cutoff is not None:
-            panel.axvline(
-                cutoff, color=VERMILION, dashes=(4, 2), label=f"filter cut-off {cutoff:.3g} Hz"
-            )
-        panel.margins(x=0)
-    if cutoff is not None:
-        legend_above(figure, panels[0])
     return figure
 
 

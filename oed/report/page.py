@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import base64
-import io
+import gzip
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib import resources
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
-import matplotlib as mpl
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from matplotlib.figure import Figure
 
+from oed.report.chart import Chart
 from oed.report.json_file import write_atomically
-from oed.report.style import STYLE, deterministic_metadata
 from oed.report.table import Row, column_names, format_cell, is_numeric
+
+if TYPE_CHECKING:  # a page without such figures is written without loading Matplotlib
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -115,11 +118,25 @@ class Links:
 
 
 @dataclass(frozen=True)
+class Frame:
+    """Another page, shown within this one.
+
+    Attributes:
+        address: Relative to this page.
+        caption: What it shows.
+    """
+
+    address: str
+    caption: str
+    kind: ClassVar[str] = "frame"
+
+
+@dataclass(frozen=True)
 class Section:
     """A titled part of the page."""
 
     title: str
-    blocks: Sequence[Text | Table | Picture | Links]
+    blocks: Sequence[Text | Table | Picture | Chart | Links | Frame]
 
 
 @dataclass(frozen=True)
@@ -139,6 +156,16 @@ class Page:
     sections: Sequence[Section]
     subtitle: str = ""
     footer: str = ""
+
+    @property
+    def has_charts(self) -> bool:
+        """Whether Plotly is needed."""
+        return any(isinstance(b, Chart) for section in self.sections for b in section.blocks)
+
+    @property
+    def plotly(self) -> str:
+        """Plotly's library, compressed, in base64: a third of its size."""
+        return _plotly()
 
 
 def render_page(page: Page) -> str:
@@ -160,10 +187,15 @@ def write_page(path: str | Path, page: Page) -> None:
 
 def figure_data_uri(figure: Figure, file_format: Literal["svg", "png"] = "svg") -> str:
     """A figure as a data URI; the same drawing gives the same text."""
-    stream = io.BytesIO()
-    with mpl.rc_context(STYLE):
-        figure.savefig(stream, format=file_format, metadata=deterministic_metadata(file_format))
-    return _data_uri(stream.getvalue(), file_format)
+    from oed.report.style import figure_bytes  # noqa: PLC0415  # loads Matplotlib
+
+    return _data_uri(figure_bytes(figure, file_format), file_format)
+
+
+@cache
+def _plotly() -> str:
+    library = resources.files("plotly").joinpath("package_data/plotly.min.js").read_bytes()
+    return base64.b64encode(gzip.compress(library, compresslevel=6, mtime=0)).decode("ascii")
 
 
 def _file_data_uri(file: Path) -> str:

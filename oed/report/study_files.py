@@ -10,10 +10,6 @@ IDENTIFY = ResultFiles(
     "identify",
     (
         "estimate.json",
-        *(f"{kind}_{role}.png" for kind in ("torque", "residual") for role in ROLES),
-        "spectrum_estimation.png",
-        "parameters.png",
-        "convergence.png",
         "parameters.csv",
         "validation_errors.csv",
         "report.html",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,20 +12,21 @@ from cycler import cycler
 from matplotlib.figure import Figure
 from matplotlib.typing import RcKeyType
 
+from oed.report.colours import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,  # noqa: F401  # offered with the others
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    YELLOW,
+)
+
 COLUMN = 3.4  # [in] width of one column
 PAGE = 7.0  # [in] width of both
 PAGE_HEIGHT = 9.3  # [in] that a figure and its caption leave on a letter page
-
-# Okabe and Ito, "Color universal design" (2008): told apart by colour-blind readers.
-BLACK = "#000000"
-ORANGE = "#E69F00"
-SKY = "#56B4E9"
-GREEN = "#009E73"
-YELLOW = "#F0E442"
-BLUE = "#0072B2"
-VERMILION = "#D55E00"
-PURPLE = "#CC79A7"
-GREY = "#9A9A9A"
 
 STYLE: dict[RcKeyType, Any] = {
     # Yellow comes last: a thin line of it is hard to see on white.
@@ -115,3 +117,16 @@ def save_figure(
         for file, file_format in zip(files, formats, strict=True):
             figure.savefig(file, format=file_format, metadata=deterministic_metadata(file_format))
     return files
+
+
+def figure_bytes(figure: Figure, file_format: str) -> bytes:
+    """What a file of the figure holds; the same drawing gives the same bytes.
+
+    Args:
+        figure: To draw.
+        file_format: "png", "pdf" or "svg".
+    """
+    stream = io.BytesIO()
+    with mpl.rc_context(STYLE):
+        figure.savefig(stream, format=file_format, metadata=deterministic_metadata(file_format))
+    return stream.getvalue()

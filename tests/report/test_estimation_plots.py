@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oed.report.estimation_plots import plot_residual_spectrum, plot_residuals, plot_torques
+from oed.report.estimation_plots import plot_residuals, plot_torques
 from oed.report.style import save_figure
 
 
@@ -32,12 +32,6 @@ def test_the_band_of_a_residual_is_the_rms_given() -> None:
     heights = [np.asarray(line.get_ydata())[0] for line in figure.axes[1].get_lines()[1:]]
     assert heights == [0.25, -0.25]
     assert figure.axes[1].get_title(loc="right") == "rms 0.250"
-
-
-def test_the_spectrum_leaves_out_zero_frequency() -> None:
-    frequency = np.linspace(0, 500, 101)
-    figure = plot_residual_spectrum(frequency, np.ones((101, 1)), ["a"], cutoff=30.0)
-    assert np.asarray(figure.axes[0].get_lines()[0].get_xdata())[0] == 5.0
 
 
 def test_a_long_recording_makes_small_files(tmp_path: Path) -> None:

@@ -128,8 +128,10 @@ def test_leaves_everything_that_it_promises(tmp_path: Path) -> None:
     for parameter in record["parameters"]:
         low, high = parameter["interval95"]
         assert low < parameter["value"] < high
-    for name in ("report.html", "parameters.csv", "validation_errors.csv", "torque_validation.png"):
+    for name in ("report.html", "parameters.csv", "validation_errors.csv"):
         assert (out / name).stat().st_size > 0
+    assert not list(out.glob("*.png"))
+    assert str(tmp_path) not in (out / "report.html").read_text(encoding="utf-8")
 
 
 def test_a_motionless_joint_is_named_and_not_given_numbers(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from oed.report.signal_lines import envelope
+from oed.report.envelope import envelope
 
 
 def test_a_long_signal_keeps_its_peaks_and_becomes_short() -> None:

@@ -1,0 +1,25 @@
+// Draws the figures of a page, whose data stand beside them; the library is unpacked once.
+(async () => {
+  const charts = [...document.querySelectorAll(".chart")];
+  if (!("DecompressionStream" in window)) {
+    for (const chart of charts) chart.textContent = "This figure needs a browser of 2023 or later.";
+    return;
+  }
+  const packed = Uint8Array.from(atob(document.getElementById("plotly").textContent), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const script = document.createElement("script");
+  script.textContent = await new Response(stream).text();
+  document.head.append(script);
+  // A finger scrolls the page; only a mouse draws a rectangle to zoom in.
+  const dragmode = matchMedia("(pointer: coarse)").matches ? false : "zoom";
+  const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+  for (const chart of charts) {
+    const { data, layout } = JSON.parse(chart.parentNode.querySelector(".figure").textContent);
+    await Plotly.newPlot(chart, data, { ...layout, dragmode }, config);
+  }
+  // Paper is narrower than most screens, and does not tell that it is.
+  const printed = 640;
+  addEventListener("beforeprint", () => charts.forEach((chart) => Plotly.relayout(chart, { width: printed })));
+  addEventListener("afterprint", () => charts.forEach((chart) => Plotly.relayout(chart, { width: null, autosize: true })));
+  document.body.dataset.charts = "drawn";
+})();

@@ -1,0 +1,57 @@
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from oed.report.page import Page, Section, Table, Text, Verdict, write_page
+from tests.browser import Browser
+from tests.report.chart_examples import charts
+
+LARGEST = 6_000_000  # [B]
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    wide = [{f"a rather long column {k}": 1.0 / (k + 1) for k in range(30)}]
+    words = Text("an_expression_without_a_blank+" * 20)
+    blocks = (words, Table(wide, caption="Wide."), *charts())
+    write_page(path, Page("All kinds", Verdict("good", "Fine."), [Section("All", blocks)]))
+    return path
+
+
+class Loaded(HTMLParser):
+    """What a page asks for from elsewhere."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.addresses: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href")]
+
+
+def test_a_page_holds_all_that_it_needs_once(written: Path) -> None:
+    text = written.read_text(encoding="utf-8")
+    loaded = Loaded()
+    loaded.feed(text)
+    assert loaded.addresses == []
+    assert len(re.findall('id="plotly"', text)) == 1
+    assert len(text.encode()) < LARGEST
+
+
+def test_a_page_without_charts_is_without_plotly(tmp_path: Path) -> None:
+    write_page(tmp_path / "a.html", Page("A", Verdict("good", "B"), [Section("C", [Text("D")])]))
+    assert (tmp_path / "a.html").stat().st_size < 20_000
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_opens_offline_without_an_error_and_within_the_window(
+    written: Path, browser: Browser, width: int
+) -> None:
+    seen = browser.look(written, width)
+    assert seen.errors == ()
+    assert seen.requests == ()
+    assert seen.width <= width
+    assert seen.drawn == sum(len(chart.traces) for chart in charts(100))
