@@ -40,7 +40,7 @@ def interval_charts(
         chosen = np.array([k for k, u in enumerate(units) if u == unit])
         charts.append(
             _intervals(
-                [names[k] for k in chosen],
+                [str(names[k]) for k in chosen],
                 values[chosen],
                 interval[chosen],
                 unit,

@@ -10,8 +10,8 @@ import pytest
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
 from oed.design.collision import Surroundings
 from oed.design.trajectories import FourierClass
+from oed.report.design_summary import _clearance_line
 from oed.robot import Robot
-from studies.design_summary import _clearance_line
 from tests.design.primitive_arm import planar_arm, sphere
 
 ABSENT = '<collision><geometry><mesh filename="package://gone/a.stl"/></geometry></collision>'
