@@ -3,24 +3,53 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from html import unescape
+from pathlib import Path
 from typing import Any
 
+import jupytext
+from command_pages import command_reference
 from latex2mathml.converter import convert
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
 
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry
 
-EFFECTS = "reference/effects.md"
+REPO = Path(__file__).resolve().parent.parent
+PROOF = "images/proof.png"
 FORMULA = re.compile(
     r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
 )
 
 
+def on_files(files: Files, *, config: MkDocsConfig) -> Files:
+    """Make a page of every notebook."""
+    for notebook in sorted(Path(config.docs_dir, "tutorials").glob("*.py")):
+        page = f"tutorials/{notebook.stem}.md"
+        files.append(File.generated(config, page, content=notebook_page(notebook)))
+    # The figure that the tutorials and the start page show is the committed result.
+    files.append(
+        File.generated(config, PROOF, abs_src_path=str(REPO / "results/loop_scara/proof.png"))
+    )
+    return files
+
+
+def notebook_page(notebook: Path) -> str:
+    """The cells of a notebook as Markdown; its source is offered beside it."""
+    cells = jupytext.read(notebook, fmt="py:percent").cells
+    parts = [
+        cell.source if cell.cell_type == "markdown" else f"```python\n{cell.source}\n```"
+        for cell in cells
+    ]
+    offer = f"[This page as a notebook]({notebook.name}) (open it with Jupytext)."
+    return "\n\n".join([*parts, offer])
+
+
 def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
-    """Append the catalogue to its page."""
-    if page.file.src_uri != EFFECTS:
-        return markdown
-    return "\n\n".join([markdown, *map(effect_page, CATALOGUE.values())])
+    """Append to a page what is made from the code."""
+    made = GENERATED.get(page.file.src_uri)
+    return markdown if made is None else f"{markdown}\n\n{made()}"
 
 
 def on_page_content(html: str, **_: Any) -> str:
@@ -53,3 +82,15 @@ def effect_page(entry: CatalogueEntry) -> str:
         f"**Source.** {page.source}",
     ]
     return "\n\n".join(line for line in lines if line)
+
+
+def effect_pages() -> str:
+    """All effects of the catalogue, as Markdown."""
+    return "\n\n".join(map(effect_page, CATALOGUE.values()))
+
+
+# By page: what is appended to it.
+GENERATED: dict[str, Callable[[], str]] = {
+    "reference/effects.md": effect_pages,
+    "reference/commands.md": command_reference,
+}

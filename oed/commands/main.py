@@ -45,18 +45,30 @@ def run(arguments: Sequence[str]) -> int:
     Raises:
         SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
     """
+    config = configuration_of(arguments)
+    name, module = next((n, m) for n, (kind, m) in COMMANDS.items() if type(config) is kind)
+    command = importlib.import_module(f"oed.commands.{module}").run
+    return exit_status(partial(command, config), f"oed {name}")
+
+
+def configuration_of(arguments: Sequence[str]) -> configurations.Command:
+    """What a command line asks for.
+
+    Args:
+        arguments: Name of the command, and what it is told.
+
+    Raises:
+        SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
+    """
     named = bool(arguments) and arguments[0] in COMMANDS
     with refused_in_one_line(f"oed {arguments[0]}" if named else "oed"):
-        config = tyro.extras.subcommand_cli_from_dict(
+        return tyro.extras.subcommand_cli_from_dict(
             {name: configuration for name, (configuration, _) in COMMANDS.items()},
             prog="oed",
             description=DESCRIPTION,
             args=arguments,
             config=STYLE,
         )
-    name, module = next((n, m) for n, (kind, m) in COMMANDS.items() if type(config) is kind)
-    command = importlib.import_module(f"oed.commands.{module}").run
-    return exit_status(partial(command, config), f"oed {name}")
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ FORMAT = 1
 def estimate_record(
     calibration: Calibration, checkup: Checkup, provenance: Provenance
 ) -> dict[str, object]:
-    """The content of estimate.json; its fields are documented in README.md."""
+    """The content of estimate.json; its fields are documented in docs/reference/files.md."""
     estimate, validation = calibration.estimate, calibration.validation
     recordings = calibration.recordings
     return {

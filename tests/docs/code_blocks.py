@@ -1,0 +1,30 @@
+"""The blocks of code on the pages of the documentation."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from tests.paths import REPO
+
+# Notebooks hold their text in comments.
+COMMENT = re.compile(r"^# ?", re.MULTILINE)
+
+
+def pages() -> list[Path]:
+    """All texts that show commands: the readme, pages and notebooks."""
+    docs = REPO / "docs"
+    return [
+        REPO / "README.md",
+        REPO / "CONTRIBUTING.md",
+        *sorted(docs.rglob("*.md")),
+        *sorted(docs.glob("tutorials/*.py")),
+    ]
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """The fenced blocks of one language on a page, in order."""
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".py":
+        text = COMMENT.sub("", text)
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)

@@ -1,0 +1,72 @@
+"""Every command line that the documentation shows is one that the commands accept."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import shlex
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import pytest
+
+from oed.commands.main import COMMANDS, configuration_of
+from tests.docs.code_blocks import blocks, pages
+from tests.paths import REPO
+
+LINES = sorted(
+    {
+        line.strip()
+        for page in pages()
+        for block in blocks(page, "bash")
+        for line in block.splitlines()
+        if line.strip()
+    }
+    # The table of claims names a command a row.
+    | set(re.findall(r"`(python -m studies\.[^`]+)`", (REPO / "README.md").read_text()))
+)
+
+# Where the command line of a study of several files is read.
+IN_PACKAGES = {
+    "studies.bench": "studies.bench.study",
+    "studies.paper_experiment": "studies.paper_experiment.experiment",
+}
+
+
+class Parsed(Exception):  # it ends a command that was only to be parsed
+    pass
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_is_accepted(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    words = shlex.split(line, comments=True)
+    if words[0] == "oed":
+        assert type(configuration_of(words[1:])) is COMMANDS[words[1]][0]
+    elif words[:2] == ["python", "-m"]:
+        _accepted_by_study(words[2], words[3:], monkeypatch)
+    elif words[0] == "make":
+        targets = re.findall(r"^(\w+):", (REPO / "Makefile").read_text(), re.MULTILINE)
+        assert words[1] in targets
+    else:
+        assert words == ["pip", "install", "."]
+
+
+def test_a_line_that_is_not_accepted_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(SystemExit):
+        configuration_of(["identify", "mydata/"])
+    with pytest.raises(SystemExit):
+        _accepted_by_study("studies.loop", ["--no-such-option"], monkeypatch)
+
+
+def _accepted_by_study(name: str, options: Sequence[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The study's own parsing, without the study."""
+    module = importlib.import_module(IN_PACKAGES.get(name, name))
+    parse: Callable[..., Any] = module.parse
+
+    def parsed(*arguments: Any, **named: Any) -> None:
+        parse(*arguments, **named)
+        raise Parsed
+
+    monkeypatch.setattr(module, "parse", parsed)
+    with pytest.raises(Parsed):
+        module.main(options)

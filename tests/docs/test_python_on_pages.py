@@ -1,0 +1,90 @@
+"""The Python that the documentation shows runs, and does what the page says."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oed.experiment.logs import registry
+from oed.experiment.read_dataset import read_dataset
+from tests.docs.code_blocks import blocks
+from tests.experiment.tiny_dataset import tiny_files, write_files
+from tests.paths import REPO
+
+HOW_TO = REPO / "docs/how-to"
+NOTEBOOKS = sorted((REPO / "docs/tutorials").glob("*.py"))
+
+
+def test_the_readme_s_example(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (example,) = blocks(REPO / "README.md", "python")
+    _write_arm(tmp_path / "mydata")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example, "README.md", "exec"), {})  # noqa: S102  # our own page
+    told = capsys.readouterr().out
+    assert "Fv_1" in told
+    assert "held-out error" in told
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(notebook: Path) -> None:
+    jupytext = pytest.importorskip("jupytext")
+    client = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    read = jupytext.read(notebook, fmt="py:percent")
+    os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")
+    client.NotebookClient(
+        read, timeout=400, kernel_name="python3", resources={"metadata": {"path": str(REPO)}}
+    ).execute()
+    outputs = [output for cell in read.cells for output in cell.get("outputs", ())]
+    assert len(outputs) > 3
+    assert not [output for output in outputs if output.output_type == "error"]
+
+
+@pytest.fixture
+def own_readers() -> Iterator[None]:
+    """What a page registers is forgotten."""
+    before = dict(registry._readers)
+    yield
+    registry._readers.clear()
+    registry._readers.update(before)
+
+
+@pytest.mark.usefixtures("own_readers")
+def test_a_log_reader_from_outside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    t = np.arange(0.0, 20.0, 0.02)
+    q = np.stack([0.5 * np.sin(1.3 * t) + 0.2 * np.sin(3 * t), 0.6 * np.sin(1.7 * t)], axis=1)
+    rows = np.column_stack([t, q, q * 3.0 + np.sin(5 * t)[:, None]])
+    rows.astype("<f8").tofile(tmp_path / "log.arm")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in blocks(HOW_TO / "log-reader.md", "python"):
+        exec(compile(block, "log-reader.md", "exec"), names)  # noqa: S102  # our own page
+    assert names["status"] == 0
+    dataset = read_dataset("mydata")
+    np.testing.assert_allclose(dataset.recordings[0].q[:50], q[:50])
+
+
+def _write_arm(folder: Path) -> None:
+    """A data set with a validation recording whose numbers an estimate can be made of."""
+    files = tiny_files()
+    files["dataset.toml"] = files["dataset.toml"].replace(b'"test"', b'"validation"')
+    write_files(folder, files)
+    rng = np.random.default_rng(0)
+    t = np.arange(0.0, 12.0, 0.01)
+    rates = rng.uniform(1.0, 4.0, (3, 2))
+    for name in ("estimation.csv", "test.csv"):
+        phases = t[:, None, None] * rates + rng.uniform(0, 6, (3, 2))
+        q, dq = 0.5 * np.sin(phases).sum(axis=1), 0.5 * (rates * np.cos(phases)).sum(axis=1)
+        ddq = -0.5 * (rates**2 * np.sin(phases)).sum(axis=1)
+        tau = 2.0 * ddq + 3.0 * dq + rng.normal(0, 0.05, q.shape)
+        table = np.column_stack([t, q, tau])
+        header = "t,q_1,q_2,tau_1,tau_2"
+        np.savetxt(folder / name, table, delimiter=",", header=header, comments="")
+    manifest = (folder / "dataset.toml").read_text()
+    (folder / "dataset.toml").write_text(manifest.replace("repetitions = 3\nperiod = 1.0\n", ""))

@@ -1,0 +1,63 @@
+"""The site is built without a warning, every internal link leads somewhere, and nothing is loaded."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from oed.commands.main import COMMANDS
+from oed.dynamics.effects.catalogue import CATALOGUE
+from tests.paths import REPO
+
+pytestmark = pytest.mark.skipif(
+    find_spec("mkdocs") is None, reason="MkDocs is not installed (it is in environment.txt)"
+)
+LOADED = re.compile(r'<(?:script|img|link|iframe)\b[^>]*?\b(?:src|href)="(https?:)?//[^"]+"')
+# Tells search engines where the page belongs; browsers load nothing.
+ONLY_NAMED = re.compile(r'<link rel="(?:canonical|prev|next)"[^>]*>')
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
+    done = subprocess.run(  # strict: every warning, a dead link or anchor, ends it
+        command,
+        cwd=REPO,
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_works_without_a_network(site: Path) -> None:
+    for page in site.rglob("*.html"):
+        text = ONLY_NAMED.sub("", page.read_text(encoding="utf-8"))
+        assert LOADED.search(text) is None, page
+
+
+def test_every_command_has_its_options_on_the_page(site: Path) -> None:
+    text = (site / "reference/commands.html").read_text(encoding="utf-8")
+    for name in COMMANDS:
+        assert f'id="oed-{name}"' in text
+    assert "<code>--sign-width</code>" in text
+    assert "<code>0.02</code>" in text
+
+
+def test_every_effect_has_its_page(site: Path) -> None:
+    text = (site / "reference/effects.html").read_text(encoding="utf-8")
+    assert [name for name in CATALOGUE if f'id="{name}"' not in text] == []
+
+
+def test_no_formula_is_left_as_tex(site: Path) -> None:
+    for page in site.rglob("*.html"):
+        assert "arithmatex" not in page.read_text(encoding="utf-8"), page
