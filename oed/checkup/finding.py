@@ -67,6 +67,9 @@ class Checkup:
 
 def share(ratio: float) -> str:
     """A relative error as a reader wants it: a per cent, or a multiple where nothing is foretold."""
-    if ratio < 1:
-        return f"{100 * ratio:.2g} % of the torque"
-    return f"{ratio:.3g} times the torque"
+    return f"{multiple(ratio)} {'of ' if ratio < 1 else ''}the torque"
+
+
+def multiple(ratio: float) -> str:
+    """The same in short, in a list."""
+    return f"{100 * ratio:.2g} %" if ratio < 1 else f"{ratio:.3g} times"

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from oed.checkup.cause import USELESS, Search
-from oed.checkup.finding import EvidenceRow, Finding, share
+from oed.checkup.finding import EvidenceRow, Finding, multiple, share
 from oed.estimation.calibration import Calibration
 from oed.estimation.reach import LARGEST_REACH
 from oed.experiment.recording import HELD_OUT
@@ -141,7 +141,7 @@ def error_finding(calibration: Calibration, search: Search) -> Finding:
     bad = np.flatnonzero(result.relative_rms > USELESS)
     if not len(bad):
         return Finding("prediction", "green", overall, "", rows)
-    told = ", ".join(f"{names[j]} {share(result.relative_rms[j])}" for j in bad)
+    told = ", ".join(f"{names[j]} {multiple(result.relative_rms[j])}" for j in bad)
     level = "red" if result.overall_relative_rms > USELESS else "amber"
     return Finding("prediction", level, f"{overall}; {told}", _known(calibration, search), rows)
 

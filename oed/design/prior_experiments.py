@@ -1,4 +1,4 @@
-"""What earlier experiments tell, read back from their design files."""
+"""What earlier experiments tell, read back from their design files or from recorded motions."""
 
 from __future__ import annotations
 
@@ -12,12 +12,18 @@ from numpy import ndarray
 
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass
-from oed.errors import one_line
+from oed.dynamics.motion import Motion
+from oed.errors import OedError, one_line
 from oed.input_file import UnreadableFile, read_json
 
 # A design has hundreds and five; beyond these, what is kept of every instant fills the memory.
 MOST_INSTANTS = 100_000
 MOST_HARMONICS = 200
+RECORDED = "recorded"  # class of a file that holds a recorded motion, sample by sample
+
+
+class OtherJoints(OedError):
+    """The motion of a file is one of other joints."""
 
 
 def prior_information(
@@ -26,7 +32,7 @@ def prior_information(
     """What the experiments of earlier design files tell about a problem's base parameters.
 
     Args:
-        files: `design.json` of Fourier motions of the same joints.
+        files: `design.json` of Fourier motions of the same joints, or motions that `check` leaves.
         problem: Its model and noise; the instants are those of each file.
 
     Raises:
@@ -39,6 +45,8 @@ def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base 
     robot = problem.model.robot
     try:
         record = _object(read_json(file))
+        if record.get("class") == RECORDED:
+            return problem.fast.information(_recorded(record, problem))
         joints, name, count = record["joints"], record["class"], int(record["instants"])
         horizon = float(record["horizon"])
         given = {key: np.array(x, dtype=float) for key, x in record["coefficients"].items()}
@@ -46,6 +54,8 @@ def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base 
         raise ValueError(f"{file}: no such file") from error
     except UnreadableFile as error:
         raise ValueError(str(error)) from error
+    except OtherJoints as error:
+        raise ValueError(f"{file}: {error}") from error
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{file}: not a design file: {one_line(repr(error))}") from error
     if name != FourierClass.name:
@@ -75,6 +85,20 @@ def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base 
         raise ValueError(f"{file}: a coefficient is not a finite number")
     series = FourierClass(horizon, problem.limits, harmonics)
     return problem.fast.information(series.motion(z, series.instants(count)))
+
+
+def _recorded(record: dict[str, Any], problem: DesignProblem) -> Motion:
+    """The motion that a file holds sample by sample."""
+    joints, names = record["joints"], list(problem.model.robot.joint_names)
+    if joints != names:
+        raise OtherJoints(f"it moves {one_line(repr(joints))}, not {names}")
+    t, *signals = (np.array(record[key], dtype=float) for key in ("t", "q", "dq", "ddq"))
+    if not 0 < len(t) <= MOST_INSTANTS:
+        raise ValueError(f"{len(t)} instants")
+    shapes = {signal.shape for signal in signals}
+    if shapes != {(len(t), len(names))} or not all(np.isfinite(x).all() for x in (t, *signals)):
+        raise ValueError(f"signals of {len(t)} instants have shapes {shapes}, or are not finite")
+    return Motion(t, *signals)
 
 
 def _object(value: object) -> dict[str, Any]:

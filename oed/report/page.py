@@ -34,6 +34,7 @@ class Verdict:
     level: Literal["good", "warning", "bad"]
     headline: str
     text: str = ""
+    kind: ClassVar[str] = "verdict"
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,14 @@ class Text:
 
     text: str
     kind: ClassVar[str] = "text"
+
+
+@dataclass(frozen=True)
+class Command:
+    """A line to copy into a terminal."""
+
+    text: str
+    kind: ClassVar[str] = "command"
 
 
 @dataclass(frozen=True)
@@ -136,7 +145,7 @@ class Section:
     """A titled part of the page."""
 
     title: str
-    blocks: Sequence[Text | Table | Picture | Chart | Links | Frame]
+    blocks: Sequence[Text | Verdict | Command | Table | Picture | Chart | Links | Frame]
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from oed.report.result_folder import ResultFiles
 
 ROLES = ("estimation", "validation", "test")
 
+CHECK = ResultFiles("check", ("check.json", "ranges.png", "recorded_motion.json", "report.html"))
 IDENTIFY = ResultFiles(
     "identify",
     (

@@ -1,0 +1,126 @@
+"""The page that a checkup of a data set leaves: what is fine, what is not, what to record instead."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+from oed.checkup.checkup import checkup_record
+from oed.checkup.finding import Checkup, Finding, Level
+from oed.experiment.dataset import DataSet
+from oed.report.check_plots import draw_ranges
+from oed.report.json_file import write_json
+from oed.report.page import Command, Page, Picture, Section, Table, Text, Verdict, write_page
+from oed.report.provenance import Provenance
+from oed.report.style import save_figure
+
+COLOURS: dict[Level, Literal["good", "warning", "bad"]] = {
+    "green": "good",
+    "amber": "warning",
+    "red": "bad",
+}
+HEADLINES: dict[Level, str] = {
+    "green": "Nothing speaks against an estimate from these data.",
+    "amber": "An estimate can be made; some things cost accuracy.",
+    "red": "Mend this before trusting any estimate from these data.",
+}
+WORDS: dict[Level, str] = {"green": "fine", "amber": "costs accuracy", "red": "mend first"}
+
+
+def write_check(
+    checkup: Checkup,
+    dataset: DataSet,
+    out: Path,
+    provenance: Provenance,
+    *,
+    motion: Mapping[str, object],
+    command: str,
+) -> None:
+    """Leave check.json, the recorded motion, the figure and report.html in a folder.
+
+    Args:
+        checkup: To write down.
+        dataset: That it is of.
+        out: Folder, which exists.
+        provenance: Of the run.
+        motion: As `recorded_motion` gives it.
+        command: That designs what completes the data.
+    """
+    picture = save_figure(draw_ranges(dataset), out / "ranges", ("png",))[0]
+    write_json(out / "recorded_motion.json", motion)
+    write_page(out / "report.html", _page(checkup, dataset, picture, provenance, command))
+    record = {
+        **checkup_record(checkup),
+        "command": command,
+        "versions": provenance.versions,
+        "commit": provenance.commit,
+        "date": provenance.date,
+    }
+    write_json(out / "check.json", record)
+
+
+def _page(
+    checkup: Checkup, dataset: DataSet, picture: Path, provenance: Provenance, command: str
+) -> Page:
+    notes = checkup.notes
+    count = {level: sum(f.level == level for f in checkup.findings) for level in WORDS}
+    told = ", ".join(f"{number} {WORDS[level]}" for level, number in count.items() if number)
+    return Page(
+        title=f"Checkup of {checkup.name}",
+        subtitle=f"{len(dataset.recordings)} recordings of {dataset.robot.n} joints",
+        verdict=Verdict(
+            COLOURS[checkup.level],
+            HEADLINES[checkup.level],
+            (f"{_sentence(notes[0])} " if notes else "") + f"Of all that was looked at: {told}.",
+        ),
+        sections=(
+            Section("What was looked at", [_box(finding) for finding in checkup.findings]),
+            Section("What to record next", _next(checkup, command)),
+            Section("Evidence", _evidence(checkup, picture)),
+            Section(
+                "Where it comes from",
+                (
+                    Text(f"Data: {dataset.source}. Licence: {dataset.licence}."),
+                    Text(f"Commit {provenance.commit}, {provenance.date}."),
+                ),
+            ),
+        ),
+    )
+
+
+def _box(finding: Finding) -> Verdict:
+    headline = f"{_capital(finding.topic)}: {WORDS[finding.level]}"
+    text = _sentence(finding.text)
+    if finding.remedy:
+        text += f" {_sentence(finding.remedy)}"
+    return Verdict(COLOURS[finding.level], headline, text)
+
+
+def _next(checkup: Checkup, command: str) -> tuple[Text | Command, ...]:
+    first = (
+        "First mend what is wrong with the log, then design a motion that completes it:"
+        if checkup.cause is not None
+        else "This designs the motion that adds most to what these recordings tell:"
+    )
+    return (Text(first), Command(command))
+
+
+def _evidence(checkup: Checkup, picture: Path) -> list[Table | Picture]:
+    blocks: list[Table | Picture] = [
+        Picture(picture, "Positions of each joint by role; grey: the limits of the robot's file.")
+    ]
+    blocks += [
+        Table(finding.rows, caption=f"{_capital(finding.topic)}.", digits=3)
+        for finding in checkup.findings
+        if finding.rows
+    ]
+    return blocks
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _sentence(text: str) -> str:
+    return _capital(text.rstrip(".")) + "."
