@@ -12,8 +12,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from oed.checkup.checkup import check_dataset
 from oed.checkup.completion import design_command, recorded_motion
@@ -53,13 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 0 if nothing is to be mended first, 3 if so, 2 on bad input."""
     config = _parse(arguments)
     start = time.perf_counter()
-    command = design_command(
-        str(config.data),
-        str(config.out / "recorded_motion.json"),
-        str(config.out.with_name(f"{config.out.name}-design")),
-        model=config.model,
-        joints=config.joints,
-    )
+    command = _command(config, str)
     try:
         with CHECK.in_folder(config.out, [config.data]) as results:
             found = run(config)
@@ -70,7 +65,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                     new,
                     Provenance.collect(config, seed=None),
                     motion=recorded_motion(found.dataset, found.settings),
-                    command=command,
+                    # A page goes to others, whose folders are elsewhere.
+                    command=_command(config, _shown),
                 )
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"studies.check: {error}\n")
@@ -79,6 +75,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     say(f"to complete these data: {command}")
     say(f"wrote {config.out / 'report.html'} in {time.perf_counter() - start:.1f} s")
     return NO_USABLE_RESULT if found.checkup.level == "red" else 0
+
+
+def _command(config: Config, shown: Callable[[Path], str]) -> str:
+    """The design that completes the data, with paths as they are shown."""
+    return design_command(
+        shown(config.data),
+        shown(config.out / "recorded_motion.json"),
+        shown(config.out.with_name(f"{config.out.name}-design")),
+        model=config.model,
+        joints=config.joints,
+    )
+
+
+def _shown(path: Path) -> str:
+    """A path as given, without the folders above the working one."""
+    if not path.is_absolute():
+        return str(path)
+    kept = 2 if path.suffix else 1
+    return str(Path(*path.parts[-kept:]))
 
 
 def _print(checkup: Checkup) -> None:

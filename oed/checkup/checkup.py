@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 
-from oed.checkup.cause import Cause, Search, find_cause
+from oed.checkup.cause import Cause
 from oed.checkup.finding import Checkup, Finding
 from oed.checkup.fit_findings import (
     cause_finding,
@@ -22,6 +22,7 @@ from oed.checkup.log_findings import (
     standstill_finding,
 )
 from oed.checkup.motion_findings import coverage_finding, range_finding
+from oed.checkup.search import Search, find_cause
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError
 from oed.estimation.calibration import Calibration, calibrate

@@ -6,8 +6,9 @@ import re
 
 import numpy as np
 
-from oed.checkup.cause import USELESS, Search
+from oed.checkup.cause import USELESS
 from oed.checkup.finding import EvidenceRow, Finding, multiple, share
+from oed.checkup.search import Search
 from oed.estimation.calibration import Calibration
 from oed.estimation.reach import LARGEST_REACH
 from oed.experiment.recording import HELD_OUT
@@ -77,12 +78,14 @@ def parameter_finding(calibration: Calibration) -> Finding:
             f"too little: an error of the size of their residual, hidden there, would change what is "
             f"foretold by up to {estimate.reach.max():.3g} times the torque; these are left at zero"
         )
-        return Finding("parameters", "red", text, "record the motion that `check` proposes", rows)
+        return Finding(
+            "parameters", "red", text, "record the motion that the checkup proposes", rows
+        )
     if weak:
         names = ", ".join(weak[:LISTED]) + (", ..." if len(weak) > LISTED else "")
         text += f"; {len(weak)} are not ({names})"
     level = "amber" if len(weak) > count else "green"
-    remedy = "record the motion that `check` proposes" if level == "amber" else ""
+    remedy = "record the motion that the checkup proposes" if level == "amber" else ""
     return Finding("parameters", level, text, remedy, rows)
 
 
@@ -116,7 +119,7 @@ def impossible_finding(calibration: Calibration) -> Finding:
         "signs of parameters",
         "amber",
         f"negative, which they cannot be: {told}{more}",
-        "`feasible` keeps to what is possible, `close_loop` looks for what the model lacks",
+        "the feasible estimate keeps to what is possible, a diagnosis (close_loop) looks for what the model lacks",
         tuple(rows),
     )
 
@@ -151,5 +154,5 @@ def _known(calibration: Calibration, search: Search) -> str:
     if search.cause is not None:
         return "mend the cause named under units and signs first"
     if (calibration.estimate.reach > LARGEST_REACH).any():
-        return "the motion for estimation does not determine it: record the motion that `check` proposes; `feasible` gives what can be said until then"
-    return "no test names a cause: `close_loop` looks for what the model lacks"
+        return "the motion for estimation does not determine it: record the motion that the checkup proposes; until then the feasible estimate says what can be said"
+    return "no test names a cause: a diagnosis (close_loop) looks for what the model lacks"

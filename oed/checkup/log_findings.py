@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -148,16 +150,23 @@ def noise_finding(dataset: DataSet, settings: ProcessingSettings) -> Finding:
         f"motion lies below {settings.cutoff:g} Hz, where torque and model are low-passed; noise and "
         f"vibration above it are at most {share(float(ratio.max()))}, at {names[int(ratio.argmax())]}"
     )
+    if ratio.max() > 1:
+        remedy = "that joint hardly tells anything: move it more, or measure its torque more finely"
+        return Finding("noise and usable band", "amber", text, remedy, rows)
     return Finding("noise and usable band", "green", text, "", rows)
 
 
 def reader_finding(dataset: DataSet) -> Finding:
     """What the reader found doubtful about the numbers."""
-    rows = tuple({"note": note} for note in dataset.notes)
+    folders = {str(Path(r.source).parent) + "/" for r in dataset.recordings}
+    notes = list(dataset.notes)
+    for folder in folders:
+        notes = [note.replace(folder, "") for note in notes]
+    rows = tuple({"note": note} for note in notes)
     if not rows:
         return Finding("values", "green", "no value that a sensor can hardly have measured")
     count = f"{len(rows)} doubtful thing" + ("s" if len(rows) > 1 else "")
-    text = f"{count} about the values, the first: {dataset.notes[0]}"
+    text = f"{count} about the values, the first: {notes[0]}"
     return Finding("values", "amber", text, "", rows)
 
 

@@ -17,9 +17,11 @@ from numpy import ndarray
 
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.dissipation import CLEAR_SHARE
 from oed.experiment.processing import ProcessedRecording
 from oed.experiment.recording import Role
 
+SUSPECT = 0.7  # correlation with the wrong sign: half of that variance, reason enough for a look
 TELLING = 0.9  # correlation: four fifths of the variance that friction and a constant leave
 
 
@@ -30,14 +32,16 @@ class Projection:
     Attributes:
         slope: (n,) of the measured torque over the file's; NaN where the file needs none.
         correlation: (n,) of both, without what friction and a constant explain.
-        friction: Power that friction takes from all joints, over the mean of |tau dq|; negative
-            where it drives them.
+        braking: (n,) power that friction takes from each joint, over the mean of |tau dq|; negative
+            where it drives it.
+        friction: The same of all joints together.
         needed: (n,) rms torque of the file's inertials [N m].
         measured: (n,) rms torque [N m].
     """
 
     slope: Float[ndarray, " joints"]
     correlation: Float[ndarray, " joints"]
+    braking: Float[ndarray, " joints"]
     friction: float
     needed: Float[ndarray, " joints"]
     measured: Float[ndarray, " joints"]
@@ -46,6 +50,11 @@ class Projection:
     def telling(self) -> Bool[ndarray, " joints"]:
         """Joints whose torque the file's inertials explain, up to sign and scale."""
         return np.abs(self.correlation) >= TELLING
+
+    @property
+    def contrary(self) -> Bool[ndarray, " joints"]:
+        """Joints whose torque is the file's with the other sign, or that friction clearly drives."""
+        return (self.correlation <= -SUSPECT) | (self.braking < -CLEAR_SHARE)
 
 
 def project(
@@ -73,11 +82,13 @@ def project(
         _regress(file[:, j, 0], beside[:, j], tau[:, j], dq[:, j]) for j in range(tau.shape[1])
     ]
     slope, correlation, taken = (np.array(x) for x in zip(*found, strict=True))
-    power = float(np.sum(np.mean(np.abs(tau * dq), axis=0)))
+    power = np.mean(np.abs(tau * dq), axis=0)
+    total = float(power.sum())
     return Projection(
         slope=slope,
         correlation=correlation,
-        friction=float(taken.sum()) / power if power > 0 else 0.0,
+        braking=np.divide(taken, power, out=np.zeros_like(taken), where=power > 0),
+        friction=float(taken.sum()) / total if total > 0 else 0.0,
         needed=np.sqrt(np.mean(file[:, :, 0] ** 2, axis=0)),
         measured=np.sqrt(np.mean(tau**2, axis=0)),
     )

@@ -25,6 +25,7 @@ HEADLINES: dict[Level, str] = {
     "amber": "An estimate can be made; some things cost accuracy.",
     "red": "Mend this before trusting any estimate from these data.",
 }
+LONG = 12  # rows of a table
 WORDS: dict[Level, str] = {"green": "fine", "amber": "costs accuracy", "red": "mend first"}
 
 
@@ -110,11 +111,9 @@ def _evidence(checkup: Checkup, picture: Path) -> list[Table | Picture]:
     blocks: list[Table | Picture] = [
         Picture(picture, "Positions of each joint by role; grey: the limits of the robot's file.")
     ]
-    blocks += [
-        Table(finding.rows, caption=f"{_capital(finding.topic)}.", digits=3)
-        for finding in checkup.findings
-        if finding.rows
-    ]
+    # The longest last.
+    tables = sorted((f for f in checkup.findings if f.rows), key=lambda f: len(f.rows) > LONG)
+    blocks += [Table(f.rows, caption=f"{_capital(f.topic)}.", digits=3) for f in tables]
     return blocks
 
 

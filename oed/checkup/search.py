@@ -1,0 +1,84 @@
+"""Test a data set for the one thing that may be wrong with it.
+
+Refits tell what spoils the fit (`repair`), the robot file's own inertials what leaves it as it is
+(`by_inertials`). Where no test shows a cause there is none to be named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from oed.checkup.by_inertials import all_reversed, all_scaled
+from oed.checkup.cause import USELESS, Cause
+from oed.checkup.projection import Projection, project
+from oed.checkup.repair import Tried, find_repairs, name_repair
+from oed.checkup.trial import Outcome, Trial, trial_data
+from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.dataset import DataSet
+from oed.experiment.processing import ProcessedRecording
+from oed.experiment.recording import Role
+
+NEAR_ZERO = 0.02  # of a joint's largest torque
+LEAST_TOUCHING = 2  # joints: one may be held that way by its weight
+
+
+@dataclass(frozen=True)
+class Search:
+    """What the tests say of a data set.
+
+    Attributes:
+        cause: The one cause; None where no test shows one.
+        projection: On the file's own inertials.
+        as_logged: Held-out error of the log as it is, with what its own fit reaches.
+    """
+
+    cause: Cause | None
+    projection: Projection
+    as_logged: Outcome
+
+
+def find_cause(
+    dataset: DataSet,
+    model: TorqueModel,
+    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
+) -> Search:
+    """Test a data set for what may be wrong with it.
+
+    Args:
+        dataset: As read.
+        model: Of its robot, without measurement effects.
+        recordings: By role, processed; a thinned rate will do.
+    """
+    projection = project(model, recordings)
+    data = trial_data(recordings, model.columns)
+    as_logged = data.outcome(Trial.unchanged(dataset.robot.n))
+    repairs: list[Tried] = []
+    cause = None
+    if (as_logged.relative > USELESS).any() or projection.contrary.any():
+        cause = _magnitude(dataset)
+        if cause is None:
+            repairs = find_repairs(dataset, model, recordings, data, as_logged)
+            cause = name_repair(dataset, model, recordings, repairs, as_logged)
+    # Of repairs that nothing tells apart none is named, and the file's inertials are no judge of them.
+    if cause is None and not repairs:
+        cause = all_reversed(dataset, projection) or all_scaled(dataset, projection)
+    return Search(cause, projection, as_logged)
+
+
+def _magnitude(dataset: DataSet) -> Cause | None:
+    """No torque is ever negative, though some come as near to zero as only a magnitude does."""
+    tau = np.concatenate([recording.tau for recording in dataset.recordings])
+    lowest, size = tau.min(axis=0), np.abs(tau).max(axis=0)
+    # A weight that is held one way only keeps its torque away from zero.
+    touches = lowest < NEAR_ZERO * size
+    if (lowest < 0).any() or int(np.sum(touches & (size > 0))) < LEAST_TOUCHING:
+        return None
+    return Cause(
+        "magnitude",
+        "the torques are magnitudes: their signs are lost",
+        "log the torques with their signs",
+        f"no joint has a negative torque in any recording, though {int(touches.sum())} come near zero",
+    )

@@ -1,0 +1,156 @@
+"""One cause where one is known, and none where nothing is wrong."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+
+from oed.checkup.search import find_cause
+from oed.dynamics.models import build_model
+from oed.estimation.stacking import process_all
+from oed.experiment.choose_settings import choose_settings
+from oed.experiment.dataset import Drive
+from oed.experiment.read_dataset import read_dataset
+from tests.checkup.arm import changed, data_set, placeholder, robot, with_robot
+from tests.paths import REPO, SHARED_DATA, needs_shared_data
+
+CASES = REPO.parent / "shared" / "cases"
+needs_cases = pytest.mark.skipif(
+    not CASES.is_dir(), reason="the small cases (../shared/cases) are not on this machine"
+)
+
+
+@pytest.fixture(scope="module")
+def sound():
+    return data_set(np.random.default_rng(41))
+
+
+def search(dataset):
+    model = build_model("rotor", dataset.robot, sign_width=0.02)
+    settings = choose_settings(dataset).thinned()
+    return find_cause(dataset, model, process_all(dataset, settings))
+
+
+def cause(dataset):
+    return search(dataset).cause
+
+
+def exchanged(i, j):
+    order = [0, 1, 2]
+    order[i], order[j] = order[j], order[i]
+    return lambda x: x[:, order]
+
+
+def times(*factors):
+    return lambda x: x * np.array(factors)
+
+
+@pytest.mark.parametrize("joint", range(3))
+def test_a_reversed_torque_is_named(sound, joint):
+    factors = np.where(np.arange(3) == joint, -1.0, 1.0)
+    found = cause(changed(sound, tau=times(*factors)))
+    assert found.kind == "sign"
+    assert f"(tau_{joint + 1}) is reversed" in found.text
+    assert found.remedy == f"reverse tau_{joint + 1}"
+
+
+@pytest.mark.parametrize("known_inertials", [True, False])
+def test_all_torques_reversed_are_named(sound, known_inertials):
+    arm = robot() if known_inertials else placeholder(robot())
+    found = cause(with_robot(changed(sound, tau=lambda tau: -tau), arm))
+    assert found.kind == "sign"
+    assert found.text == "all torques have the opposite sign"
+
+
+@pytest.mark.parametrize(("i", "j"), list(itertools.combinations(range(3), 2)))
+def test_exchanged_columns_are_named(sound, i, j):
+    of_torque = cause(changed(sound, tau=exchanged(i, j)))
+    assert of_torque.kind == "order"
+    assert f"(tau_{i + 1}, tau_{j + 1}) are exchanged" in of_torque.text
+    of_position = cause(changed(sound, q=exchanged(i, j)))
+    assert of_position.kind == "position_order"
+    assert f"(q_{i + 1}, q_{j + 1}) are exchanged" in of_position.text
+
+
+@pytest.mark.parametrize("declared", [(9.81, 0.0, 0.0), (0.0, 9.81, 0.0), (0.0, 0.0, 9.81)])
+def test_a_wrong_direction_of_gravity_is_named(sound, declared):
+    found = cause(with_robot(sound, sound.robot.with_gravity(np.array(declared))))
+    assert found.kind == "gravity"
+    assert "along -z" in found.text
+    assert found.remedy == "declare gravity = [0, 0, -9.81]"
+
+
+def test_a_gear_left_out_everywhere_is_named(sound):
+    ratios = np.array([100.0, 120.0, 50.0])
+    spoiled = dataclasses.replace(
+        changed(sound, tau=lambda tau: tau / ratios), drive=Drive(gear_ratio=ratios)
+    )
+    found = cause(spoiled)
+    assert found.kind == "gear"
+    assert "multiply the tau columns by the gear ratios" in found.remedy
+    with_constant = dataclasses.replace(
+        spoiled, drive=Drive(gear_ratio=ratios, current_to_torque=np.full(3, 0.1))
+    )
+    assert "multiply current_to_torque in [drive] by gear_ratio" in cause(with_constant).remedy
+
+
+def test_a_gear_left_out_at_one_joint_is_named(sound):
+    spoiled = changed(sound, tau=times(1.0, 1 / 100, 1.0))
+    found = cause(dataclasses.replace(spoiled, drive=Drive(gear_ratio=np.full(3, 100.0))))
+    assert found.kind == "scale"
+    assert "torque of shoulder (tau_2) is that of the motor: 1/100" in found.text
+
+
+def test_a_unit_of_all_torques_is_named(sound):
+    found = cause(changed(sound, tau=lambda tau: 1e3 * tau))
+    assert found.kind == "scale"
+    assert found.text == "the torques are in N mm or mN m in place of N m"
+
+
+def test_offsets_are_named(sound):
+    found = cause(changed(sound, tau=lambda tau: tau + np.array([25.0, 0.0, 0.0])))
+    assert found.kind == "offset"
+
+
+def test_magnitudes_are_named(sound):
+    assert cause(changed(sound, tau=np.abs)).kind == "magnitude"
+
+
+def test_two_things_at_once_are_not_guessed(sound):
+    found = cause(
+        with_robot(
+            changed(sound, tau=times(1.0, -1.0, 1.0), q=exchanged(0, 2)),
+            sound.robot.with_gravity(np.array([9.81, 0.0, 0.0])),
+        )
+    )
+    assert found is None
+
+
+def test_noise_alone_has_no_cause(sound):
+    rng = np.random.default_rng(43)
+    assert cause(changed(sound, tau=lambda tau: 9.0 * rng.normal(size=tau.shape))) is None
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_sound_sets_have_no_cause(seed):
+    """With the file's inertials right, off by half, or placeholders."""
+    rng = np.random.default_rng([47, seed])
+    dataset = data_set(rng, seconds=(rng.uniform(8.0, 20.0), rng.uniform(5.0, 10.0)))
+    off = np.repeat(rng.uniform(0.5, 1.5, 3), 10)
+    files = (robot(), robot().with_parameters(robot().parameters * off), placeholder(robot()))
+    assert cause(with_robot(dataset, files[seed % 3])) is None
+
+
+@needs_shared_data
+@pytest.mark.parametrize("name", ["dfki_a0", "staubli_tx40", "franka_panda"])
+def test_measured_sets_have_no_cause(name):
+    assert cause(read_dataset(SHARED_DATA / name)) is None
+
+
+@needs_cases
+@pytest.mark.parametrize(
+    ("name", "kind"), [("sign_reversed_all_joints", "sign"), ("drive_gear_not_included", "gear")]
+)
+def test_the_known_cases_are_named(name, kind):
+    assert cause(read_dataset(CASES / name)).kind == kind
