@@ -6,6 +6,9 @@ import dataclasses
 from collections.abc import Mapping
 
 from oed.checkup.cause import Cause
+from oed.checkup.clipping import clipping_finding
+from oed.checkup.copies import copy_finding
+from oed.checkup.delay import delay_finding
 from oed.checkup.finding import Checkup, Finding
 from oed.checkup.fit_findings import (
     cause_finding,
@@ -13,6 +16,7 @@ from oed.checkup.fit_findings import (
     impossible_finding,
     parameter_finding,
 )
+from oed.checkup.gravity import gravity_finding
 from oed.checkup.log_findings import (
     noise_finding,
     rate_finding,
@@ -28,7 +32,8 @@ from oed.errors import OedError
 from oed.estimation.calibration import Calibration, calibrate
 from oed.estimation.stacking import process_all
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessingSettings
+from oed.experiment.processing import ProcessedRecording, ProcessingSettings
+from oed.experiment.recording import Role
 
 
 def check_dataset(dataset: DataSet, model: TorqueModel, settings: ProcessingSettings) -> Checkup:
@@ -45,34 +50,72 @@ def check_dataset(dataset: DataSet, model: TorqueModel, settings: ProcessingSett
     Raises:
         ValueError: If there is no recording for estimation, or one is too short.
     """
-    search = _search(dataset, model, settings)
+    thinned = _thinned(dataset, settings)
+    search = find_cause(dataset, model, thinned)
     try:
         fitted = _of_estimate(calibrate(dataset, model, settings), search)
     except OedError as error:
         fitted = (Finding("prediction", "red", f"no estimate can be made: {error}"),)
+    whole = process_all(dataset, settings)
+    fitted += _of_trials(dataset, model, thinned, whole, search)
     return _assembled(dataset, settings, search, fitted)
 
 
 def check_calibration(calibration: Calibration) -> Checkup:
     """The same of a data set of which an estimate was made."""
     dataset, settings = calibration.dataset, calibration.settings
-    search = _search(dataset, calibration.model, settings)
-    return _assembled(dataset, settings, search, _of_estimate(calibration, search))
+    thinned = _thinned(dataset, settings)
+    search = find_cause(dataset, calibration.model, thinned)
+    fitted = _of_estimate(calibration, search)
+    fitted += _of_trials(dataset, calibration.model, thinned, calibration.recordings, search)
+    return _assembled(dataset, settings, search, fitted)
 
 
 # Said of the log when it is read, and recorded apart from what an estimate shows.
 OF_READING = ("rate and gaps", "values")
 
 
+# Said of plain least squares; an estimate with demands and a prior has none of these troubles.
+OF_PLAIN_ESTIMATE = ("prediction", "parameters", "signs of parameters")
+
+
 def doubts(checkup: Checkup) -> tuple[str, ...]:
     """The notes of a checkup that reading the data set did not already give."""
-    kept = tuple(f for f in checkup.findings if f.topic not in OF_READING)
+    return _without(checkup, OF_READING)
+
+
+def doubts_of_data(checkup: Checkup) -> tuple[str, ...]:
+    """The notes that concern any estimate from these data, however it is made."""
+    return _without(checkup, OF_READING + OF_PLAIN_ESTIMATE)
+
+
+def _without(checkup: Checkup, topics: tuple[str, ...]) -> tuple[str, ...]:
+    kept = tuple(f for f in checkup.findings if f.topic not in topics)
     return Checkup(checkup.name, kept, checkup.cause).notes
 
 
-def _search(dataset: DataSet, model: TorqueModel, settings: ProcessingSettings) -> Search:
+Recordings = Mapping[Role, tuple[ProcessedRecording, ...]]
+
+
+def _thinned(dataset: DataSet, settings: ProcessingSettings) -> Recordings:
     # As few samples as carry the band: a likelihood counts independent ones in any case.
-    return find_cause(dataset, model, process_all(dataset, settings.thinned()))
+    return process_all(dataset, settings.thinned())
+
+
+def _of_trials(
+    dataset: DataSet,
+    model: TorqueModel,
+    thinned: Recordings,
+    whole: Recordings,
+    search: Search,
+) -> tuple[Finding, ...]:
+    """Gravity and time of the torque; a log with a named fault is mended before these are asked."""
+    if search.cause is not None:
+        return ()
+    return (
+        gravity_finding(dataset, model, thinned),
+        delay_finding(dataset, model, whole),
+    )
 
 
 def _of_estimate(calibration: Calibration, search: Search) -> tuple[Finding, ...]:
@@ -99,6 +142,8 @@ def _assembled(
         noise_finding(dataset, settings),
         repetition_finding(dataset),
         saturation_finding(dataset),
+        clipping_finding(dataset),
+        copy_finding(dataset),
         reader_finding(dataset),
     )
     return Checkup(dataset.name, findings, search.cause)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oed.checkup.checkup import check_calibration, doubts_of_data
 from oed.commands.configurations import Feasible, ModelName, Prior
 from oed.commands.from_data_set import Prepared, prepare, prepare_for
 from oed.commands.telling import say, speak
@@ -139,9 +140,11 @@ def run(config: Feasible) -> int:
     start = time.perf_counter()
     with FEASIBLE.in_folder(config.out, [config.data]) as results:
         result = estimate(config)
+        checkup = check_calibration(result.plain)
         with results.replaced() as new:
             rows = export(result, new, results.folder)
-            write_feasible(result, rows, new, Provenance.collect(config, seed=config.seed))
+            provenance = Provenance.collect(config, seed=config.seed)
+            write_feasible(result, rows, new, provenance, checkup=checkup)
     print("\n" + text_table(link_rows(result)))
     print(text_table(validation_rows(result)))
     print(text_table(rows))
@@ -155,6 +158,8 @@ def run(config: Feasible) -> int:
         say(text_table(change_rows(result)))
     say(result.estimate.solution.accuracy)
     say(solver_comparison(result))
+    for note in doubts_of_data(checkup):
+        say(f"note: {note}")
     for warning in result.warnings:
         print(f"warning: {warning}")
     print(f"open {config.out / 'report.html'} ({time.perf_counter() - start:.1f} s)")

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from oed.checkup.checkup import doubts_of_data
+from oed.checkup.finding import Checkup
 from oed.estimation.feasible.calibration import FeasibleCalibration
 from oed.estimation.feasible.cross_validation import TOLERANCE
 from oed.experiment.recording import HELD_OUT, Role
@@ -36,6 +38,8 @@ def feasible_page(
     exports: Sequence[Row],
     pictures: Mapping[str, Path],
     provenance: Provenance,
+    *,
+    checkup: Checkup,
 ) -> Page:
     """The whole page.
 
@@ -44,7 +48,9 @@ def feasible_page(
         exports: One row a written robot file, with its round trip.
         pictures: Figures by file stem.
         provenance: Of the run.
+        checkup: Of its data.
     """
+    notes = [Text(f"Note on the data: {note}.") for note in doubts_of_data(checkup)]
     comparisons = [
         Picture(pictures[f"residual_{role}"], f"Residual by joint, recordings with role {role}.")
         for role in ("validation", "test")
@@ -52,9 +58,9 @@ def feasible_page(
     ]
     return Page(
         title=f"Physically feasible parameters of {result.plain.dataset.name}",
-        verdict=_verdict(result),
+        verdict=_verdict(result, is_doubted=bool(notes)),
         sections=(
-            Section("How well it predicts", (Table(validation_rows(result)), *comparisons)),
+            Section("How well it predicts", (*notes, Table(validation_rows(result)), *comparisons)),
             _change_section(result),
             _links_section(result, pictures),
             _parameters_section(result, pictures),
@@ -65,12 +71,14 @@ def feasible_page(
     )
 
 
-def _verdict(result: FeasibleCalibration) -> Verdict:
+def _verdict(result: FeasibleCalibration, *, is_doubted: bool) -> Verdict:
     held_out: list[Role] = [role for role in HELD_OUT if role in result.validation]
     prices = ", ".join(f"{100 * result.price(role):+.2g} % on {role}" for role in held_out)
     share = 100 * result.positive_definite
     agreed = result.disagreement is not None and result.disagreement < 1e-6
-    complete = share == 100.0 and agreed and bool(held_out) and not result.warnings
+    complete = (
+        share == 100.0 and agreed and bool(held_out) and not result.warnings and not is_doubted
+    )
     return Verdict(
         "good" if complete else "warning",
         f"All {result.plain.dataset.robot.n} links are physically consistent; the mass matrix is "

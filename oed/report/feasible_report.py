@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from oed.checkup.checkup import cause_record, doubts_of_data
+from oed.checkup.finding import Checkup
 from oed.estimation.feasible.calibration import FeasibleCalibration
 from oed.experiment.recording import HELD_OUT, Role
 from oed.experiment.stretches import gap_record
@@ -40,6 +42,8 @@ def write_feasible(
     exports: Sequence[Row],
     out: Path,
     provenance: Provenance,
+    *,
+    checkup: Checkup,
 ) -> None:
     """Leave estimate.json, tables, figures and report.html in a folder.
 
@@ -48,6 +52,7 @@ def write_feasible(
         exports: One row a written robot file, with its round trip.
         out: Folder, made if absent.
         provenance: Of the run.
+        checkup: Of its data.
     """
     out.mkdir(parents=True, exist_ok=True)
     pictures = {
@@ -59,13 +64,15 @@ def write_feasible(
     if result.changes:
         write_csv(out / "changed_masses.csv", change_rows(result))
     write_csv(out / "validation_errors.csv", validation_rows(result))
-    write_page(out / "report.html", feasible_page(result, exports, pictures, provenance))
+    write_page(
+        out / "report.html", feasible_page(result, exports, pictures, provenance, checkup=checkup)
+    )
     # Last: whoever finds this file finds the rest complete.
-    write_json(out / "estimate.json", feasible_record(result, exports, provenance))
+    write_json(out / "estimate.json", feasible_record(result, exports, provenance, checkup))
 
 
 def feasible_record(
-    result: FeasibleCalibration, exports: Sequence[Row], provenance: Provenance
+    result: FeasibleCalibration, exports: Sequence[Row], provenance: Provenance, checkup: Checkup
 ) -> dict[str, object]:
     """The content of estimate.json."""
     estimate = result.estimate
@@ -76,6 +83,8 @@ def feasible_record(
         "joints": list(result.plain.dataset.robot.joint_names),
         "gaps": gap_record(result.plain.dataset),
         "data_notes": list(result.plain.dataset.notes),
+        "doubts": list(doubts_of_data(checkup)),
+        "cause": cause_record(checkup.cause),
         "parameters": parameter_rows(result),
         "links": link_rows(result),
         "validation": validation_rows(result),

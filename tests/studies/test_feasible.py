@@ -209,6 +209,19 @@ def test_a_mass_beyond_reason_is_told_with_the_files(simulated: Path, tmp_path: 
     assert "believe the file" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+def test_a_copy_among_the_held_out_is_noted_beside_its_good_error(
+    simulated: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(simulated, tmp_path / "data")
+    shutil.copy(tmp_path / "data" / "fit.csv", tmp_path / "data" / "held.csv")
+    out = tmp_path / "out"
+    given = ["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"]
+    assert main([*given, "--model", "standard", "--weight", "1e-3"]) == 0
+    record = json.loads((out / "estimate.json").read_text(encoding="utf-8"))
+    assert any("moving rows from fit" in note for note in record["doubts"])
+    assert "Note on the data" in (out / "report.html").read_text(encoding="utf-8")
+
+
 MED7 = SHARED_CASES / "feasible_no_solver_med7"
 
 
