@@ -1,4 +1,5 @@
 # What a notebook needs, and only that; each name is loaded when it is used.
+from .commands.check import check as check
 from .commands.design import design_motion as design_motion
 from .commands.diagnose import diagnose_data as diagnose_data
 from .commands.feasible import identify_feasible as identify_feasible

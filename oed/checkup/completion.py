@@ -60,7 +60,7 @@ def design_command(
         model: Name of the torque model that is to be determined.
         joints: Names of the joints; all if empty.
     """
-    words = ["python", "-m", "studies.design", "--data", data, "--model", model]
+    words = ["oed", "design", "--data", data, "--model", model]
     if joints:
         words += ["--joints", *joints]
     words += ["--prior", motion, "--out", out]

@@ -16,8 +16,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.interpolate import CubicSpline
 
-from oed.checkup.cause import VERY_STRONG
 from oed.checkup.finding import EvidenceRow, Finding
+from oed.checkup.repair import VERY_STRONG
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.triangular import triangularise
 from oed.experiment.dataset import DataSet

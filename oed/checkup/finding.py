@@ -55,7 +55,11 @@ class Checkup:
     @property
     def level(self) -> Level:
         """The worst of the findings'."""
-        return max((f.level for f in self.findings), key=SEVERITY.__getitem__, default="green")
+        levels: list[Level] = [finding.level for finding in self.findings]
+        worst: Level = "green"
+        for level in levels:
+            worst = level if SEVERITY[level] > SEVERITY[worst] else worst
+        return worst
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from oed.checkup.finding import EvidenceRow, Finding, multiple, share
 from oed.checkup.search import Search
 from oed.estimation.calibration import Calibration
 from oed.estimation.reach import LARGEST_REACH
-from oed.experiment.recording import HELD_OUT
+from oed.experiment.recording import HELD_OUT, Role
 
 # What is negative for no joint and no link; a sum with other parameters may be.
 NEVER_NEGATIVE = {
@@ -119,7 +119,7 @@ def impossible_finding(calibration: Calibration) -> Finding:
         "signs of parameters",
         "amber",
         f"negative, which they cannot be: {told}{more}",
-        "the feasible estimate keeps to what is possible, a diagnosis (close_loop) looks for what the model lacks",
+        "the feasible estimate keeps to what is possible, a diagnosis (oed diagnose) looks for what the model lacks",
         tuple(rows),
     )
 
@@ -127,7 +127,7 @@ def impossible_finding(calibration: Calibration) -> Finding:
 def error_finding(calibration: Calibration, search: Search) -> Finding:
     """How well the estimate foretells, judged on what was held out where there is any."""
     held = [role for role in HELD_OUT if role in calibration.validation]
-    role = held[0] if held else "estimation"
+    role: Role = held[0] if held else "estimation"
     result = calibration.validation[role]
     names = calibration.dataset.robot.joint_names
     rows: tuple[EvidenceRow, ...] = tuple(
@@ -155,4 +155,4 @@ def _known(calibration: Calibration, search: Search) -> str:
         return "mend the cause named under units and signs first"
     if (calibration.estimate.reach > LARGEST_REACH).any():
         return "the motion for estimation does not determine it: record the motion that the checkup proposes; until then the feasible estimate says what can be said"
-    return "no test names a cause: a diagnosis (close_loop) looks for what the model lacks"
+    return "no test names a cause: a diagnosis (oed diagnose) looks for what the model lacks"

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from oed.checkup.cause import VERY_STRONG
 from oed.checkup.finding import EvidenceRow, Finding, Level
+from oed.checkup.repair import VERY_STRONG
 from oed.checkup.suspicion import STANDARD_GRAVITY
 from oed.checkup.trial import Trial, trial_data
 from oed.dynamics.torque_model import TorqueModel

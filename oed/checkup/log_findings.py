@@ -206,4 +206,5 @@ def _noise_above(
         above.append(np.mean((tau - smooth) ** 2, axis=0))
         within.append(np.mean(smooth**2, axis=0))
     weights = [recording.duration for recording in recordings]
-    return tuple(np.sqrt(np.average(x, axis=0, weights=weights)) for x in (above, within))
+    beyond, inside = (np.sqrt(np.average(x, axis=0, weights=weights)) for x in (above, within))
+    return beyond, inside

@@ -150,7 +150,7 @@ def _brakes(
 ) -> bool:
     """Whether with these signs friction brakes, or the torque is the file's where there is none."""
     gain = suspicion.trial.gain
-    righted = {
+    righted: dict[Role, tuple[ProcessedRecording, ...]] = {
         role: tuple(dataclasses.replace(r, tau=r.tau * gain) for r in group)
         for role, group in recordings.items()
     }

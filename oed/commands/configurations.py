@@ -62,6 +62,16 @@ class DataSetCommand(Command):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Check(DataSetCommand):
+    """Look a data set over before any fit: units, signs, ranges, noise, what it cannot determine.
+
+    Each finding is green, amber or red; a cause is named only if it alone repairs the fit. Leaves
+    check.json and report.html, and says which design completes the data. The exit status is 3 if
+    something has to be mended first.
+    """
+
+
+@dataclass(frozen=True, kw_only=True)
 class Identify(DataSetCommand):
     """Estimate the dynamic parameters of an arm, with intervals, and validate them.
 

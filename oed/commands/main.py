@@ -17,6 +17,7 @@ from oed.process_end import end_quietly_while_loading, exit_status
 # Name: configuration, and the module whose `run` takes it, loaded when it is asked for.
 COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
     "import": (configurations.ImportLog, "import_log"),
+    "check": (configurations.Check, "check"),
     "design": (configurations.Design, "design"),
     "identify": (configurations.Identify, "identify"),
     "feasible": (configurations.Feasible, "feasible"),

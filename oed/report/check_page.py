@@ -65,7 +65,7 @@ def _page(
     checkup: Checkup, dataset: DataSet, picture: Path, provenance: Provenance, command: str
 ) -> Page:
     notes = checkup.notes
-    count = {level: sum(f.level == level for f in checkup.findings) for level in WORDS}
+    count = {level: sum(f.level == level for f in checkup.findings) for level in COLOURS}
     told = ", ".join(f"{number} {WORDS[level]}" for level, number in count.items() if number)
     return Page(
         title=f"Checkup of {checkup.name}",

@@ -12,7 +12,7 @@ from oed.report.style import BLUE, GREY, ORANGE, PURPLE, STYLE, new_figure
 
 WIDTH = 5.0  # [in] legible on a telephone
 ROW_HEIGHT = 0.42  # [in]
-COLOURS = dict(zip(ROLES, (BLUE, ORANGE, PURPLE), strict=True))
+COLOURS: dict[str, str] = dict(zip(ROLES, (BLUE, ORANGE, PURPLE), strict=True))
 
 
 def draw_ranges(dataset: DataSet) -> Figure:

@@ -1,4 +1,4 @@
-"""What `studies.design` prints of a design."""
+"""What `oed design` prints of a design."""
 
 from __future__ import annotations
 

@@ -215,8 +215,8 @@ def test_a_copy_among_the_held_out_is_noted_beside_its_good_error(
     shutil.copytree(simulated, tmp_path / "data")
     shutil.copy(tmp_path / "data" / "fit.csv", tmp_path / "data" / "held.csv")
     out = tmp_path / "out"
-    given = ["--data", str(tmp_path / "data"), "--out", str(out), "--smoke"]
-    assert main([*given, "--model", "standard", "--weight", "1e-3"]) == 0
+    given = ["feasible", str(tmp_path / "data"), "--out", str(out), "--smoke"]
+    assert oed(*given, "--model", "standard", "--weight", "1e-3") == 0
     record = json.loads((out / "estimate.json").read_text(encoding="utf-8"))
     assert any("moving rows from fit" in note for note in record["doubts"])
     assert "Note on the data" in (out / "report.html").read_text(encoding="utf-8")
