@@ -152,7 +152,7 @@ def trial_data(
 
 
 def _duration(recordings: Sequence[ProcessedRecording]) -> float:
-    return sum(len(recording) / recording.rate for recording in recordings)
+    return float(sum(len(recording) / recording.rate for recording in recordings))
 
 
 def _basis(columns: Sequence[Float[ndarray, "_ joints columns"]]) -> Float[ndarray, "all p"]:

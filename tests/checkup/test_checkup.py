@@ -105,15 +105,14 @@ def test_the_record_is_plain_json(sound, tmp_path):
 def test_what_is_recorded_is_a_prior_of_a_design(sound, tmp_path):
     write_json(tmp_path / "motion.json", recorded_motion(sound, choose_settings(sound)))
     model = build_model("standard", sound.robot)
-    rng = np.random.default_rng(0)
-    problem, _ = default_problem(model, ProblemSettings(instants=20), rng)
+    problem = default_problem(model, ProblemSettings(instants=20)).problem
     information = prior_information([tmp_path / "motion.json"], problem)
     assert np.linalg.eigvalsh(information).min() > 0
     other = dataclasses.replace(
         sound.robot,
         joints=tuple(dataclasses.replace(j, name=f"x{j.name}") for j in sound.robot.joints),
     )
-    others, _ = default_problem(build_model("standard", other), ProblemSettings(instants=20), rng)
+    others = default_problem(build_model("standard", other), ProblemSettings(instants=20)).problem
     with pytest.raises(ValueError, match="it moves"):
         prior_information([tmp_path / "motion.json"], others)
 
