@@ -38,6 +38,7 @@ def test_sound_data_have_nothing_red(sound):
     topics = {
         "units and signs", "prediction", "parameters", "signs of parameters", "what moved", "ranges",
         "standstill", "rate and gaps", "noise and usable band", "repetitions", "saturation", "values",
+        "gravity", "clipping", "held-out recordings", "time of the torque",
     }  # fmt: skip
     assert {f.topic for f in found.findings} == topics
     assert on(found, "prediction").level == "green"
