@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studies.design_summary import _clearance_line
 
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
 from oed.design.collision import Surroundings
