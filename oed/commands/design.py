@@ -36,7 +36,7 @@ from oed.design.status import DesignStatus, LimitStatus
 from oed.design.still_joints import hold_still_joints
 from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError, RobotError
-from oed.experiment.read_dataset import read_dataset
+from oed.experiment.read_dataset import read_robot
 from oed.process_end import NO_USABLE_RESULT
 from oed.report.design_plots import draw_motion
 from oed.report.design_summary import summary
@@ -227,7 +227,7 @@ def _walls(config: Design) -> Float[ndarray, "3 2"]:
 def robot_of(config: Design) -> Robot:
     """The robot that a command names."""
     if config.data:
-        return read_dataset(config.data, joints=config.joints or None).robot
+        return read_robot(config.data, joints=config.joints or None)
     gravity = config.gravity or EARTH_GRAVITY
     return load_arm(config.robot, joints=config.joints, gravity=gravity)
 

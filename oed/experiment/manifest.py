@@ -69,7 +69,7 @@ class Manifest:
     """The content of `dataset.toml`.
 
     Limits are (n, 2), gravity (3,) [m/s^2], `fixed` the positions [rad or m] of joints that stood
-    still and are no columns, by name.
+    still and are no columns, by name. There are no recordings before the first experiment.
     """
 
     name: str
@@ -168,6 +168,9 @@ def _fixed(table: TomlTable, joints: tuple[str, ...]) -> dict[str, float]:
 
 
 def _recordings(table: TomlTable) -> tuple[RecordingEntry, ...]:
+    # None yet is the normal state before the first experiment; who needs some says so.
+    if not table.has("recording") or table.value("recording") == []:
+        return ()
     children = table.children("recording")
     if len(children) > MOST_RECORDINGS:
         table.fail(

@@ -39,11 +39,39 @@ def read_dataset(directory: str | Path, *, joints: Sequence[str] | None = None) 
     Raises:
         DataSetError: At the first fault, naming file, row and column.
     """
+    folder = _folder(directory)
+    return dataset_of(read_manifest(folder), folder, joints=joints)
+
+
+def read_robot(directory: str | Path, *, joints: Sequence[str] | None = None) -> Robot:
+    """The robot of a data set, whether or not anything is recorded yet.
+
+    Args:
+        directory: The folder, with a `dataset.toml` and the robot's file.
+        joints: Names of the joints to keep, in this order; all if None. The others are held
+            as `oed.robot.load_robot` holds joints that are not named.
+
+    Returns:
+        The robot with the data set's gravity, and its limits where it states any.
+
+    Raises:
+        DataSetError: At the first fault, naming file and key.
+    """
+    folder = _folder(directory)
+    manifest = read_manifest(folder)
+    every = tuple(range(len(manifest.joints)))
+    robot = _load_robot(folder, manifest, every, {})
+    _check_all_listed(folder, manifest, robot)
+    kept = _kept(folder, manifest, joints)
+    return robot if kept == every else _load_robot(folder, manifest, kept, {})
+
+
+def _folder(directory: str | Path) -> Path:
     folder = Path(directory)
     if not folder.is_dir():
         what = "is a file: give the folder that it is in" if folder.exists() else "no such folder"
         raise DataSetError(what, file=str(folder))
-    return dataset_of(read_manifest(folder), folder, joints=joints)
+    return folder
 
 
 def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None = None) -> DataSet:
@@ -57,6 +85,9 @@ def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None
     Raises:
         DataSetError: As `read_dataset`.
     """
+    if not manifest.recordings:
+        message = "missing; nothing is recorded yet: list each log in a [[recording]] table"
+        raise DataSetError(message, file=str(folder / MANIFEST), column="recording")
     every = tuple(range(len(manifest.joints)))
     robot = _load_robot(folder, manifest, every, {})
     _check_format(folder, manifest, robot)
