@@ -6,6 +6,7 @@ import re
 import warnings
 from argparse import Action, ArgumentParser
 from inspect import getdoc
+from typing import Any
 
 import tyro
 
@@ -37,7 +38,9 @@ def parser_of(name: str, kind: type[Command]) -> ArgumentParser:
     with warnings.catch_warnings():
         # tyro announces the end of this function without another that lists the options.
         warnings.simplefilter("ignore", DeprecationWarning)
-        return tyro.extras.get_parser(kind, prog=f"oed {name}", config=STYLE)
+        # Its own copy of argparse, of the same shape.
+        parser: Any = tyro.extras.get_parser(kind, prog=f"oed {name}", config=STYLE)
+        return parser
 
 
 def _row(action: Action) -> str:

@@ -174,6 +174,8 @@ class Design(Command):
         rate: Set points a second [Hz].
         evaluations: Of the criterion; the same number and seed give the same motion.
         budget: CPU time after which the optimiser stops in any case [s].
+        optimiser: By name: interior_point, slsqp, hopping, evolution (CMA-ES), genetic (the paper's),
+            random_search, or one that was registered from outside.
         smoke: Do less, to see that it works.
         seed: Of starts and of the states of the bound.
     """
@@ -200,6 +202,7 @@ class Design(Command):
     rate: float = 100.0
     evaluations: Count = 1000
     budget: float = 60.0
+    optimiser: str = "interior_point"
     smoke: bool = False
     seed: Seed = 0
 

@@ -29,6 +29,7 @@ from oed.design.export import (
     write_joint_trajectory_json,
     write_joint_trajectory_yaml,
 )
+from oed.design.optimisers.registry import find_optimiser
 from oed.design.optimisers.result import Budget
 from oed.design.prior_experiments import prior_information
 from oed.design.problem import DesignProblem
@@ -121,6 +122,7 @@ def design_motion(
 
 def find(config: Design, robot: Robot) -> Result:
     """Design a motion for a robot, as a command asks for it."""
+    optimise = find_optimiser(config.optimiser)
     robot, held = hold_still_joints(robot)
     robot, assumed = with_default_limits(robot.with_packages(read_packages(config.package)))
     limits = robot.limits
@@ -134,7 +136,8 @@ def find(config: Design, robot: Robot) -> Result:
     if config.prior:
         problem = _with_prior(problem, config.prior)
     kept = _kept(surroundings, robot, config)
-    search = search_clear(problem, kept, Budget(_evaluations(config), config.budget), rng)
+    budget = Budget(_evaluations(config), config.budget)
+    search = search_clear(problem, kept, budget, rng, optimise)
     found = search.found
     if found.cpu_s >= config.budget:
         notes.append(
@@ -143,7 +146,7 @@ def find(config: Design, robot: Robot) -> Result:
         )
     problem = problem.slower(config.scale)
     design = FoundDesign.from_result(
-        problem, found, optimiser="interior_point", seed=config.seed, others=posed.others
+        problem, found, optimiser=config.optimiser, seed=config.seed, others=posed.others
     )
     _check_information(design)
     clearance = (

@@ -12,7 +12,8 @@ from numpy import ndarray
 
 from oed.design.collision import Surroundings
 from oed.design.collision_free import find_clear_motion
-from oed.design.optimisers.interior_point import optimise
+from oed.design.optimisers.interior_point import optimise as interior_point
+from oed.design.optimisers.registry import Optimiser
 from oed.design.optimisers.result import Budget, OptimiserResult
 from oed.design.problem import DesignProblem
 
@@ -35,8 +36,9 @@ def search_clear(
     surroundings: Surroundings | None,
     budget: Budget,
     rng: np.random.Generator,
+    optimise: Optimiser = interior_point,
 ) -> ClearSearch:
-    """Search without distances to keep, then from there with them.
+    """Search without distances to keep, then from there with them, by an interior point.
 
     Half of the evaluations go to the first search. The second counts its rounds instead: with
     too few it would not be clear. Half of the CPU seconds go to each.
@@ -46,6 +48,7 @@ def search_clear(
         surroundings: What the motion must keep clear of; None for nothing.
         budget: In evaluations, CPU seconds or both.
         rng: Of the starts.
+        optimise: Of the first search.
 
     Raises:
         NoUsableResult: If no motion is found that keeps clear.

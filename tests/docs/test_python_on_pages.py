@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,11 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from oed.design.optimisers import registry as optimisers
 from oed.experiment.logs import registry
 from oed.experiment.read_dataset import read_dataset
 from tests.docs.code_blocks import blocks
 from tests.experiment.tiny_dataset import tiny_files, write_files
 from tests.paths import REPO
+from tests.running import oed
 
 HOW_TO = REPO / "docs/how-to"
 NOTEBOOKS = sorted((REPO / "docs/tutorials").glob("*.py"))
@@ -88,3 +91,32 @@ def _write_arm(folder: Path) -> None:
         np.savetxt(folder / name, table, delimiter=",", header=header, comments="")
     manifest = (folder / "dataset.toml").read_text()
     (folder / "dataset.toml").write_text(manifest.replace("repetitions = 3\nperiod = 1.0\n", ""))
+
+
+@pytest.fixture
+def own_optimisers() -> Iterator[None]:
+    before = dict(optimisers._optimisers)
+    yield
+    optimisers._optimisers.clear()
+    optimisers._optimisers.update(before)
+
+
+@pytest.mark.usefixtures("own_optimisers")
+def test_an_optimiser_from_outside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in blocks(HOW_TO / "optimiser.md", "python"):
+        exec(compile(block, "optimiser.md", "exec"), names)  # noqa: S102  # our own page
+    assert names["status"] == 0
+    record = json.loads(Path("design/design.json").read_text())
+    assert record["optimiser"] == "local_steps"
+    assert record["usable"]
+
+
+def test_an_unknown_optimiser_is_refused_with_those_there_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["--robot", "builtin:imi_scara", "--out", tmp_path / "d", "--optimiser", "simplex"]
+    assert oed("design", *arguments) == 2
+    assert "slsqp" in capsys.readouterr().err
+    assert not (tmp_path / "d").exists()
