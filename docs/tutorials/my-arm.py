@@ -1,15 +1,18 @@
 # %% [markdown]
 # # My arm, from a log to a report
 #
-# You have the robot's file and a log of joint positions and torques or motor currents. On the command line two lines lead to a report:
+# You have the robot's file and a log of joint positions and torques or motor currents. On the command line three lines lead to a report:
 #
 # ```bash
 # oed import log.mcap --robot arm.urdf --out mydata/
+# oed check mydata/ --out check/
 # oed identify mydata/ --out estimate/
 # ```
 #
 # `oed import` says what it concluded about columns, joints, units and roles, and writes it to `mydata/dataset.toml`: read that text
-# and correct what is wrong ([its format](../reference/dataset.md)). `oed identify` leaves `estimate/report.html`.
+# and correct what is wrong ([its format](../reference/dataset.md)). `oed check` looks at units, signs,
+# ranges, noise and at what the log cannot determine, and names a cause, such as a reversed sign, where undoing it alone repairs the fit; begin
+# with what is red on `check/report.html`. `oed identify` leaves `estimate/report.html`.
 #
 # The rest of this page does the same in Python, on a log that it makes itself, of the two-link arm of the paper.
 #
