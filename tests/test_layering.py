@@ -15,6 +15,7 @@ ORDER = (
     "estimation",
     "checkup",
     "diagnosis",
+    "diagnosis_new",
     "report",
     "export",
     "commands",

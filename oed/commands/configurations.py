@@ -124,6 +124,7 @@ class Diagnose(Command):
         candidates: Effects that may be named; the whole catalogue if not given.
         smoke: Do less, to see that it works.
         seed: Of everything random.
+        method: rules, or evidence: one criterion for every term, with the test recordings sealed.
     """
 
     data: Annotated[Path, tyro.conf.Positional]
@@ -133,6 +134,7 @@ class Diagnose(Command):
     candidates: tuple[str, ...] = ()
     smoke: bool = False
     seed: Seed = 0
+    method: Literal["rules", "evidence"] = "rules"
 
     def __post_init__(self) -> None:
         if self.max_effects is not None and self.max_effects < 0:

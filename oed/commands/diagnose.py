@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oed.commands.by_evidence import diagnose_by_evidence
 from oed.commands.configurations import Diagnose
 from oed.commands.telling import say, speak
 from oed.diagnosis.diagnosis import Diagnosis, diagnose
@@ -119,6 +120,9 @@ def diagnose_into(config: Diagnose) -> Outcome:
 def run(config: Diagnose) -> int:
     """Diagnose, and leave diagnosis.json, report.html and figures."""
     speak(quiet=config.quiet)
+    if config.method == "evidence":
+        diagnose_by_evidence(config)
+        return 0
     _summarise(diagnose_into(config), config)
     return 0
 

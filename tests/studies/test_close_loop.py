@@ -45,6 +45,28 @@ def test_leaves_a_diagnosis_in_the_agreed_form(tmp_path):
         assert promise["separation"] >= promise["separation_now"] > 0
 
 
+def test_by_evidence_it_leaves_a_budget_and_what_the_test_recordings_say(tmp_path, capsys):
+    dataset = data_set(0, extra=stribeck(1.5, 0.15), repetitions=2)
+    write_dataset(dataset, tmp_path / "data")
+    given = (tmp_path / "data", "--out", tmp_path / "out", "--method", "evidence")
+    names = ("--candidates", "stribeck", "torque_offset", "joint_spring")
+    assert oed("diagnose", *given, *names) == 0
+    record = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert record["method"] == "evidence"
+    (effect,) = record["effects"]
+    assert (effect["name"], effect["joint"]) == ("stribeck", 0)
+    assert {"name", "joint", "probability", "contender"} <= set(effect["alternatives"][0])
+    assert record["contradicted"] == []
+    budget = record["budget"]
+    assert budget["recordings"] == "validation"
+    assert budget["rms"]["stribeck@1"][0] > budget["rms"]["stribeck@1"][1] == 0
+    assert record["rms"]["after"]["test"][0] < record["rms"]["before"]["test"][0]
+    page = unescape((tmp_path / "out" / "report.html").read_text())
+    for words in ("Torque budget", "stribeck, joint 1", "the test recordings had none"):
+        assert words in page
+    assert "verdict: " in capsys.readouterr().out
+
+
 def test_a_pause_of_the_log_is_told_on_screen_on_the_page_and_in_the_record(tmp_path, capsys):
     write_dataset(data_set(0, roles=("estimation", "test")), tmp_path / "data")
     (file,) = (tmp_path / "data").glob("test*.csv")

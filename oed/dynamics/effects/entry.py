@@ -156,6 +156,15 @@ Check = Callable[[Context, Target, tuple[float, ...], Float[ndarray, " columns"]
 Install = Callable[[Context, Target, tuple[float, ...], Float[ndarray, " columns"]], TorqueModel]
 
 
+def by_its_shapes(
+    _context: Context,
+    _target: Target,
+    _values: tuple[float, ...],
+    _estimates: Float[ndarray, " columns"],
+) -> None:
+    """Any size is plausible, as long as its shapes lie in their ranges."""
+
+
 def _as_they_are(
     _context: Context, _target: Target, shapes: tuple[Shape, ...]
 ) -> tuple[Shape, ...]:

@@ -1,0 +1,64 @@
+"""`oed diagnose --method evidence`: the same question, by one criterion with a sealed test."""
+
+from __future__ import annotations
+
+from oed.commands.configurations import Diagnose
+from oed.commands.telling import say
+from oed.diagnosis_new.diagnose import Diagnosis, diagnose
+from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.models import build_model
+from oed.experiment.dataset import DataSet
+from oed.experiment.read_dataset import read_dataset
+from oed.experiment.stretches import gap_notes, gap_record
+from oed.report.evidence_report import write_evidence
+from oed.report.joint_words import over_floor, place_words
+from oed.report.provenance import Provenance
+from oed.report.study_files import CLOSE_LOOP
+
+
+def diagnose_by_evidence(config: Diagnose) -> Diagnosis:
+    """Diagnose into a folder, and say in a few lines what was found."""
+    with CLOSE_LOOP.in_folder(config.out, [config.data]) as results:
+        dataset = read_dataset(config.data)
+        notes = (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0))
+        for note in notes:
+            say(f"note: {note}")
+        found = diagnose(
+            dataset,
+            build_model(config.model or _base_model(dataset), dataset.robot),
+            names=config.candidates or tuple(CATALOGUE),
+            most=config.max_effects,
+            seed=config.seed,
+            say=say,
+        )
+        with results.replaced() as new:
+            write_evidence(
+                found,
+                data=dataset.name,
+                joints=dataset.robot.joint_names,
+                notes=(*notes, *found.notes),
+                provenance=Provenance.collect(config, seed=config.seed),
+                out=new,
+            )
+    _summarise(found, config)
+    return found
+
+
+def _base_model(dataset: DataSet) -> str:
+    """What is declared is nothing that the model lacks."""
+    return "standard" if dataset.drive.rotor_inertia is None else "rotor"
+
+
+def _summarise(found: Diagnosis, config: Diagnose) -> None:
+    print(f"verdict: {found.verdict}")
+    for effect in found.effects:
+        where = place_words(effect.joint)
+        print(f"  {effect.name} ({where}): probability {effect.probability:.3f}")
+    for item in found.unexplained:
+        print(f"  unexplained on joint {item.joint + 1}: {item.label}")
+    for words in found.contradicted:
+        print(f"  {words}")
+    for errors in found.errors:
+        old, new = (over_floor(x, found.noise_floor) for x in (errors.before, errors.after))
+        print(f"  {errors.role} error: {old:.3g} -> {new:.3g} times the noise floor")
+    print(f"open {config.out / 'report.html'}")

@@ -1,0 +1,1 @@
+"""A room of the diagnosis by evidence: see METHOD.md."""

@@ -1,0 +1,191 @@
+"""From a data set to a problem: bands, noise, rows, candidates."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.baseline.baseline import Baseline, find_baseline
+from oed.diagnosis.baseline.sign_width import with_widths
+from oed.diagnosis.data.prepare import prepare
+from oed.diagnosis.data.prepared import Prepared
+from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
+from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
+from oed.diagnosis.fit.rows import weigh
+from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.terms.free_terms import ALL_PAIRED, terms_alone, terms_together
+from oed.diagnosis_new.candidates.candidate import SmoothCandidate
+from oed.diagnosis_new.numbers import EFFECTS_PER_JOINT, LEAST_EFFECTS, NOISE_LAGS
+from oed.diagnosis_new.problem import Problem, named_candidates
+from oed.diagnosis_new.rows import WhiteRows
+from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Drives
+from oed.dynamics.effects.entries.measurement import standing
+from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.dissipation import check_dissipation, driven_joints
+from oed.experiment.choose_settings import search_cutoff
+from oed.experiment.dataset import DataSet
+from oed.experiment.signals.lowpass import lowpass
+
+
+@dataclass(frozen=True)
+class Sealed:
+    """All recordings, those for the test among them: for the report alone.
+
+    Attributes:
+        every: The recordings, prepared.
+        baseline: Gives the noise and how certain a row's direction is.
+    """
+
+    every: tuple[Prepared, ...]
+    baseline: Baseline
+
+    @property
+    def floor(self) -> Float[ndarray, " joints"]:
+        """(n,) deviation of the noise [N m]."""
+        return self.baseline.floor.deviation
+
+    @property
+    def source(self) -> str:
+        """Where the noise was read off."""
+        return self.baseline.floor.source
+
+    def weights(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
+        """Share of noise in the variance of each valid row's error."""
+        return self.baseline.noise_share(prepared)
+
+
+def pose(
+    dataset: DataSet,
+    model: TorqueModel,
+    *,
+    catalogue: Mapping[str, CatalogueEntry] = CATALOGUE,
+    names: Sequence[str] | None = None,
+    most: int | None = None,
+    say: Callable[[str], None] = lambda _: None,
+) -> tuple[Problem, Sealed, tuple[str, ...]]:
+    """Lay out what a search may look at, and seal the rest.
+
+    Args:
+        dataset: Recordings with roles.
+        model: The base model.
+        catalogue: Effects that may be named.
+        names: Of these, those that are tried; all if None.
+        most: Terms that may be added.
+        say: Receives lines of progress.
+
+    Returns:
+        The problem, without any test recording; all recordings for the report; notes on the data.
+
+    Raises:
+        ValueError: If there is no estimation recording, or one is too short.
+        OedError: If a joint stands still, or friction drives every joint.
+    """
+    if not dataset.estimation:
+        raise ValueError(
+            f"data set {dataset.name!r} has no recording with role estimation: give that role to one in "
+            "its dataset.toml"
+        )
+    dataset.check_moves()
+    prepared = prepare(dataset.recordings, DiagnosisSettings())
+    say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
+    estimation = tuple(p for p in prepared if p.role == "estimation")
+    validation = tuple(p for p in prepared if p.role == "validation")
+    baseline = find_baseline(standing(model), estimation)
+    rows = WhiteRows.of(weigh((*estimation, *validation), baseline.floor.noise, baseline.coulomb))
+    first = fit_model(
+        baseline.model, baseline.columns, weigh(estimation, baseline.floor.noise, baseline.coulomb)
+    )
+    ratio = dataset.drive.gear_ratio
+    drives = Drives(
+        None if ratio is None else tuple(float(x) for x in ratio),
+        of_motors=dataset.torque != "measured",
+    )
+    context = Context.of(
+        baseline.model,
+        first.full_parameters(),
+        [p.motion for p in estimation],
+        drives,
+        later=[p.motion for p in validation],
+        ordered=len(estimation) < 2 or not estimation[0].laid or any(p.period for p in estimation),
+    )
+    n = model.robot.n
+    smooth = terms_alone(estimation, n)
+    if n <= ALL_PAIRED:
+        smooth += terms_together(estimation, n, range(n))
+    problem = Problem(
+        rows,
+        baseline.model,
+        with_widths(baseline.model, baseline.least_widths),
+        baseline.columns,
+        context,
+        baseline.floor.deviation,
+        named_candidates(catalogue, tuple(names or catalogue), context),
+        tuple(SmoothCandidate(t) for t in smooth),
+        max(EFFECTS_PER_JOINT * n, LEAST_EFFECTS) if most is None else most,
+        motion_noise(rows, context, dataset),
+    )
+    pairs = [mean_of_repetitions(p) for p in (*estimation, *validation)]
+    if any(count > 1 for _, count in pairs):
+        mean = tuple(p for p, _ in pairs)
+        scales = tuple(1 / float(np.sqrt(count)) for _, count in pairs)
+        few = WhiteRows.of(weigh(mean, baseline.floor.noise, baseline.coulomb, scales))
+        none = np.zeros((n, few.torque.shape[1], 0))
+        means = dataclasses.replace(problem, rows=few, nuisances=none)
+        problem = dataclasses.replace(problem, means=means)
+    return problem, Sealed(prepared, baseline), _sign_notes(first, estimation, dataset.name)
+
+
+def motion_noise(
+    rows: WhiteRows, context: Context, dataset: DataSet
+) -> Float[ndarray, "joints rows nuisances"]:
+    """White torque that motion beyond its own band makes, at several lags.
+
+    Noise that shakes the arm goes together with noise of the torque; a model that is moved in time
+    by a little would explain that. Where motions repeat, their differences show it instead.
+
+    Args:
+        rows: Not of repeated motions.
+        context: Gives the torque.
+        dataset: Gives the band of the motion.
+    """
+    joints = rows.joints
+    if any(p.period is not None for p in rows.prepared):
+        return np.zeros((joints, rows.torque.shape[1], 0))
+    rate = rows.prepared[0].band.rate
+    shortest = min(float(np.ptp(p.motion.t)) for p in rows.prepared)
+    edge = search_cutoff(dataset.estimation, rate, shortest).band_edge
+    fine = []
+    for p in rows.prepared:
+        slow = dataclasses.replace(p.motion, ddq=lowpass(p.motion.ddq, rate, edge))
+        beyond = (context.reference.parts(p.motion) - context.reference.parts(slow)).sum(axis=2)
+        step = max(1, round(rate / (NOISE_LAGS * p.band.cutoff)))
+        lags = [
+            np.roll(beyond, k * step, axis=0) for k in range(-NOISE_LAGS // 2, NOISE_LAGS // 2 + 1)
+        ]
+        fine.append(np.stack(lags, axis=2))
+    count = fine[0].shape[2]
+    result = np.zeros((joints, rows.torque.shape[1], count * joints))
+    for j in range(joints):
+        result[j, :, count * j : count * (j + 1)] = rows.whiten([f[:, j] for f in fine], j)
+    return result
+
+
+def _sign_notes(first: LinearFit, prepared: Sequence[Prepared], name: str) -> tuple[str, ...]:
+    """What friction says of the torques' signs, joint by joint; refused where all are wrong."""
+    names = (p.name for p in first.model.parameters)
+    friction = dict(zip(names, first.full_parameters().tolist(), strict=True))
+    dq = np.concatenate([p.band.apply(p.motion.dq) for p in prepared])
+    torque = np.concatenate([p.torque for p in prepared])
+    check_dissipation(friction, dq, torque, name)
+    joints = first.model.robot.joint_names
+    return tuple(
+        f"{joints[j]}: in the base model friction drives it instead of braking it "
+        f"(Fc_{j + 1} = {friction.get(f'Fc_{j + 1}', 0.0):.3g}): is the sign of tau_{j + 1} opposite "
+        f"to that of q_{j + 1}, or the order of the columns another?"
+        for j in driven_joints(friction, dq, torque)
+    )

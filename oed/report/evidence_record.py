@@ -1,0 +1,89 @@
+"""The content of diagnosis.json of a diagnosis by evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from oed.diagnosis_new.diagnose import Diagnosis
+from oed.diagnosis_new.inference.answer import FoundEffect
+from oed.report.provenance import Provenance
+
+FORMAT = 1
+
+
+def evidence_record(
+    found: Diagnosis,
+    *,
+    data: str,
+    joints: Sequence[str],
+    notes: Sequence[str],
+    provenance: Provenance,
+) -> dict[str, object]:
+    """The content of diagnosis.json."""
+    return {
+        "format": FORMAT,
+        "method": "evidence",
+        "data": data,
+        "joints": list(joints),
+        "data_notes": list(notes),
+        "verdict": found.verdict,
+        "effects": [_effect(effect) for effect in found.effects],
+        "unexplained": [
+            {"joint": u.joint, "depends_on": list(u.depends_on), "term": u.label}
+            for u in found.unexplained
+        ],
+        "contradicted": list(found.contradicted),
+        "rms": {
+            "before": {e.role: e.before for e in found.errors},
+            "after": {e.role: e.after for e in found.errors},
+            "noise_floor": {e.role: found.noise_floor for e in found.errors},
+            "before_interval": {e.role: e.before_interval for e in found.errors},
+            "after_interval": {e.role: e.after_interval for e in found.errors},
+            "change_interval": {e.role: e.change_interval for e in found.errors},
+            "rows_counted": {e.role: e.counted for e in found.errors},
+        },
+        "relative_rms": {
+            "before": {e.role: e.before / e.torque for e in found.errors},
+            "after": {e.role: e.after / e.torque for e in found.errors},
+            "noise_floor": {e.role: found.noise_floor / e.torque for e in found.errors},
+        },
+        "budget": {
+            "recordings": found.budget.role,
+            "rms": {share.label: share.rms for share in found.budget.shares},
+            "left": found.budget.left,
+            "noise_floor": found.budget.floor,
+        },
+        "noise_source": found.noise_source,
+        "band_hz": found.cutoff,
+        "next_experiment": None,
+        "versions": provenance.versions,
+        "commit": provenance.commit,
+        "seed": provenance.seed,
+    }
+
+
+def _effect(effect: FoundEffect) -> dict[str, object]:
+    return {
+        "name": effect.name,
+        "joint": effect.joint,
+        "probability": effect.probability,
+        "log_evidence": effect.nats,
+        "held_out_gain": effect.held_out_gain,
+        "parameters": {
+            # A note says where the recordings tell no standard deviation.
+            p.name: {"value": p.value, "std": p.std, "unit": p.unit}
+            | ({} if p.note is None else {"note": p.note})
+            for p in effect.parameters
+        },
+        "alternatives": [
+            {
+                "name": a.name,
+                "joint": a.joint,
+                "term": a.label,
+                "probability": a.probability,
+                "contender": a.open,
+            }
+            | ({"same": True} if a.same else {})
+            for a in effect.alternatives
+        ],
+    }

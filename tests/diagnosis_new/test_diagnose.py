@@ -1,0 +1,132 @@
+"""What is promised of a whole diagnosis, on small data sets."""
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oed.diagnosis_new.diagnose import diagnose
+from oed.dynamics.effects import Effect, Parameter
+from oed.dynamics.effects.catalogue import CATALOGUE, EffectPage, Shape, named_effect, register
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set, stribeck
+from tests.paths import REPO
+
+FEW = ("stribeck", "torque_offset", "joint_spring", "rotor_inertia", "nonlinear_viscous")
+
+
+def _diagnose(dataset, **options):
+    return diagnose(dataset, TorqueModel.standard(dataset.robot), **{"names": FEW, **options})
+
+
+@pytest.fixture(scope="module")
+def found_stribeck():
+    return _diagnose(data_set(31, extra=stribeck(1.5, 0.15), repetitions=2))
+
+
+def test_names_nothing_where_nothing_is_missing():
+    found = _diagnose(data_set(32, repetitions=2))
+    assert found.effects == ()
+    assert found.verdict == "nothing found"
+
+
+def test_finds_what_was_put_in_and_says_its_size(found_stribeck):
+    (effect,) = found_stribeck.effects
+    assert (effect.name, effect.joint) == ("stribeck", 0)
+    assert effect.probability > 0.95
+    sizes = {p.name: p for p in effect.parameters}
+    assert abs(sizes["Fs_1"].value - 1.5) < 4 * sizes["Fs_1"].std
+    assert abs(sizes["speed"].value - 0.15) < 0.1
+
+
+def test_budget_adds_up_to_the_torque(found_stribeck):
+    budget, errors = found_stribeck.budget, found_stribeck.errors
+    held = next(e for e in errors if e.role == budget.role)
+    assert budget.role == "validation"
+    assert budget.left == pytest.approx(held.after, rel=1e-6)
+    (own,) = (s for s in budget.shares if s.label == "stribeck@1")
+    assert own.rms[1] == 0
+    assert own.rms[0] > found_stribeck.noise_floor[0] / 4
+
+
+def test_test_recordings_only_report(found_stribeck):
+    dataset = data_set(31, extra=stribeck(1.5, 0.15), repetitions=2)
+    against = tuple(
+        dataclasses.replace(r, tau=r.tau - 2 * stribeck(1.5, 0.15)(r.q, _rate(r), None))
+        if r.role == "test"
+        else r
+        for r in dataset.recordings
+    )
+    found = _diagnose(dataclasses.replace(dataset, recordings=against))
+    assert [(e.name, e.joint) for e in found.effects] == [("stribeck", 0)]
+    before, after = found_stribeck.effects[0].parameters, found.effects[0].parameters
+    assert [p.value for p in before] == [p.value for p in after]
+    (words,) = found.contradicted
+    assert words.startswith("the test recordings contradict stribeck@1")
+    assert found_stribeck.contradicted == ()
+
+
+def _rate(recording):
+    return np.gradient(recording.q, recording.t, axis=0)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Staircase(Effect):
+    """Friction that rises with the square of speed, up to a speed, and no further."""
+
+    joint: int
+    speed: float
+    name = "capped_drag"
+
+    @property
+    def parameters(self):
+        return (Parameter(f"Fk_{self.joint + 1}", "N m", self.joint),)
+
+    @property
+    def depends_on(self):
+        return (f"dq_{self.joint + 1}",)
+
+    def entries(self, state):
+        share = np.minimum(np.abs(state.dq[self.joint]) / self.speed, 1.0)
+        return [{self.joint: share**2 * np.sign(state.dq[self.joint])}]
+
+
+PAGE = EffectPage("F min(|dq|/v, 1)² s", "a user's own", "F in N m", "a step", (), "speeds")
+
+
+def test_an_effect_from_outside_is_fitted_and_named():
+    entry = named_effect(
+        "capped_drag", page=PAGE, shapes=(Shape("speed", "rad/s", 0.05, 2.0, "log", 8, 0.5),)
+    )(lambda _context, target, values: _Staircase(target, values[0]))
+    assert CATALOGUE["capped_drag"] is entry
+
+    def drag(q, dq, ddq):
+        result = np.zeros_like(q)
+        result[:, 1] = 0.8 * np.minimum(np.abs(dq[:, 1]) / 0.6, 1) ** 2 * np.sign(dq[:, 1])
+        return result
+
+    found = _diagnose(data_set(33, extra=drag, repetitions=2), names=("capped_drag", "stribeck"))
+    (effect,) = found.effects
+    assert (effect.name, effect.joint) == ("capped_drag", 1)
+    assert {p.name: p.value for p in effect.parameters}["speed"] == pytest.approx(0.6, rel=0.2)
+
+
+def test_a_name_that_is_taken_is_refused():
+    with pytest.raises(ValueError, match="'stribeck' already"):
+        named_effect("stribeck", page=PAGE)(lambda *_: _Staircase(0, 1.0))
+    assert register(CATALOGUE["stribeck"]) is CATALOGUE["stribeck"]
+
+
+def test_an_unknown_name_is_refused():
+    with pytest.raises(ValueError, match="no effects"):
+        _diagnose(data_set(32, repetitions=2), names=("sticktion",))
+
+
+def test_nothing_downstream_asks_which_effect_it_is():
+    words = "|".join(sorted(set(CATALOGUE) - {"capped_drag"}))
+    for file in sorted((REPO / "oed" / "diagnosis_new").rglob("*.py")):
+        code = re.sub(r'"""[\s\S]*?"""|#.*', "", Path(file).read_text(encoding="utf-8"))
+        assert not re.search(rf"\b({words})\b", code), file
+        assert not re.search(r"isinstance\(\w*effect\w*, (?!OnReference)", code), file
