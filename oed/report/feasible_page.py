@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 import numpy as np
 
 from oed.checkup.checkup import doubts_of_data
 from oed.checkup.finding import Checkup
 from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.estimation.feasible.change_from_file import LinkChange
 from oed.estimation.feasible.cross_validation import TOLERANCE
 from oed.experiment.recording import HELD_OUT, Role
+from oed.report.chart import Chart
+from oed.report.feasible_charts import (
+    centre_chart,
+    margin_chart,
+    mass_chart,
+    residual_comparison_chart,
+    weight_chart,
+)
 from oed.report.feasible_rows import (
     MOSTLY_DATA,
     change_rows,
@@ -20,8 +28,10 @@ from oed.report.feasible_rows import (
     solver_comparison,
     validation_rows,
 )
+from oed.report.joint_words import torque_label
 from oed.report.origin_section import origin_section
-from oed.report.page import Page, Picture, Section, Table, Text, Verdict
+from oed.report.page import Page, Section, Table, Text, Verdict
+from oed.report.parameter_charts import interval_charts
 from oed.report.provenance import Provenance
 from oed.report.table import Row
 
@@ -36,7 +46,6 @@ AT_BOUND = (
 def feasible_page(
     result: FeasibleCalibration,
     exports: Sequence[Row],
-    pictures: Mapping[str, Path],
     provenance: Provenance,
     *,
     checkup: Checkup,
@@ -46,29 +55,41 @@ def feasible_page(
     Args:
         result: To show.
         exports: One row a written robot file, with its round trip.
-        pictures: Figures by file stem.
         provenance: Of the run.
         checkup: Of its data.
     """
     notes = [Text(f"Note on the data: {note}.") for note in doubts_of_data(checkup)]
-    comparisons = [
-        Picture(pictures[f"residual_{role}"], f"Residual by joint, recordings with role {role}.")
-        for role in ("validation", "test")
-        if f"residual_{role}" in pictures
-    ]
     return Page(
         title=f"Physically feasible parameters of {result.plain.dataset.name}",
         verdict=_verdict(result, is_doubted=bool(notes)),
         sections=(
-            Section("How well it predicts", (*notes, Table(validation_rows(result)), *comparisons)),
+            Section(
+                "How well it predicts",
+                (*notes, Table(validation_rows(result)), *_comparisons(result)),
+            ),
             _change_section(result),
-            _links_section(result, pictures),
-            _parameters_section(result, pictures),
-            _weight_section(result, pictures),
+            _links_section(result),
+            _parameters_section(result),
+            _weight_section(result),
             _proof_section(result, exports),
             origin_section(result.plain, provenance),
         ),
     )
+
+
+def _comparisons(result: FeasibleCalibration) -> list[Chart]:
+    robot = result.plain.dataset.robot
+    held_out: list[Role] = [role for role in HELD_OUT if role in result.validation]
+    return [
+        residual_comparison_chart(
+            robot.joint_names,
+            result.plain.validation[role].rms,
+            result.validation[role].rms,
+            label=torque_label(robot.joints, "rms residual torque"),
+            caption=f"Residual by joint, recordings with role {role}.",
+        )
+        for role in held_out
+    ]
 
 
 def _verdict(result: FeasibleCalibration, *, is_doubted: bool) -> Verdict:
@@ -98,7 +119,7 @@ def _verdict(result: FeasibleCalibration, *, is_doubted: bool) -> Verdict:
     )
 
 
-def _links_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -> Section:
+def _links_section(result: FeasibleCalibration) -> Section:
     test, estimate = result.plain_feasibility, result.estimate
     answer = (
         "Whether any feasible robot has the plain estimate's base parameters was not found out: "
@@ -120,8 +141,10 @@ def _links_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) ->
         "Consistency of the links",
         (
             Table(link_rows(result)),
-            Picture(
-                pictures["margins"], "Least eigenvalue of each pseudo-inertia, per reference body."
+            margin_chart(
+                [joint.link for joint in estimate.robot.joints],
+                estimate.relative_margins,
+                estimate.problem.margin,
             ),
             Text(active),
             Text(answer),
@@ -140,12 +163,23 @@ def _change_section(result: FeasibleCalibration) -> Section:
         "no torque depends on that mass by itself; inertias are means of the principal moments about "
         "the centre of mass."
     )
+    charts = (mass_chart(result.changes), centre_chart(result.changes))
     return Section(
-        "What changed from the robot's file", (*warnings, pull, about, Table(change_rows(result)))
+        "What changed from the robot's file",
+        (*warnings, _total(result.changes[-1]), pull, about, Table(change_rows(result)), *charts),
     )
 
 
-def _parameters_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -> Section:
+def _total(change: LinkChange) -> Text:
+    low, high = change.interval
+    percent = 100 * (change.mass_after / change.mass_before - 1)
+    return Text(
+        f"Total mass of the moving links: {change.mass_after:.4g} kg identified (95 %: {low:.4g} to "
+        f"{high:.4g} kg), {change.mass_before:.4g} kg in the file: {percent:+.1f} %."
+    )
+
+
+def _parameters_section(result: FeasibleCalibration) -> Section:
     estimate = result.estimate
     undecided = int(np.sum(estimate.from_data < MOSTLY_DATA))
     reference = (
@@ -155,10 +189,13 @@ def _parameters_section(result: FeasibleCalibration, pictures: Mapping[str, Path
         "explains the data best. What no torque depends on is then that of a plain arm of the "
         "right weight"
     )
-    figure = (
-        [Picture(pictures["parameters"], "Parameters that the data decide, with 95 % intervals.")]
-        if "parameters" in pictures
-        else []
+    measured = np.flatnonzero(estimate.from_data > MOSTLY_DATA)
+    charts = interval_charts(
+        [estimate.names[k] for k in measured],
+        estimate.parameters[measured],
+        result.bootstrap.interval()[measured],
+        [estimate.units[k] for k in measured],
+        caption="Parameters that the data decide, with 95 % intervals.",
     )
     return Section(
         "Parameters",
@@ -170,28 +207,32 @@ def _parameters_section(result: FeasibleCalibration, pictures: Mapping[str, Path
             ),
             *([Text(AT_BOUND)] if estimate.active else []),
             Table(parameter_rows(result)),
-            *figure,
+            *charts,
         ),
     )
 
 
-def _weight_section(result: FeasibleCalibration, pictures: Mapping[str, Path]) -> Section:
+def _weight_section(result: FeasibleCalibration) -> Section:
     pull = result.estimate.problem.regularisation
     text = f"The pull to the reference is {pull.kind}, with weight {pull.weight:.3g}"
-    if result.curve is None:
+    curve = result.curve
+    if curve is None:
         return Section("Weight of the pull", (Text(f"{text}, as given."),))
     return Section(
         "Weight of the pull",
         (
             Text(
                 f"{text}: the largest whose held-out error is within one standard error of the best, "
-                f"or within {100 * TOLERANCE:g} % of it, over {result.curve.held_out.shape[1]} folds "
+                f"or within {100 * TOLERANCE:g} % of it, over {curve.held_out.shape[1]} folds "
                 "of consecutive data. The error is the geometric mean over joints of the rms residual."
             ),
-            Picture(
-                pictures["weight"],
-                "Error of held-out and of fitted data; bars are standard errors of the "
-                "difference to the best weight.",
+            weight_chart(
+                curve.weights,
+                curve.held_out,
+                curve.fitted,
+                best=curve.best,
+                chosen=curve.chosen,
+                least_squares=float(curve.least_squares.mean()),
             ),
         ),
     )

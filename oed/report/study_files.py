@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from oed.report.result_folder import ResultFiles
 
-ROLES = ("estimation", "validation", "test")
-
 CHECK = ResultFiles("check", ("check.json", "ranges.png", "recorded_motion.json", "report.html"))
 IDENTIFY = ResultFiles(
     "identify",
@@ -20,10 +18,6 @@ FEASIBLE = ResultFiles(
     "feasible",
     (
         "estimate.json",
-        *(f"residual_{role}.png" for role in ROLES),
-        "margins.png",
-        "parameters.png",
-        "weight.png",
         "changed_masses.csv",
         "links.csv",
         "parameters.csv",

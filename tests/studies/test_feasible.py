@@ -83,10 +83,11 @@ def test_leaves_everything_that_it_promises(results: Path) -> None:
         "calibrated_robot.sdf",
         "calibrated_robot.xml",
         "report.html",
-        "weight.png",
-        "margins.png",
     } <= names
-    assert "positive definite in 100 %" in (results / "report.html").read_text(encoding="utf-8")
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert "positive definite in 100 %" in page
+    assert str(results) not in page
+    assert not list(results.glob("*.png"))
 
 
 def test_the_record_states_its_proofs(results: Path) -> None:
