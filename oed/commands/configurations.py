@@ -148,8 +148,8 @@ class Design(Command):
     """Find the motion that excites an arm best, and prove that it keeps its limits.
 
     By default it is clear of itself, from rest to rest, and uses 90 % of the velocity and
-    acceleration limits. Leaves motion.csv, ROS 2 JointTrajectory files, design.json and
-    motion.html, in which the arm moves. Where a limit is not kept, nothing for a controller is
+    acceleration limits. Leaves motion.csv, ROS 2 JointTrajectory files, design.json,
+    report.html and motion.html, in which the arm moves. Where a limit is not kept, nothing for a controller is
     written and the exit status is 3.
 
     Attributes:

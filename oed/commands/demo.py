@@ -26,7 +26,7 @@ REPETITIONS, FEW = 6, 2
 EVALUATIONS, FEW_EVALUATIONS = 300, 60  # enough for two joints: half a minute of four in all
 ROLES: tuple[Role, ...] = ("estimation", "validation", "test")
 PAGES = (
-    ("The motion", "design/motion.png", "designed for this arm; proven to keep its limits"),
+    ("The motion", "design/report.html", "designed for this arm; proven to keep its limits"),
     ("The parameters", "identify/report.html", "with 95 % intervals, and their errors held out"),
     ("What the model lacks", "diagnosis/report.html", "the effect found, and what it gains"),
     ("A model for a simulator", "feasible/report.html", "bodies that exist; URDF, SDF, MJCF"),

@@ -39,17 +39,18 @@ from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError, RobotError
 from oed.experiment.read_dataset import read_robot
 from oed.process_end import NO_USABLE_RESULT
-from oed.report.design_plots import draw_motion
+from oed.report.design_page import design_page
 from oed.report.design_summary import summary
 from oed.report.json_file import write_json
 from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
+from oed.report.page import write_page
 from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.study_files import DESIGN
-from oed.report.style import save_figure
 from oed.robot import JointLimits, Robot, load_arm
 from oed.robot.load import EARTH_GRAVITY
 from oed.robot.packages import read_packages
 
+FINE = 1000  # instants of a plot
 SMOKE_EVALUATIONS, SMOKE_INSTANTS = 100, 40  # a second on two joints
 ROTORS = (
     "rotor inertias are no part of the model that this excites; oed identify estimates them "
@@ -252,7 +253,7 @@ def _with_prior(problem: DesignProblem, files: Sequence[str]) -> DesignProblem:
 
 
 def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
-    """Write motion files, `design.json`, plot, recording and provenance; all notes.
+    """Write motion files, `design.json`, recording, provenance and the page; all notes.
 
     Nothing that a controller could run where the motion is not usable.
     """
@@ -260,11 +261,6 @@ def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
     robot = design.problem.model.robot
     if design.status.is_usable:
         _write_for_controller(design, config, out)
-    fine = design.motion(np.linspace(0.0, design.horizon, 1000))
-    nominal = design.problem.nominal
-    torque = None if nominal is None else design.problem.model.torque(nominal, fine)
-    figure = draw_motion(fine, robot.joint_names, result.limits, design.certificate, torque)
-    save_figure(figure, out / "motion", formats=("png",))
     frames = design.motion(np.arange(0.0, design.horizon, 1 / FRAMES_PER_SECOND))
     note = record_motion(robot, frames, out / "motion.html")
     notes = (*result.notes, *((note,) if note else ()))
@@ -279,8 +275,23 @@ def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
     more |= {"robot_limits": limits_record(result.limits), "gravity": robot.gravity.tolist()}
     more |= {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
     write_json(out / "design.json", {**record, **more})
-    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
+    provenance = Provenance.collect(config, seed=config.seed)
+    provenance.write(out / "provenance.json")
+    _write_page(result, _told(result, config, notes), provenance, out)
     return notes
+
+
+def _write_page(result: Result, told: Sequence[str], provenance: Provenance, out: Path) -> None:
+    design = result.design
+    fine = design.motion(np.linspace(0.0, design.horizon, FINE))
+    nominal = design.problem.nominal
+    page = design_page(
+        design, result.limits, result.efficiency, result.clearance,
+        notes=told, provenance=provenance, fine=fine,
+        torque=None if nominal is None else design.problem.model.torque(nominal, fine),
+        has_recording=(out / "motion.html").exists(),
+    )  # fmt: skip
+    write_page(out / "report.html", page)
 
 
 def _write_for_controller(design: FoundDesign, config: Design, out: Path) -> None:
@@ -302,7 +313,7 @@ def run(config: Design) -> int:
             notes = write(result, config, new)
     told = _told(result, config, notes)
     print(summary(result.design, result.efficiency, result.clearance, told))
-    print(f"open {config.out / 'motion.html'}")
+    print(f"open {config.out / 'report.html'}")
     if result.design.status.is_usable:
         return 0
     sys.stderr.write(

@@ -38,20 +38,22 @@ def summary(
         f"  {sampled} ({elsewhere})",
         f"  J_d = log10 det Lambda  {design.J_d:.4f} (continuous {design.J_d_continuous:.4f})",
         f"  nearest limit  {design.certificate.worst}, proven {spare:.2e} of it to spare",
-        f"  D-efficiency  {_efficiency_line(efficiency)}",
-        f"  clearance  {_clearance_line(clearance)}",
+        f"  D-efficiency  {efficiency_line(efficiency)}",
+        f"  clearance  {clearance_line(clearance)}",
         f"  {design.evaluations} evaluations in {design.cpu_s:.1f} s of CPU time",
     ]
     return "\n".join(lines + [f"  note: {note}" for note in notes])
 
 
-def _efficiency_line(efficiency: DEfficiency | None) -> str:
+def efficiency_line(efficiency: DEfficiency | None) -> str:
+    """What a design is worth against a bound, in words."""
     if efficiency is None:
         return "not known"
     return f"at least {efficiency.value:.3f}, {efficiency.kind}"
 
 
-def _clearance_line(check: ClearanceCheck) -> str:
+def clearance_line(check: ClearanceCheck) -> str:
+    """How near the arm comes to itself and to its walls, in words."""
     if check.instants == 0:
         return check.note
     parts = [_of_kind(found) for found in (check.bodies, check.walls) if found is not None]

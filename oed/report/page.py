@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import gzip
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -185,8 +186,23 @@ def render_page(page: Page) -> str:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=_without_folders,
     )
     return environment.get_template("page.html").render(page=page)
+
+
+# From the root, with folders between; what follows a letter or a digit is a unit or an address.
+ABSOLUTE = re.compile(r"(?<![\w./:~])/([^\s/'\"<>]+)/(?:[^\s/'\"<>]+/)*([^\s/'\"<>]+)")
+
+
+def _without_folders(shown: object) -> object:
+    """Text with the names alone of files that it names from the root of this machine.
+
+    A page is handed on, and where its maker keeps his files is no part of it.
+    """
+    if type(shown) is not str or shown.startswith("data:"):
+        return shown  # what is markup already was made here
+    return ABSOLUTE.sub(lambda m: m[2] if Path("/", m[1]).is_dir() else m[0], shown)
 
 
 def write_page(path: str | Path, page: Page) -> None:

@@ -50,8 +50,8 @@ DESIGN = ResultFiles(
         "joint_trajectory.yaml",
         "motion.csv",
         "motion.html",
-        "motion.png",
         "provenance.json",
+        "report.html",
     ),
 )
 DEMO = ResultFiles("demo", ("index.html", "provenance.json"))

@@ -87,3 +87,19 @@ def test_is_written_whole(tmp_path: Path) -> None:
     assert text.startswith("<!doctype html>")
     assert text.rstrip().endswith("</html>")
     assert 'class="verdict good"' in text
+
+
+def test_folders_of_the_maker_are_not_told(tmp_path: Path) -> None:
+    file = tmp_path / "arm.urdf"
+    shown = render_page(
+        page(
+            Text(f"no recording: '{file}': no shapes, see {file}."),
+            Table([{"file": str(file), "m/s": "N m s/rad"}]),
+            Text("publish to /joint_trajectory_controller/joint_trajectory; a/b/c; (N m)²/Hz"),
+        )
+    )
+    assert str(tmp_path) not in shown
+    assert "no recording: &#39;arm.urdf&#39;: no shapes, see arm.urdf." in shown
+    assert "<td>arm.urdf</td>" in shown
+    assert "/joint_trajectory_controller/joint_trajectory; a/b/c; (N m)²/Hz" in shown
+    assert "N m s/rad" in shown

@@ -294,6 +294,11 @@ def test_what_cannot_be_shown_is_told_on_screen(
     assert "note: no recording" in capsys.readouterr().out
     assert "no recording" in " ".join(record["notes"])
     assert not (tmp_path / "out" / "motion.html").exists()
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<iframe" not in page
+    assert "no recording" in page
+    assert str(tmp_path) not in page
+    assert f"{record['J_k']:.4g}" in page
 
 
 def test_collisions_cannot_be_avoided_without_shapes(

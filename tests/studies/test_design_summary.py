@@ -10,7 +10,7 @@ import pytest
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
 from oed.design.collision import Surroundings
 from oed.design.trajectories import FourierClass
-from oed.report.design_summary import _clearance_line
+from oed.report.design_summary import clearance_line
 from oed.robot import Robot
 from tests.design.primitive_arm import planar_arm, sphere
 
@@ -26,7 +26,7 @@ def still(robot: Robot) -> ClearanceCheck:
 def test_a_missing_mesh_leaves_the_clearance_unchecked(base: str, tmp_path: Path) -> None:
     check = still(planar_arm(tmp_path, base=base, upper=ABSENT, lower=sphere(0.05, "-0.3 0 0")))
     assert check.missing == ("package://gone/a.stl",)
-    assert "package://gone/a.stl" in _clearance_line(check)
+    assert "package://gone/a.stl" in clearance_line(check)
     (status,) = clearance_status(check, is_wanted=True, is_asked=False, has_box=False)
     assert status.standing == "not checked"
     assert "package://gone/a.stl" in status.evidence
@@ -38,14 +38,14 @@ def test_a_missing_mesh_leaves_the_clearance_unchecked(base: str, tmp_path: Path
 
 def test_with_every_shape_there_nothing_comes_near(tmp_path: Path) -> None:
     check = still(planar_arm(tmp_path, base=sphere(0.05), lower=sphere(0.05, "0.3 0 0")))
-    assert _clearance_line(check).startswith("nothing comes near")
+    assert clearance_line(check).startswith("nothing comes near")
     (status,) = clearance_status(check, is_wanted=True, is_asked=True, has_box=False)
     assert (status.standing, status.evidence) == ("proven", "by 10 mm")
 
 
 def test_an_overlap_is_not_kept_or_given_up(tmp_path: Path) -> None:
     check = still(planar_arm(tmp_path, base=sphere(0.3, "0.9 0 0"), lower=sphere(0.1, "0.5 0 0")))
-    assert "base and lower overlap by" in _clearance_line(check)
+    assert "base and lower overlap by" in clearance_line(check)
     (status,) = clearance_status(check, is_wanted=True, is_asked=False, has_box=False)
     assert status.standing == "not kept"
     assert status.is_open

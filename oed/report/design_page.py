@@ -1,0 +1,220 @@
+"""The page of a designed motion: what it is worth, what it keeps, and how to run it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.design.bound.efficiency import DEfficiency
+from oed.design.clearance import ClearanceCheck
+from oed.design.design import Design
+from oed.design.limits import Certificate
+from oed.dynamics.motion import Motion
+from oed.report.chart import Chart, Trace, line, panel_axis, points_for, stacked_panels
+from oed.report.colours import BLUE, VERMILION
+from oed.report.design_summary import clearance_line, efficiency_line
+from oed.report.page import Frame, Links, Page, Section, Table, Text, Verdict
+from oed.report.provenance import Provenance
+from oed.report.table import Row
+from oed.robot import JointLimits, Robot
+
+SIGNALS = (
+    ("position", "q", "rad"),
+    ("velocity", "dq", "rad/s"),
+    ("acceleration", "ddq", "rad/s^2"),
+)
+FAR = 1.6  # a limit further off than this many times the motion's own reach is not drawn
+FILES = (
+    ("motion.csv", "motion.csv", "time, position, velocity and acceleration of every joint"),
+    ("joint_trajectory.yaml", "joint_trajectory.yaml", "trajectory_msgs/JointTrajectory, as YAML"),
+    ("joint_trajectory.json", "joint_trajectory.json", "the same, as JSON"),
+)
+SENDING = (
+    "With ROS 2, play the YAML file to the arm's trajectory controller: `ros2 topic pub --once "
+    "/joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory "
+    '"$(cat joint_trajectory.yaml)"`; the controller\'s name is that of your arm. Bring the arm to '
+    "the first position slowly before, and keep a hand at the emergency stop: the proof holds for "
+    "the robot's file, not for what stands around the arm."
+)
+
+
+def design_page(
+    design: Design,
+    limits: JointLimits,
+    efficiency: DEfficiency | None,
+    clearance: ClearanceCheck,
+    *,
+    notes: Sequence[str],
+    provenance: Provenance,
+    fine: Motion,
+    torque: Float[ndarray, "samples joints"] | None,
+    has_recording: bool,
+) -> Page:
+    """The whole page.
+
+    Args:
+        design: The motion.
+        limits: Of the robot, of which the motion uses a share.
+        efficiency: What it is worth against a bound; None where that is not known.
+        clearance: What the geometry says of it.
+        notes: What was assumed or left out.
+        provenance: Of the run.
+        fine: The motion, sampled finely.
+        torque: (N, n) of the nominal model along it [N m]; None where there is none.
+        has_recording: Whether `motion.html` stands beside the page.
+    """
+    robot = design.problem.model.robot
+    replay = (Frame("motion.html", "The arm, as it will move."),) if has_recording else ()
+    return Page(
+        title=f"Excitation motion of {robot.name}",
+        verdict=_verdict(design),
+        sections=(
+            *((Section("The motion", replay),) if replay else ()),
+            Section("What it is worth", _worth(design, efficiency)),
+            Section("What it keeps", _kept(design, limits, clearance)),
+            Section("Joint by joint", _charts(design, limits, fine, torque)),
+            Section("What is assumed", tuple(Text(f"{note}.") for note in notes)),
+            Section("How to run it", _running(design)),
+            Section(
+                "How it was made",
+                (Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),),
+            ),
+        ),
+    )
+
+
+def _verdict(design: Design) -> Verdict:
+    status = design.status
+    level: Literal["good", "warning", "bad"] = (
+        "bad" if not status.is_usable else "good" if status.is_proven else "warning"
+    )
+    headline = {
+        "good": "Everything that was asked for is proven for all times.",
+        "warning": "The motion may be run; not everything is proven.",
+        "bad": "The motion must not be run.",
+    }[level]
+    return Verdict(level, headline, f"{status}.")
+
+
+def _worth(design: Design, efficiency: DEfficiency | None) -> tuple[Text | Table, ...]:
+    problem = design.problem
+    rows: list[Row] = [
+        {"": "J_k = cond Lambda", "value": design.J_k, "continuous": design.J_k_continuous},
+        {"": "J_d = log10 det Lambda", "value": design.J_d, "continuous": design.J_d_continuous},
+    ]
+    return (
+        Table(rows),
+        Text(f"D-efficiency: {efficiency_line(efficiency)}."),
+        Text(
+            f"{problem.model.robot.n} joints, {len(problem.base)} base parameters, "
+            f"{len(problem.instants)} instants; {design.evaluations} evaluations in "
+            f"{design.cpu_s:.1f} s of CPU time."
+        ),
+    )
+
+
+def _kept(
+    design: Design, limits: JointLimits, clearance: ClearanceCheck
+) -> tuple[Text | Table, ...]:
+    status: list[Row] = [
+        {"asked for": kept.limit, "standing": kept.standing, "evidence": kept.evidence or None}
+        for kept in design.status.limits
+    ]
+    robot = design.problem.model.robot
+    return (
+        Table(status),
+        Text(
+            f"Nearest limit: {design.certificate.worst}, proven {-design.certificate.violation:.2e} "
+            "of it to spare."
+        ),
+        Text(f"Clearance: {clearance_line(clearance)}."),
+        Table(
+            _limit_rows(robot, limits, design.certificate),
+            caption="Limits of the robot, what the motion is proven to stay within, and the share "
+            "of the limit that this is. Of a limit that is not known the cells are empty.",
+        ),
+    )
+
+
+def _limit_rows(robot: Robot, limits: JointLimits, certificate: Certificate) -> list[Row]:
+    """A row for each joint and quantity."""
+    rows: list[Row] = []
+    kinds = [(kind, unit) for kind, _, unit in SIGNALS] + [("torque", "N m")]
+    for j, joint in enumerate(robot.joints):
+        for kind, unit in kinds:
+            proven = getattr(certificate, kind)
+            if proven is None:
+                continue
+            lower, upper = getattr(limits, kind)[j]
+            low, high = proven[j]
+            # A position uses its range; what has a sign, the nearer bound.
+            used = (
+                (high - low) / (upper - lower)
+                if kind == "position"
+                else max(high / upper, low / lower)
+            )
+            bounded = bool(np.isfinite(lower) and np.isfinite(upper))
+            rows.append(
+                {
+                    "joint": robot.joint_names[j],
+                    "quantity": f"{kind} [{joint.unit(unit)}]",
+                    "lower limit": float(lower) if np.isfinite(lower) else None,
+                    "proven from": float(low),
+                    "proven to": float(high),
+                    "upper limit": float(upper) if np.isfinite(upper) else None,
+                    "used": f"{100 * used:.0f} %" if bounded else None,
+                }
+            )
+    return rows
+
+
+def _charts(
+    design: Design, limits: JointLimits, fine: Motion, torque: ndarray | None
+) -> tuple[Chart, ...]:
+    """One chart a quantity, a panel a joint."""
+    robot = design.problem.model.robot
+    signals = [(kind, getattr(fine, field), unit) for kind, field, unit in SIGNALS]
+    if torque is not None:
+        signals.append(("torque", torque, "N m"))
+    points = points_for(len(signals) * robot.n)
+    charts = []
+    for kind, values, unit in signals:
+        units = [joint.unit(unit) for joint in robot.joints]
+        traces: list[Trace] = [
+            line(
+                fine.t, values[:, j], points, name=kind, showlegend=False, yaxis=panel_axis(j),
+                line={"color": BLUE, "width": 1.2},
+                hovertemplate=f"%{{y:.4g}} {units[j]} at %{{x:.3f}} s<extra></extra>",
+            )
+            for j in range(robot.n)
+        ]  # fmt: skip
+        titles = [f"{name} [{u}]" for name, u in zip(robot.joint_names, units, strict=True)]
+        axes, height = stacked_panels(titles, "time [s]")
+        shapes = [
+            shape
+            for j in range(robot.n)
+            for shape in _bounds(j, values[:, j], getattr(limits, kind)[j])
+        ]
+        caption = f"{kind.capitalize()} of every joint; limits are dashed where they are near."
+        charts.append(Chart(traces, {**axes, "shapes": shapes}, caption, height))
+    return tuple(charts)
+
+
+def _bounds(joint: int, values: ndarray, limit: ndarray) -> list[dict[str, object]]:
+    middle, reach = (values.max() + values.min()) / 2, (values.max() - values.min()) / 2
+    return [
+        {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": panel_axis(joint)}
+        | {"y0": float(bound), "y1": float(bound), "line": {"color": VERMILION, "dash": "dash"}}
+        for bound in limit
+        if abs(bound - middle) <= FAR * reach
+    ]
+
+
+def _running(design: Design) -> tuple[Text | Links, ...]:
+    if not design.status.is_usable:
+        return (Text("No files for a controller were written: a limit is not kept."),)
+    return (Links(FILES), Text(SENDING))
