@@ -121,3 +121,10 @@ def test_a_meshcat_that_cannot_start_is_a_note(
     note = record_motion(arm_and_post(tmp_path), motion(), tmp_path / "motion.html")
     assert "no free port" in note
     assert not (tmp_path / "motion.html").exists()
+
+
+def test_the_camera_looks_at_what_moves(tmp_path: Path) -> None:
+    record_motion(arm_and_post(tmp_path), motion(), tmp_path / "motion.html")
+    aimed = [c for c in commands(tmp_path / "motion.html") if "/Cameras" in c.get("path", "")]
+    (stand,) = [c["value"] for c in aimed if c["type"] == "set_property"]
+    assert LENGTH / 2 < np.linalg.norm(stand) < 10 * LENGTH
