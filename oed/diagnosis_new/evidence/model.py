@@ -141,7 +141,8 @@ def _stepped(fitted: Fitted) -> tuple[tuple[Term, ...], bool]:
     result, moved = [], False
     for term, place in zip(fitted.terms, fitted.places, strict=True):
         own = fitted.projection.coefficients[place]
-        whole = np.linalg.norm(np.sum(term.steps, axis=0)) if term.steps else 0.0
+        # Steps may differ in length: what a model has of it can depend on what is installed.
+        whole = sum(float(np.linalg.norm(step)) for step in term.steps)
         if term.steps and len(own) and np.linalg.norm(own) > SETTLED * whole:
             sizes = tuple(float(x) for x in own)
             result.append(dataclasses.replace(term, steps=(*term.steps, sizes)))
