@@ -35,6 +35,7 @@ from oed.design.prior_experiments import prior_information
 from oed.design.problem import DesignProblem
 from oed.design.status import DesignStatus, LimitStatus
 from oed.design.still_joints import hold_still_joints
+from oed.design.trajectories import FourierClass
 from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError, RobotError
 from oed.experiment.read_dataset import read_robot
@@ -137,6 +138,7 @@ def find(config: Design, robot: Robot) -> Result:
     if config.prior:
         problem = _with_prior(problem, config.prior)
     kept = _kept(surroundings, robot, config)
+    _check_class(problem, kept, config)
     budget = Budget(_evaluations(config), config.budget)
     search = search_clear(problem, kept, budget, rng, optimise)
     found = search.found
@@ -208,9 +210,22 @@ def _check_information(design: FoundDesign) -> None:
         )
 
 
+def _check_class(problem: DesignProblem, kept: Surroundings | None, config: Design) -> None:
+    """Refuse what only Fourier series can do."""
+    if isinstance(problem.trajectory, FourierClass):
+        return
+    for option, is_asked in (
+        ("keeping clear (leave it out by --no-clearance, and no --box)", kept is not None),
+        ("--scale", config.scale != 1.0),
+    ):
+        if is_asked:
+            raise ValueError(f"--trajectory {config.trajectory}: {option} needs a Fourier series")
+
+
 def _problem(config: Design) -> ProblemSettings:
     return ProblemSettings(
         horizon=config.horizon,
+        trajectory=config.trajectory,
         instants=SMOKE_INSTANTS if config.smoke else ProblemSettings.instants,
         criterion=config.criterion,
         at_rest=not config.periodic,

@@ -15,6 +15,7 @@ from oed.design.problem import DENSE, DesignProblem
 from oed.design.status import LimitStatus
 from oed.design.torque_range import check_torque_bounded
 from oed.design.trajectories import FourierClass
+from oed.design.trajectories.registry import Wishes, make_trajectory
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import RobotError
@@ -31,7 +32,8 @@ class ProblemSettings:
 
     Attributes:
         horizon: Period of the motion [s].
-        harmonics: Of the Fourier series.
+        trajectory: Name of the class of motions.
+        harmonics: Of the Fourier series, or sines, a joint.
         instants: Sampled in a period.
         criterion: "J_k", "J_d", "A" or "E".
         at_rest: Whether the motion starts and ends at rest.
@@ -41,6 +43,7 @@ class ProblemSettings:
     """
 
     horizon: float = 10.0
+    trajectory: str = FourierClass.name
     harmonics: int = 5
     instants: int = 200
     criterion: Criterion = "J_d"
@@ -82,19 +85,21 @@ class _Nominal:
 
 
 def default_problem(model: TorqueModel, settings: ProblemSettings) -> DefaultProblem:
-    """A Fourier design for a model whose robot has finite limits.
+    """A design for a model whose robot has finite limits.
 
     Args:
         model: Of the torque.
         settings: What to ask.
 
     Raises:
+        ValueError: If no class of motions has the name.
         RobotError: If torque is to be limited and the file states a mass that is not positive.
         EffortTooSmall: If the effort limits leave no room for a design.
     """
     robot = model.robot
     base = base_parameters(model)
-    trajectory = FourierClass(settings.horizon, robot.limits, settings.harmonics, settings.at_rest)
+    wishes = Wishes(robot.limits, settings.horizon, settings.harmonics, settings.at_rest)
+    trajectory = make_trajectory(settings.trajectory, wishes)
     nominal = _nominal(model, enabled=settings.torque)
     problem = DesignProblem(
         model,

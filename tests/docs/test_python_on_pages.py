@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from oed.design.optimisers import registry as optimisers
+from oed.design.trajectories import registry as trajectories
 from oed.experiment.logs import registry
 from oed.experiment.read_dataset import read_dataset
 from tests.docs.code_blocks import blocks
@@ -120,3 +121,38 @@ def test_an_unknown_optimiser_is_refused_with_those_there_are(
     assert oed("design", *arguments) == 2
     assert "slsqp" in capsys.readouterr().err
     assert not (tmp_path / "d").exists()
+
+
+@pytest.fixture
+def own_trajectories() -> Iterator[None]:
+    before = dict(trajectories._makers)
+    yield
+    trajectories._makers.clear()
+    trajectories._makers.update(before)
+
+
+@pytest.mark.usefixtures("own_trajectories")
+def test_a_class_of_trajectories_from_outside(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in blocks(HOW_TO / "trajectory.md", "python"):
+        exec(compile(block, "trajectory.md", "exec"), names)  # noqa: S102  # our own page
+    assert names["status"] == 0
+    record = json.loads(Path("design/design.json").read_text())
+    assert record["usable"]
+    # Two sines a joint that are no faster than the page's bound.
+    frequency = np.array(record["coefficients"]["frequency"])
+    assert frequency.shape == (2, 2)
+    assert (frequency <= 3.0).all()
+
+
+def test_what_only_a_fourier_series_can_do_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["--robot", "builtin:imi_scara", "--out", tmp_path / "d", "--smoke"]
+    assert oed("design", *arguments, "--trajectory", "harmonic", "--scale", 0.5) == 2
+    assert "needs a Fourier series" in capsys.readouterr().err
+    assert oed("design", *arguments, "--trajectory", "spline") == 2
+    assert "known are fourier, harmonic" in capsys.readouterr().err
