@@ -224,7 +224,9 @@ def test_a_joint_that_stands_still_is_named():
         dataclasses.replace(r, q=r.q * [1.0, 0.0] + [0.0, 0.3]) for r in dataset.recordings
     )
     dataset = dataclasses.replace(dataset, recordings=still)
-    with pytest.raises(OedError, match=r"joint '.*' moves by no more than 0 rad .* `fixed`"):
+    with pytest.raises(
+        OedError, match=r"joint 'joint_2' moves by no more than 0 rad .* \[fixed\] of dataset.toml"
+    ):
         diagnose(dataset, TorqueModel.standard(dataset.robot), QUICK)
 
 
