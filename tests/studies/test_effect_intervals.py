@@ -82,7 +82,7 @@ def test_each_arm_and_each_noise_takes_its_turn():
 def test_smoke_leaves_a_line_a_page_and_where_they_come_from(tmp_path):
     effect_intervals.main(["--smoke", "--out", str(tmp_path)])
     assert (tmp_path / "provenance.json").is_file()
-    (row,) = effect_intervals.run(effect_intervals.SMOKE, tmp_path, 1)  # nothing left to do
+    (row,) = effect_intervals.run(effect_intervals.SMOKE, tmp_path)  # nothing left to do
     (interval,) = unpacked(row["intervals"])
     assert row["status"] == "done"
     assert interval.name == "offset"
