@@ -168,6 +168,8 @@ class Design(Command):
         margin: Share of velocity and acceleration limits that is used.
         scale: Speed of the finished motion, as a share.
         gravity: In the base frame [m/s^2], for an arm on a wall or ceiling.
+        sum: Bounds on sums of positions, as coupled drives have: joint_2+0.5*joint_3:-2.8:2.8
+            [rad or m].
         no_torque: Ignore effort limits.
         prior: design.json of earlier experiments, which this one completes.
         clearance: Distance that links keep from one another [m].
@@ -198,6 +200,7 @@ class Design(Command):
     margin: float = 0.9
     scale: float = 1.0
     gravity: tuple[float, float, float] | None = None
+    sum: tuple[str, ...] = ()
     no_torque: bool = False
     prior: tuple[str, ...] = ()
     clearance: float = CLEARANCE

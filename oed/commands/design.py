@@ -47,7 +47,7 @@ from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
 from oed.report.page import write_page
 from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.study_files import DESIGN
-from oed.robot import JointLimits, Robot, load_arm
+from oed.robot import JointLimits, JointSum, Robot, load_arm, read_sum
 from oed.robot.load import EARTH_GRAVITY
 from oed.robot.packages import read_packages
 
@@ -125,6 +125,7 @@ def design_motion(
 def find(config: Design, robot: Robot) -> Result:
     """Design a motion for a robot, as a command asks for it."""
     optimise = find_optimiser(config.optimiser)
+    robot = robot.with_limits(robot.limits.with_sums(_sums(robot, config)))
     robot, held = hold_still_joints(robot)
     robot, assumed = with_default_limits(robot.with_packages(read_packages(config.package)))
     limits = robot.limits
@@ -165,6 +166,16 @@ def find(config: Design, robot: Robot) -> Result:
         notes.append(f"D-efficiency not known: {error}")
     before = None if search.free is None else problem.worth(search.free)
     return Result(design, limits, tuple(notes), efficiency, clearance, before)
+
+
+def _sums(robot: Robot, config: Design) -> list[JointSum]:
+    """The bounds on sums of positions that are asked for."""
+    try:
+        read = [read_sum(text, (*robot.joint_names, *robot.locked)) for text in config.sum]
+        sums = [JointSum.of(*each, robot.joint_names, robot.held) for each in read]
+    except ValueError as error:
+        raise ValueError(f"--sum: {error}") from error
+    return [each for each in sums if each is not None]
 
 
 def _kept(surroundings: Surroundings | None, robot: Robot, config: Design) -> Surroundings | None:

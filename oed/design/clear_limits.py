@@ -60,7 +60,7 @@ def clear_limits(
         NoClearRange: If there is no range about one.
     """
     position = limits.position
-    centre = clear_posture(position, surroundings, rng)
+    centre = clear_posture(limits, surroundings, rng)
     reach = np.abs(position - centre[:, None])
     factors = np.ones(len(position))
     for _ in range(DRAWS):

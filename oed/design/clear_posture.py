@@ -7,7 +7,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.collision import Surroundings
+from oed.design.joint_sums import roomiest_posture
 from oed.errors import NoUsableResult
+from oed.robot import JointLimits
 
 POSTURES = 400  # random ones among which it is sought
 
@@ -17,20 +19,23 @@ class NoClearPosture(NoUsableResult):
 
 
 def clear_posture(
-    position: Float[ndarray, "joints 2"], surroundings: Surroundings, rng: np.random.Generator
+    limits: JointLimits, surroundings: Surroundings, rng: np.random.Generator
 ) -> Float[ndarray, " joints"]:
     """Mid-range, or the random posture with most room about it if that has more.
 
     Args:
-        position: Range of each joint [rad or m].
+        limits: Finite in position.
         surroundings: What may be hit.
         rng: Of the postures.
 
     Raises:
         NoClearPosture: If none is clear.
     """
-    lower, upper = position.T
-    postures = [position.mean(axis=1), *rng.uniform(lower, upper, (POSTURES, len(position)))]
+    lower, upper = limits.position.T
+    drawn = rng.uniform(lower, upper, (POSTURES, len(lower)))
+    sums = drawn @ limits.sum_factors.T
+    is_within = ((limits.sum_bounds[:, 0] < sums) & (sums < limits.sum_bounds[:, 1])).all(axis=1)
+    postures = [roomiest_posture(limits), *drawn[is_within]]
     spare = [surroundings.spare(q) for q in postures]
     best = int(np.argmax(spare))
     if spare[best] < 0.0:

@@ -17,25 +17,6 @@ from oed.robot import JointLimits
 
 
 @dataclass(frozen=True, eq=False)
-class JointSums:
-    """Bounds on sums over the joints, each at an instant of its own.
-
-    Attributes:
-        order: Of the derivative of position that is summed.
-        instants: (M,) [s].
-        factors: (M, n) of the joints in each sum.
-        lower: (M,) -inf where there is no bound.
-        upper: (M,) inf likewise.
-    """
-
-    order: int
-    instants: Float[ndarray, " sums"]
-    factors: Float[ndarray, "sums joints"]
-    lower: Float[ndarray, " sums"]
-    upper: Float[ndarray, " sums"]
-
-
-@dataclass(frozen=True, eq=False)
 class TrustRegion:
     """How far positions may be from those of a motion.
 
@@ -55,38 +36,36 @@ class LimitConstraints:
     Rows: kind after kind, within it instant after instant, within it joint after joint; each
     is a signal less the middle of its range, in half ranges, so that it is kept within
     `lower` and `upper`, mostly -1 and 1. A limit that is infinite on both sides, or that other
-    limits or the box imply, has no rows. Sums over joints follow, as they are.
+    limits or the box imply, has no rows. Sums of positions follow, as they are, sum after sum.
 
     Attributes:
         trajectory: The class.
         limits: Of the joints.
         instants: (K,) where they are looked at [s].
-        sums: Bounds on sums over joints besides.
         trust: Keeps positions at the instants near those of a motion; None for no such bound.
     """
 
     trajectory: TrajectoryClass
     limits: JointLimits
     instants: Float[ndarray, " samples"]
-    sums: tuple[JointSums, ...] = ()
     trust: TrustRegion | None = None
 
     @property
     def count(self) -> int:
         """Number of rows."""
-        return self._own_count + sum(len(each.instants) for each in self._sums)
+        return self._own_count + len(self.limits.sums) * len(self.instants)
 
     @cached_property
     def lower(self) -> Float[ndarray, " constraints"]:
         """Lower bounds of the rows, -inf where there is none."""
         own = [self._bound(kind, kind.lower, np.maximum, -1.0) for kind in self._kinds]
-        return _joined([*own, *(each.lower for each in self._sums)])
+        return _joined([*own, np.repeat(self.limits.sum_bounds[:, 0], len(self.instants))])
 
     @cached_property
     def upper(self) -> Float[ndarray, " constraints"]:
         """Upper bounds of the rows, inf where there is none."""
         own = [self._bound(kind, kind.upper, np.minimum, 1.0) for kind in self._kinds]
-        return _joined([*own, *(each.upper for each in self._sums)])
+        return _joined([*own, np.repeat(self.limits.sum_bounds[:, 1], len(self.instants))])
 
     def values(self, z: Float[ndarray, " size"]) -> Float[ndarray, " constraints"]:
         """The rows, within `lower` and `upper` where the limits are kept."""
@@ -94,9 +73,9 @@ class LimitConstraints:
         for kind in self._kinds:
             signal = self.trajectory.derivative(z, self.instants, kind.order)[:, kind.joints]
             parts.append(((signal - kind.middle) / kind.scale).reshape(-1))
-        for each in self._sums:
-            signal = self.trajectory.derivative(z, each.instants, each.order)
-            parts.append((each.factors * signal).sum(axis=1))
+        if self.limits.sums:
+            position = self.trajectory.derivative(z, self.instants, 0)
+            parts.append((self.limits.sum_factors @ position.T).reshape(-1))
         return _joined(parts)
 
     def jacobian_values(self, z: Float[ndarray, " size"]) -> Float[ndarray, " nonzeros"]:
@@ -105,9 +84,10 @@ class LimitConstraints:
         for kind in self._kinds:
             slopes = self.trajectory.sensitivity(z, self.instants, kind.order)[:, kind.joints]
             parts.append((slopes / kind.scale[:, None]).reshape(-1))
-        for each in self._sums:
-            slopes = self.trajectory.sensitivity(z, each.instants, each.order)
-            parts.append((slopes * each.factors[:, :, None]).reshape(-1))
+        if self.limits.sums:
+            slopes = self.trajectory.sensitivity(z, self.instants, 0)
+            factors = self.limits.sum_factors
+            parts.append((factors[:, None, :, None] * slopes).reshape(-1))
         return _joined(parts)
 
     def jacobian(self, z: Float[ndarray, " size"]) -> scipy.sparse.csr_matrix:
@@ -143,8 +123,8 @@ class LimitConstraints:
             np.tile(variables[kind.joints].reshape(-1), len(self.instants)) for kind in self._kinds
         ]
         everything = variables.reshape(-1)
-        sums = [np.tile(everything, len(each.instants)) for each in self._sums]
-        return np.concatenate([np.zeros(0, dtype=int), *own, *sums])
+        sums = np.tile(everything, len(self.limits.sums) * len(self.instants))
+        return np.concatenate([np.zeros(0, dtype=int), *own, sums])
 
     @cached_property
     def _bounded(self) -> tuple[ndarray, ndarray]:
@@ -166,10 +146,6 @@ class LimitConstraints:
         q = self.trajectory.derivative(self.trust.z, self.instants, 0)[:, kind.joints]
         near = (q + side * self.trust.step - kind.middle) / kind.scale
         return tighter(tiled, near.reshape(-1))
-
-    @property
-    def _sums(self) -> tuple[JointSums, ...]:
-        return self.sums
 
     @cached_property
     def _kinds(self) -> list[_Kind]:

@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from oed.design.criteria import Criterion, column_scaling
 from oed.design.effort import check_room, find_stand
+from oed.design.joint_sums import roomiest_posture
 from oed.design.problem import DENSE, DesignProblem
 from oed.design.status import LimitStatus
 from oed.design.torque_range import check_torque_bounded
@@ -140,7 +141,7 @@ def _nominal(model: TorqueModel, *, enabled: bool) -> _Nominal:
     check_torque_bounded(model, nominal)
     stand = find_stand(model, nominal)
     notes = ["torque is limited for the file's own inertia, friction not counted"]
-    if not np.array_equal(stand.posture, robot.limits.position.mean(axis=1)):
+    if not np.array_equal(stand.posture, roomiest_posture(robot.limits)):
         posture = ", ".join(f"{q:.3g}" for q in stand.posture)
         notes.append(
             "the arm cannot hold itself within its effort limits at mid-range: motions that need "

@@ -57,7 +57,8 @@ def design_record(
             kind: getattr(certificate, kind).tolist()
             for kind in (*KINEMATIC, "torque")
             if getattr(certificate, kind) is not None
-        },
+        }
+        | {"sums": certificate.sums.tolist()},
         "certified_violation": certificate.violation,
         "limits": limits_record(problem.limits),
         "optimiser": design.optimiser,
@@ -84,9 +85,14 @@ def _number(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def limits_record(limits: JointLimits) -> dict[str, list[list[float | None]]]:
-    """Limits by kind, lower and upper of each joint; infinite ones are null."""
-    return {kind: _bounds(getattr(limits, kind)) for kind in (*KINEMATIC, "torque")}
+def limits_record(limits: JointLimits) -> dict[str, object]:
+    """Limits by kind, lower and upper of each joint; infinite ones are null. Sums besides."""
+    kinds = {kind: _bounds(getattr(limits, kind)) for kind in (*KINEMATIC, "torque")}
+    sums = [
+        {"factors": list(each.factors), "position": [_number(each.lower), _number(each.upper)]}
+        for each in limits.sums
+    ]
+    return {**kinds, "sums": sums}
 
 
 def _bounds(bounds: ndarray) -> list[list[float | None]]:

@@ -14,6 +14,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import qmc
 
+from oed.design.joint_sums import roomiest_posture
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
@@ -54,7 +55,7 @@ class Stand:
 
 
 def find_stand(model: TorqueModel, nominal: Float[ndarray, " parameters"]) -> Stand:
-    """Mid-range where the arm can stand there, else the easiest of many postures.
+    """Mid-range (by sums of positions too) where the arm can stand there, else the easiest of many postures.
 
     Args:
         model: Of the torque; position limits of its robot are finite.
@@ -65,8 +66,10 @@ def find_stand(model: TorqueModel, nominal: Float[ndarray, " parameters"]) -> St
     """
     limits = model.robot.limits
     lower, upper = limits.position.T
-    grid = qmc.Sobol(model.robot.n, scramble=False).random(POSTURES)
-    postures = np.vstack([(lower + upper) / 2, lower + grid * (upper - lower)])
+    grid = lower + qmc.Sobol(model.robot.n, scramble=False).random(POSTURES) * (upper - lower)
+    sums = grid @ limits.sum_factors.T
+    is_within = ((limits.sum_bounds[:, 0] < sums) & (sums < limits.sum_bounds[:, 1])).all(axis=1)
+    postures = np.vstack([roomiest_posture(limits), grid[is_within]])
     still = np.zeros_like(postures)
     torque = model.torque(nominal, Motion(np.zeros(len(postures)), postures, still, still))
     shares = np.abs(torque) / np.abs(limits.torque).min(axis=1)

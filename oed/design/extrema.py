@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.design.joint_sums import JointSums
 from oed.design.trajectories import TrajectoryClass
 
 TOLERANCE = 1e-7  # of a joint's own scale, between proven bound and attained value
@@ -25,7 +26,7 @@ DEPTH = 40  # halvings by four beyond which doubles cannot split an interval any
 
 
 def proven_range(
-    trajectory: TrajectoryClass,
+    trajectory: TrajectoryClass | JointSums,
     z: Float[ndarray, " size"],
     order: int,
     *,
@@ -34,7 +35,7 @@ def proven_range(
     """Bounds that a derivative of position never leaves, for all t in the horizon.
 
     Args:
-        trajectory: The class.
+        trajectory: The class, or sums over the joints of one, which stand for joints then.
         z: The motion.
         order: 0 position, 1 velocity, 2 acceleration, 3 jerk.
         tolerance: How far the bounds may lie beyond the extrema, relative to the sum of the
@@ -70,7 +71,7 @@ def proven_range(
 
 
 def quick_range(
-    trajectory: TrajectoryClass, z: Float[ndarray, " size"], order: int
+    trajectory: TrajectoryClass | JointSums, z: Float[ndarray, " size"], order: int
 ) -> Float[ndarray, "joints 2"]:
     """Proven bounds from one sweep of samples: wider than `proven_range`, many times faster.
 
@@ -86,7 +87,7 @@ def quick_range(
     return np.stack([values.min(axis=0) - slack, values.max(axis=0) + slack], axis=1)
 
 
-def first_intervals(trajectory: TrajectoryClass) -> tuple[ndarray, ndarray]:
+def first_intervals(trajectory: TrajectoryClass | JointSums) -> tuple[ndarray, ndarray]:
     """Middles and half widths of intervals that no breakpoint lies within."""
     ends = trajectory.breakpoints
     edges = [np.linspace(a, b, FIRST_INTERVALS + 1) for a, b in itertools.pairwise(ends)]

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.extrema import proven_range, quick_range
+from oed.design.joint_sums import JointSums, roomiest_posture
 from oed.design.trajectories import TrajectoryClass
 from oed.robot import JointLimits
 
@@ -29,6 +30,7 @@ class Certificate:
         torque: (n, 2) of the nominal model [N m]; None where no model was given.
         violation: Worst violation of any limit, relative to it; <= 0 proves feasibility.
         worst: Which limit that is, in words.
+        sums: (c, 2) of the sums of positions that are bounded [rad or m].
     """
 
     position: Float[ndarray, "joints 2"]
@@ -38,6 +40,7 @@ class Certificate:
     torque: Float[ndarray, "joints 2"] | None
     violation: float
     worst: str
+    sums: Float[ndarray, "sums 2"]
 
     @property
     def is_feasible(self) -> bool:
@@ -59,7 +62,8 @@ def check_limits(limits: JointLimits) -> None:
     """Refuse limits that forbid standing still.
 
     Raises:
-        ValueError: If a velocity, acceleration, jerk or torque range excludes zero.
+        ValueError: If a velocity, acceleration, jerk or torque range excludes zero, or if no
+            posture is within the limits of positions and of their sums.
     """
     for kind in ("velocity", "acceleration", "jerk"):
         lower, upper = getattr(limits, kind).T
@@ -70,6 +74,8 @@ def check_limits(limits: JointLimits) -> None:
                 f"{kind} limit of joint {joint + 1}, [{lower[joint]:g}, {upper[joint]:g}], "
                 "does not allow motion in both directions"
             )
+    if limits.sums:
+        roomiest_posture(limits)
 
 
 def certify(
@@ -89,13 +95,18 @@ def certify(
     ranges = {kind: proven_range(trajectory, z, order) for order, kind in enumerate(KINEMATIC)}
     checked = ranges if torque is None else {**ranges, "torque": torque}
     worst = {kind: violation_of(bounds, getattr(limits, kind)) for kind, bounds in checked.items()}
+    sums = np.zeros((0, 2))
+    if limits.sums:
+        sums = proven_range(JointSums(trajectory, limits.sum_factors), z, 0)
+        worst["sum"] = violation_of(sums, limits.sum_bounds)
     kind = max(worst, key=lambda k: worst[k].max())
     joint = int(worst[kind].argmax())
     return Certificate(
         **ranges,
         torque=torque,
         violation=float(worst[kind][joint]),
-        worst=f"{kind} of joint {joint + 1}",
+        worst=f"sum {joint + 1}" if kind == "sum" else f"{kind} of joint {joint + 1}",
+        sums=sums,
     )
 
 
@@ -133,8 +144,9 @@ def repair(
 ) -> Float[ndarray, " size"]:
     """Scale each joint's motion about its centre, and move that centre, into the limits.
 
-    The result provably keeps position, velocity, acceleration and jerk limits. A motion that
-    is proven to keep them already is returned as it is.
+    Where a sum of positions is bounded, all joints then shrink by one factor, towards the posture
+    with most room. The result provably keeps limits of position, velocity, acceleration, jerk and
+    sums. A motion that is proven to keep them already is returned as it is.
 
     Args:
         trajectory: The class.
@@ -143,6 +155,30 @@ def repair(
         is_quick: Whether to use the wider bounds of `quick_range`: the motion then stays a
             fraction of a percent inside its limits, at a tenth of the time.
     """
+    z = _within_own(trajectory, z, limits, is_quick=is_quick)
+    return _within_sums(trajectory, z, limits, is_quick=is_quick) if limits.sums else z
+
+
+def _within_sums(
+    trajectory: TrajectoryClass, z: Float[ndarray, " size"], limits: JointLimits, *, is_quick: bool
+) -> Float[ndarray, " size"]:
+    """Every limit forms a convex set that holds the posture at rest: the way to it keeps them."""
+    sums, bounds = JointSums(trajectory, limits.sum_factors), limits.sum_bounds
+    ranges = (quick_range if is_quick else proven_range)(sums, z, 0)
+    if (violation_of(ranges, bounds) <= 0).all():
+        return z
+    centre = trajectory.centre(z)
+    posture = roomiest_posture(limits) if trajectory.has_offset else centre
+    at = (limits.sum_factors @ posture)[:, None]
+    factor = float(np.clip(_two_sided(bounds - at, ranges - at).min(), 0.0, 1.0)) * (1 - MARGIN)
+    smaller = trajectory.shrink(z, np.full(trajectory.joints, factor))
+    return trajectory.shift(smaller, (1 - factor) * (posture - centre))
+
+
+def _within_own(
+    trajectory: TrajectoryClass, z: Float[ndarray, " size"], limits: JointLimits, *, is_quick: bool
+) -> Float[ndarray, " size"]:
+    """The motion with each joint within the limits of its own."""
     z = trajectory.clip(z)
     if trajectory.box_keeps_limits and not np.isfinite(limits.jerk).any():
         return z

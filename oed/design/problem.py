@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from oed.design.criteria import CRITERIA, Criterion, condition, cost, cost_and_slope, log10_det
 from oed.design.fast_information import FastInformation
+from oed.design.joint_sums import JointSums
 from oed.design.limits import (
     KINEMATIC,
     Certificate,
@@ -187,7 +188,12 @@ class DesignProblem:
         """Worst violation of the kinematic limits on a dense grid, relative to the limit."""
         t = np.linspace(0.0, self.trajectory.horizon, DENSE)
         ranges = sampled_ranges(self.trajectory, z, t)
-        return float(max(violation_of(ranges[k], getattr(self.limits, k)).max() for k in KINEMATIC))
+        beyond = [violation_of(ranges[k], getattr(self.limits, k)) for k in KINEMATIC]
+        if self.limits.sums:
+            sums = JointSums(self.trajectory, self.limits.sum_factors).derivative(z, t, 0)
+            seen = np.stack([sums.min(axis=0), sums.max(axis=0)], axis=1)
+            beyond.append(violation_of(seen, self.limits.sum_bounds))
+        return float(np.concatenate(beyond).max())
 
     def certificate(self, z: Float[ndarray, " size"]) -> Certificate:
         """Proven bounds on the motion for all t, and on the nominal torque where limited.

@@ -105,4 +105,20 @@ def certified(
         ]
         evidence = ", ".join(broken)
         found.append(LimitStatus(kind, "not kept" if broken else "proven", evidence))
+    found += _certified_sums(certificate, limits, joint_names)
     return tuple(found)
+
+
+def _certified_sums(
+    certificate: Certificate, limits: JointLimits, joint_names: Sequence[str]
+) -> list[LimitStatus]:
+    found = []
+    beyond = violation_of(certificate.sums, limits.sum_bounds)
+    for each, (low, high), share in zip(limits.sums, certificate.sums, beyond, strict=True):
+        bounds = f"within {each.lower:.4g} ... {each.upper:.4g}"
+        name = f"{each.told(joint_names)} {bounds}"
+        if share <= 0.0:
+            found.append(LimitStatus(name, "proven"))
+        else:
+            found.append(LimitStatus(name, "not kept", f"it reaches {low:.4g} ... {high:.4g}"))
+    return found

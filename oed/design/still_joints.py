@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from oed.errors import RobotError
-from oed.robot import Robot, load_robot
+from oed.robot import JointSum, Robot, load_robot
 from oed.robot.limits import LIMITED
 
 # Ten times the play of a gear, which is about a milliradian: within less, torque is that of
@@ -57,8 +57,18 @@ def hold_still_joints(robot: Robot) -> tuple[Robot, tuple[str, ...]]:
     told = tuple(dict.fromkeys((*robot.notes, *held.notes)))
     # A data set's limits, where it states any, go before those of the file.
     rest = {kind: getattr(robot.limits, kind)[~is_still] for kind in LIMITED}
-    limits = held.limits.with_(**rest)
+    limits = held.limits.with_(**rest).with_sums(_remaining_sums(robot, held))
     return dataclasses.replace(held, limits=limits, notes=told), notes
+
+
+def _remaining_sums(robot: Robot, held: Robot) -> list[JointSum]:
+    """Bounds on sums of positions, for the joints that are left."""
+    sums = []
+    for each in robot.limits.sums:
+        factors = dict(zip(robot.joint_names, each.factors, strict=True))
+        left = JointSum.of(factors, (each.lower, each.upper), held.joint_names, held.held)
+        sums += [] if left is None else [left]
+    return sums
 
 
 def _check_ranges(robot: Robot) -> None:

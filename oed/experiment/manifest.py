@@ -7,6 +7,7 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -14,11 +15,12 @@ from oed.errors import DataSetError
 from oed.experiment.dataset import DRIVE_KEYS, TORQUE_KINDS, Drive, TorqueKind
 from oed.experiment.log_format import FORMAT_KEYS, LogFormat, read_log_format
 from oed.experiment.recording import ROLES, Role
-from oed.experiment.toml_table import LARGEST, TomlTable
+from oed.experiment.toml_table import LARGEST, TomlTable, nearest
 from oed.input_file import MANIFEST_FILE, MOST_RECORDINGS, UnreadableFile, read_file
 
 MANIFEST = "dataset.toml"
 FORMAT = 1
+COMBINATION = "combination"
 LIMIT_KEYS = ("position", "velocity", "acceleration", "torque", "jerk")
 TOP_KEYS = (
     "format",
@@ -65,6 +67,19 @@ class RecordingEntry:
 
 
 @dataclass(frozen=True)
+class SumEntry:
+    """One [[limits.combination]] table.
+
+    Attributes:
+        factors: By name of the joint.
+        bounds: Lower and upper of the sum of positions [rad or m].
+    """
+
+    factors: dict[str, float]
+    bounds: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Manifest:
     """The content of `dataset.toml`.
 
@@ -80,6 +95,7 @@ class Manifest:
     gravity: Float[ndarray, "3"]
     torque: TorqueKind
     limits: dict[str, Float[ndarray, "joints 2"]]
+    sums: tuple[SumEntry, ...]
     drive: Drive
     log: LogFormat
     fixed: dict[str, float]
@@ -115,6 +131,7 @@ def manifest_of(table: TomlTable) -> Manifest:
         gravity=table.numbers("gravity", 3),
         torque=table.one_of("torque", TORQUE_KINDS),
         limits=_limits(table.child("limits"), len(joints)),
+        sums=_sums(table.child("limits"), joints),
         drive=_drive(table.child("drive"), len(joints)),
         log=read_log_format(table, len(joints)),
         fixed=_fixed(table.child("fixed"), joints),
@@ -145,8 +162,26 @@ def _parse(path: Path) -> dict[str, object]:
 
 
 def _limits(table: TomlTable, n: int) -> dict[str, Float[ndarray, "joints 2"]]:
-    table.only(*LIMIT_KEYS)
+    table.only(*LIMIT_KEYS, COMBINATION)
     return {key: table.bounds(key, n) for key in LIMIT_KEYS if table.has(key)}
+
+
+def _sums(table: TomlTable, joints: tuple[str, ...]) -> tuple[SumEntry, ...]:
+    if not table.has(COMBINATION):
+        return ()
+    return tuple(_sum(child, joints) for child in table.children(COMBINATION))
+
+
+def _sum(table: TomlTable, joints: tuple[str, ...]) -> SumEntry:
+    table.only("joints", "factors", "position")
+    names = table.names("joints")
+    for name in names:
+        if name not in joints:
+            table.fail("joints", f"no joint {name!r} in `joints`; {nearest(name, joints)}")
+    factors = table.numbers("factors", len(names)) if table.has("factors") else np.ones(len(names))
+    if not factors.any():
+        table.fail("factors", "are all zero, so nothing is bounded")
+    return SumEntry(dict(zip(names, factors.tolist(), strict=True)), table.bound("position"))
 
 
 def _drive(table: TomlTable, n: int) -> Drive:

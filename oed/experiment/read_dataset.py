@@ -18,7 +18,7 @@ from oed.experiment.recording import Recording
 from oed.experiment.recording_checks import check_signals
 from oed.experiment.temperature import temperature_of
 from oed.experiment.toml_table import nearest
-from oed.robot import Robot, load_robot
+from oed.robot import JointSum, Robot, load_robot
 
 STILL = 0.01  # [rad or m] a joint that travels no further may be left out as locked
 
@@ -123,7 +123,10 @@ def _load_robot(
         locked = {**manifest.fixed, **locked}
         robot = load_robot(source, joints=names, locked=locked, gravity=tuple(manifest.gravity))
         check_limits(limits, robot, str(folder / MANIFEST))
-        return robot.with_limits(robot.limits.with_(**limits))
+        held = robot.held
+        sums = [JointSum.of(s.factors, s.bounds, names, held) for s in manifest.sums]
+        own = [each for each in sums if each is not None]
+        return robot.with_limits(robot.limits.with_(**limits).with_sums(own))
     except DataSetError:
         raise
     except (OedError, ValueError, RuntimeError, OSError) as error:

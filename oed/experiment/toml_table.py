@@ -111,6 +111,10 @@ class TomlTable:
         """(n, 2) lower and upper bounds from [lower, upper] or one positive bound a joint."""
         return np.array([self._bound(key, value) for value in self._list(key, n)])
 
+    def bound(self, key: str) -> tuple[float, float]:
+        """Lower and upper bound from [lower, upper]."""
+        return self._bound(key, self.value(key))
+
     def _bound(self, key: str, value: object) -> tuple[float, float]:
         if isinstance(value, list):
             if len(value) != 2:
@@ -141,7 +145,9 @@ class TomlTable:
         for value in values:
             if not isinstance(value, dict):
                 raise self.error(key, f"must be [[{key}]] tables, got {_show(value)}")
-        return [TomlTable(v, self._path, f"{key}[{i + 1}].") for i, v in enumerate(values)]
+        return [
+            TomlTable(v, self._path, f"{self._prefix}{key}[{i + 1}].") for i, v in enumerate(values)
+        ]
 
     def _list(self, key: str, count: int) -> list[object]:
         values = self.value(key)

@@ -16,9 +16,9 @@ from numpy import ndarray
 
 from oed.experiment.column_names import joint_columns
 from oed.experiment.dataset import DRIVE_KEYS, DataSet
-from oed.experiment.manifest import FORMAT, LIMIT_KEYS, MANIFEST
+from oed.experiment.manifest import COMBINATION, FORMAT, LIMIT_KEYS, MANIFEST
 from oed.experiment.recording import Recording
-from oed.robot import Robot, load_robot
+from oed.robot import JointSum, Robot, load_robot
 
 
 def write_dataset(
@@ -132,8 +132,12 @@ def _manifest(
         "gravity": dataset.robot.gravity.tolist(),
         "torque": dataset.torque,
     }
-    if limits:
-        manifest["limits"] = {kind: _bounds(kind, b) for kind, b in limits.items()}
+    stated: dict[str, object] = {kind: _bounds(kind, b) for kind, b in limits.items()}
+    if dataset.robot.limits.sums:
+        names = dataset.robot.joint_names
+        stated[COMBINATION] = [_combination(each, names) for each in dataset.robot.limits.sums]
+    if stated:
+        manifest["limits"] = stated
     drive = {key: getattr(dataset.drive, key) for key in DRIVE_KEYS}
     drive = {key: values.tolist() for key, values in drive.items() if values is not None}
     if drive:
@@ -147,6 +151,12 @@ def _manifest(
 def _bounds(kind: str, bounds: Float[ndarray, "joints 2"]) -> list[object]:
     is_symmetric = np.array_equal(-bounds[:, 0], bounds[:, 1])
     return bounds[:, 1].tolist() if is_symmetric and kind != "position" else bounds.tolist()
+
+
+def _combination(each: JointSum, names: tuple[str, ...]) -> dict[str, object]:
+    factors = {name: f for name, f in zip(names, each.factors, strict=True) if f}
+    bounds = [each.lower, each.upper]
+    return {"joints": list(factors), "factors": list(factors.values()), "position": bounds}
 
 
 def _entry(recording: Recording, file_format: str) -> dict[str, object]:

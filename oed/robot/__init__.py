@@ -8,6 +8,7 @@ from oed.robot.inertia import (
     pseudo_inertia,
     transform_parameters,
 )
+from oed.robot.joint_sum import JointSum, read_sum
 from oed.robot.limits import JointLimits
 from oed.robot.load import arm_joints, described, load_arm, load_robot
 from oed.robot.robot import Joint, Robot
@@ -18,6 +19,7 @@ __all__ = [
     "PARAMETER_UNITS",
     "Joint",
     "JointLimits",
+    "JointSum",
     "Robot",
     "arm_joints",
     "described",
@@ -26,5 +28,6 @@ __all__ = [
     "load_robot",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia",
+    "read_sum",
     "transform_parameters",
 ]

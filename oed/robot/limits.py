@@ -5,10 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+
+from oed.robot.joint_sum import JointSum
 
 Bounds = Sequence[float] | Float[ndarray, " joints"]
 LIMITED = ("position", "velocity", "acceleration", "torque", "jerk")
@@ -24,6 +27,7 @@ class JointLimits:
         acceleration: (n, 2) lower and upper bound [rad/s^2 or m/s^2].
         torque: (n, 2) lower and upper bound [N m or N].
         jerk: (n, 2) lower and upper bound [rad/s^3 or m/s^3].
+        sums: Bounds on sums of positions over the joints.
 
     Raises:
         ValueError: If a lower bound is not below its upper bound.
@@ -34,6 +38,7 @@ class JointLimits:
     acceleration: Float[ndarray, "joints 2"]
     torque: Float[ndarray, "joints 2"]
     jerk: Float[ndarray, "joints 2"]
+    sums: tuple[JointSum, ...] = ()
 
     def __post_init__(self) -> None:
         for kind in LIMITED:
@@ -45,12 +50,17 @@ class JointLimits:
                     f"{kind} limit of joint {joint + 1}: lower {bounds[joint, 0]:g} "
                     f"is not below upper {bounds[joint, 1]:g}"
                 )
+        for each in self.sums:
+            if len(each.factors) != len(self.position):
+                raise ValueError(
+                    f"a sum of {len(each.factors)} positions, limits of {len(self.position)} joints"
+                )
 
     @classmethod
     def unlimited(cls, joints: int) -> JointLimits:
         """No limit on any of `joints` joints."""
         free = np.tile([-np.inf, np.inf], (joints, 1))
-        return cls(*(free.copy() for _ in LIMITED))
+        return cls(free, free.copy(), free.copy(), free.copy(), free.copy())
 
     @classmethod
     def symmetric(
@@ -74,10 +84,22 @@ class JointLimits:
 
     def with_(self, **bounds: Float[ndarray, "joints 2"]) -> JointLimits:
         """These limits with some kinds replaced by (n, 2) arrays."""
-        return dataclasses.replace(
-            self,
-            **{kind: np.asarray(bound, dtype=float) for kind, bound in bounds.items()},
-        )
+        given: dict[str, Any] = {k: np.asarray(bound, dtype=float) for k, bound in bounds.items()}
+        return dataclasses.replace(self, **given)
+
+    def with_sums(self, more: Sequence[JointSum]) -> JointLimits:
+        """These limits with further bounds on sums of positions."""
+        return dataclasses.replace(self, sums=(*self.sums, *more))
+
+    @property
+    def sum_factors(self) -> Float[ndarray, "sums joints"]:
+        """Factors of the joints in each sum."""
+        return np.array([each.factors for each in self.sums]).reshape(-1, len(self.position))
+
+    @property
+    def sum_bounds(self) -> Float[ndarray, "sums 2"]:
+        """Lower and upper bound of each sum [rad or m]."""
+        return np.array([(each.lower, each.upper) for each in self.sums]).reshape(-1, 2)
 
     def slower(self, share: float) -> JointLimits:
         """These limits with a share of the velocity and acceleration that they allow."""
