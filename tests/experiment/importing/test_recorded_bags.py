@@ -14,7 +14,7 @@ from tests.paths import SHARED_LOGS, example_robot, needs_shared_logs
 @pytest.mark.parametrize(
     ("name", "urdf", "rows", "error"),
     [
-        ("ur10", "ur_description/urdf/ur10_robot.urdf", 3441, {"test": 0.0595}),
+        ("ur10", "ur_description/urdf/ur10_robot.urdf", 3441, {"test": 0.065}),
         (
             "panda",
             "panda_description/urdf/panda.urdf",
