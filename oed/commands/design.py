@@ -143,7 +143,7 @@ def find(config: Design, robot: Robot) -> Result:
     budget = Budget(_evaluations(config), config.budget)
     search = search_clear(problem, kept, budget, rng, optimise)
     found = search.found
-    if found.cpu_s >= config.budget:
+    if search.is_cut_short:
         notes.append(
             f"stopped by --budget {config.budget:g} CPU s after {found.evaluations} of "
             f"{_evaluations(config)} evaluations: the same seed may give another motion"

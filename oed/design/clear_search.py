@@ -25,10 +25,12 @@ class ClearSearch:
     Attributes:
         found: The motion that keeps clear, if there is something to keep clear of.
         free: (size,) the best motion found that need not; None if that is the same.
+        is_cut_short: The first search ended before it had all its evaluations.
     """
 
     found: OptimiserResult
     free: Float[ndarray, " size"] | None
+    is_cut_short: bool
 
 
 def search_clear(
@@ -54,7 +56,8 @@ def search_clear(
         NoUsableResult: If no motion is found that keeps clear.
     """
     if surroundings is None:
-        return ClearSearch(optimise(problem, budget, rng), None)
+        found = optimise(problem, budget, rng)
+        return ClearSearch(found, None, _is_cut_short(found, budget))
     started, half = time.process_time(), _half(budget)
     free = optimise(problem, half, rng)
     clear = find_clear_motion(problem, free.z, surroundings, half, rng)
@@ -66,7 +69,12 @@ def search_clear(
         cpu_s=time.process_time() - started,
         status=f"{free.status}; {clear.rounds} rounds to keep clear",
     )
-    return ClearSearch(found, free.z if clear.rounds else None)
+    return ClearSearch(found, free.z if clear.rounds else None, _is_cut_short(free, half))
+
+
+def _is_cut_short(found: OptimiserResult, budget: Budget) -> bool:
+    # Not by the CPU time spent: a solver may stop a moment before its limit.
+    return budget.evaluations is not None and found.evaluations < budget.evaluations
 
 
 def _half(budget: Budget) -> Budget:
