@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
 
 from oed.errors import OedError
+from oed.experiment.drive import DRIVE_KEYS, TORQUE_KINDS, Drive, TorqueKind
 from oed.experiment.recording import LEAST_TRAVEL, Recording, Role
 from oed.experiment.temperature import missing_notes
 from oed.robot import Robot
@@ -20,42 +19,6 @@ if TYPE_CHECKING:
 
     from oed.experiment.from_arrays import Arrays
     from oed.experiment.log_format import LogFormat
-
-TorqueKind = Literal["measured", "current", "commanded"]
-TORQUE_KINDS: tuple[TorqueKind, ...] = get_args(TorqueKind)
-
-
-@dataclass(frozen=True)
-class Drive:
-    """What is known of the joints' drives, at the joint side; None where it is not.
-
-    Attributes:
-        gear_ratio: (n,) motor turns per joint turn.
-        rotor_inertia: (n,) inertia of the rotor, at the motor side [kg m^2].
-        current_to_torque: (n,) joint torque per motor current, gear included [N m/A]; the
-            recordings' torques have been multiplied by it.
-
-    Raises:
-        ValueError: If the numbers of joints disagree or an entry is not finite.
-    """
-
-    gear_ratio: Float[ndarray, " joints"] | None = None
-    rotor_inertia: Float[ndarray, " joints"] | None = None
-    current_to_torque: Float[ndarray, " joints"] | None = None
-
-    def __post_init__(self) -> None:
-        given = {
-            name: getattr(self, name) for name in DRIVE_KEYS if getattr(self, name) is not None
-        }
-        lengths = {name: len(values) for name, values in given.items()}
-        if len(set(lengths.values())) > 1:
-            raise ValueError(f"numbers of joints disagree: {lengths}")
-        for name, values in given.items():
-            if not np.isfinite(values).all():
-                raise ValueError(f"{name} is not finite: {values}")
-
-
-DRIVE_KEYS = ("gear_ratio", "rotor_inertia", "current_to_torque")
 
 
 @dataclass(frozen=True)
@@ -136,20 +99,10 @@ class DataSet:
             ValueError: If shapes or numbers of recordings disagree.
             DataSetError: If the numbers cannot be what they should be, such as degrees.
         """
-        from oed.experiment.from_arrays import dataset_from_arrays  # noqa: PLC0415  builds on this
+        from oed.experiment.from_arrays import About, dataset_from_arrays  # noqa: PLC0415  builds on this
 
-        return dataset_from_arrays(
-            robot,
-            t=t,
-            q=q,
-            tau=tau,
-            dq=dq,
-            ddq=ddq,
-            roles=roles,
-            name=name,
-            torque=torque,
-            drive=drive,
-        )
+        given = {"t": t, "q": q, "tau": tau, "dq": dq, "ddq": ddq}
+        return dataset_from_arrays(robot, given, roles, About(name, torque, drive or Drive()))
 
     @classmethod
     def from_frame(
@@ -188,7 +141,7 @@ class DataSet:
             log_format=log_format,
             name=name,
             torque=torque,
-            drive=drive,
+            drive=drive or Drive(),
         )
 
     @property

@@ -12,7 +12,8 @@ from jaxtyping import Int
 from numpy import ndarray
 
 from oed.experiment.column_names import find_columns, joint_columns
-from oed.experiment.dataset import DataSet, Drive, TorqueKind
+from oed.experiment.dataset import DataSet
+from oed.experiment.drive import Drive, TorqueKind
 from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
 from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
 from oed.experiment.log_format import LogFormat
@@ -26,21 +27,26 @@ from oed.robot import Robot
 Arrays = ndarray | Sequence[ndarray]
 
 
+@dataclass(frozen=True)
+class About:
+    """What a data set says of itself beside its numbers.
+
+    Attributes:
+        name: Shown in reports.
+        torque: How it was obtained.
+        drive: What is known of the drives.
+    """
+
+    name: str
+    torque: TorqueKind
+    drive: Drive
+
+
 def dataset_from_arrays(
-    robot: Robot,
-    *,
-    t: Arrays,
-    q: Arrays,
-    tau: Arrays,
-    dq: Arrays | None = None,
-    ddq: Arrays | None = None,
-    roles: Sequence[Role] | None = None,
-    name: str = "arrays",
-    torque: TorqueKind = "measured",
-    drive: Drive | None = None,
+    robot: Robot, given: Mapping[str, Arrays | None], roles: Sequence[Role] | None, about: About
 ) -> DataSet:
-    """See `DataSet.from_arrays`."""
-    given = {"t": t, "q": q, "tau": tau, "dq": dq, "ddq": ddq}
+    """The work of `DataSet.from_arrays`; `given` maps t, q, tau, dq and ddq to their arrays."""
+    name = about.name
     listed = {key: _as_list(value) for key, value in given.items() if value is not None}
     counts = {key: len(values) for key, values in listed.items()}
     if len(set(counts.values())) > 1:
@@ -54,7 +60,6 @@ def dataset_from_arrays(
             names = joint_columns(key, robot.n)
             columns |= dict(zip(names, arrays[key].T, strict=True))
         tables.append(table_of(columns, name if counts["t"] == 1 else f"{name}[{i}]"))
-    about = _About(name, torque, drive or Drive())
     return _dataset(robot, tables, LogFormat(), roles, about)
 
 
@@ -62,13 +67,13 @@ def dataset_from_frame(
     robot: Robot,
     frame: pd.DataFrame | Sequence[pd.DataFrame],
     *,
-    roles: Sequence[Role] | None = None,
-    log_format: LogFormat | None = None,
-    name: str = "frame",
-    torque: TorqueKind | None = None,
-    drive: Drive | None = None,
+    roles: Sequence[Role] | None,
+    log_format: LogFormat | None,
+    name: str,
+    torque: TorqueKind | None,
+    drive: Drive,
 ) -> DataSet:
-    """See `DataSet.from_frame`."""
+    """The work of `DataSet.from_frame`."""
     frames = [frame] if isinstance(frame, pd.DataFrame) else list(frame)
     if not frames:
         raise ValueError("give at least one frame")
@@ -87,15 +92,7 @@ def dataset_from_frame(
             f"{name}: no column of time among {', '.join(tables[0].columns[:12])}; name it in "
             "log_format, or give its rate"
         )
-    about = _About(name, torque or found.torque, drive or Drive())
-    return _dataset(robot, tables, chosen, roles, about)
-
-
-@dataclass(frozen=True)
-class _About:
-    name: str
-    torque: TorqueKind
-    drive: Drive
+    return _dataset(robot, tables, chosen, roles, About(name, torque or found.torque, drive))
 
 
 def _dataset(
@@ -103,7 +100,7 @@ def _dataset(
     tables: Sequence[Table],
     log_format: LogFormat,
     roles: Sequence[Role] | None,
-    about: _About,
+    about: About,
 ) -> DataSet:
     """Tables with roles as given, or as proposed from their structure."""
     logs = [Log(table.file, (table,)) for table in tables]

@@ -12,7 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.errors import DataSetError
-from oed.experiment.dataset import DRIVE_KEYS, TORQUE_KINDS, Drive, TorqueKind
+from oed.experiment.drive import DRIVE_KEYS, TORQUE_KINDS, Drive, TorqueKind
 from oed.experiment.log_format import FORMAT_KEYS, LogFormat, read_log_format
 from oed.experiment.recording import ROLES, Role
 from oed.experiment.toml_table import LARGEST, TomlTable, nearest

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from oed.errors import DataSetError, OedError
-from oed.experiment.dataset import DRIVE_KEYS, DataSet, Drive
+from oed.experiment.dataset import DataSet
+from oed.experiment.drive import DRIVE_KEYS, Drive
 from oed.experiment.limit_checks import check_limits
 from oed.experiment.logs import Log, read_log
 from oed.experiment.manifest import MANIFEST, Manifest, read_manifest

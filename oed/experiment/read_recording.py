@@ -12,7 +12,7 @@ from numpy import ndarray
 from oed.errors import DataSetError
 from oed.experiment.column_names import ColumnNames, find_columns
 from oed.experiment.consistency_checks import check_repeats, check_speed, check_velocity
-from oed.experiment.dataset import Drive, TorqueKind
+from oed.experiment.drive import Drive, TorqueKind
 from oed.experiment.limit_checks import torque_notes
 from oed.experiment.log_format import REPETITION, TEMPERATURE, TIME, LogFormat
 from oed.experiment.logs.stamps import seconds_of_day

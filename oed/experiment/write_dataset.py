@@ -15,7 +15,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.experiment.column_names import joint_columns
-from oed.experiment.dataset import DRIVE_KEYS, DataSet
+from oed.experiment.dataset import DataSet
+from oed.experiment.drive import DRIVE_KEYS
 from oed.experiment.manifest import COMBINATION, FORMAT, LIMIT_KEYS, MANIFEST
 from oed.experiment.recording import Recording
 from oed.robot import JointSum, Robot, load_robot

@@ -10,7 +10,7 @@ from oed.checkup.search import find_cause
 from oed.dynamics.models import build_model
 from oed.estimation.stacking import process_all
 from oed.experiment.choose_settings import choose_settings
-from oed.experiment.dataset import Drive
+from oed.experiment.drive import Drive
 from oed.experiment.read_dataset import read_dataset
 from tests.checkup.arm import changed, data_set, placeholder, robot, with_robot
 from tests.paths import REPO, SHARED_DATA, needs_shared_data

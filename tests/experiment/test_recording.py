@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.experiment.dataset import DataSet, Drive
+from oed.experiment.dataset import DataSet
+from oed.experiment.drive import Drive
 from oed.experiment.recording import Recording
 from oed.robot import imi_scara
 

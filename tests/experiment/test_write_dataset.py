@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from oed.experiment import write_dataset as module
-from oed.experiment.dataset import DRIVE_KEYS, DataSet, Drive
+from oed.experiment.dataset import DataSet
+from oed.experiment.drive import DRIVE_KEYS, Drive
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Recording
 from oed.experiment.write_dataset import write_dataset

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from oed.commands.diagnose import base_model
-from oed.experiment.dataset import Drive
+from oed.experiment.drive import Drive
 from oed.experiment.write_dataset import write_dataset
 from tests.diagnosis.arm import data_set, stribeck
 from tests.running import oed

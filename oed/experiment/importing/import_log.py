@@ -13,7 +13,8 @@ from pathlib import Path
 import tomli_w
 
 from oed.errors import DataSetError
-from oed.experiment.dataset import DataSet, TorqueKind
+from oed.experiment.dataset import DataSet
+from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.manifest_text import manifest_text
 from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints, propose_columns
 from oed.experiment.importing.propose_roles import Part, Timed, propose_roles

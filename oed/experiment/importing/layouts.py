@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from oed.experiment.dataset import TorqueKind
+from oed.experiment.drive import TorqueKind
 from oed.experiment.units import Quantity, plain, units_of
 
 TIMES = (

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from oed.errors import DataSetError
-from oed.experiment.dataset import TorqueKind
+from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.joint_names import match_joints
 from oed.experiment.importing.layouts import (
     ACCELERATIONS,
