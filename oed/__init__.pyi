@@ -7,6 +7,8 @@ from .commands.identify import identify as identify
 from .errors import OedError as OedError
 from .experiment.dataset import DataSet as DataSet
 from .experiment.read_dataset import read_dataset as read_dataset
+from .export.model import Model as Model
+from .export.model_file import load_model as load_model
 from .report.estimation_plots import plot_residuals as plot_residuals
 from .report.estimation_plots import plot_torques as plot_torques
 from .robot import Robot as Robot

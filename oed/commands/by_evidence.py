@@ -10,6 +10,9 @@ from oed.dynamics.models import build_model
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
+from oed.export.found_models import of_diagnosis
+from oed.export.model_file import NAME as MODEL
+from oed.export.model_file import write_model
 from oed.report.evidence_report import write_evidence
 from oed.report.joint_words import over_floor, place_words
 from oed.report.provenance import Provenance
@@ -31,13 +34,16 @@ def diagnose_by_evidence(config: Diagnose) -> Diagnosis:
             seed=config.seed,
             say=say,
         )
+        provenance = Provenance.collect(config, seed=config.seed)
         with results.replaced() as new:
+            model = of_diagnosis(found, dataset.name, provenance)
+            write_model(model, new / MODEL, home=results.folder)
             write_evidence(
                 found,
                 data=dataset.name,
                 joints=dataset.robot.joint_names,
                 notes=(*notes, *found.notes),
-                provenance=Provenance.collect(config, seed=config.seed),
+                provenance=provenance,
                 out=new,
             )
     _summarise(found, config)

@@ -75,7 +75,7 @@ class Check(DataSetCommand):
 class Identify(DataSetCommand):
     """Estimate the dynamic parameters of an arm, with intervals, and validate them.
 
-    Leaves estimate.json, parameters.csv and report.html.
+    Leaves model.json, estimate.json, parameters.csv and report.html.
 
     Attributes:
         robust: Use Huber's loss in place of least squares.
@@ -88,7 +88,7 @@ class Identify(DataSetCommand):
 class Feasible(DataSetCommand):
     """Estimate parameters that belong to real bodies, and write URDF, SDF and MJCF with them.
 
-    Leaves estimate.json, parameters.yaml, calibrated_robot.urdf, .sdf, .xml and report.html. Each
+    Leaves model.json, estimate.json, parameters.yaml, calibrated_robot.urdf, .sdf, .xml and report.html. Each
     robot file is loaded again and its torques are compared.
 
     Attributes:

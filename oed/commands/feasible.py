@@ -25,7 +25,10 @@ from oed.estimation.feasible.feasible_set import FeasibleSet
 from oed.estimation.feasible.reference import file_inertials
 from oed.experiment.dataset import DataSet
 from oed.export.calibrated_robot import CalibratedRobot
+from oed.export.found_models import of_feasible
 from oed.export.mjcf import write_mjcf
+from oed.export.model_file import NAME as MODEL
+from oed.export.model_file import write_model
 from oed.export.parameter_file import ParameterTable, write_parameters
 from oed.export.round_trip import require_round_trip, torque_by_pinocchio
 from oed.export.sdf import write_sdf
@@ -135,7 +138,7 @@ def export(result: FeasibleCalibration, out: Path, home: Path) -> list[Row]:
 
 
 def run(config: Feasible) -> int:
-    """Estimate, and leave estimate.json, the robot's files, figures and report.html."""
+    """Estimate, and leave model.json, estimate.json, the robot's files, figures and report.html."""
     speak(quiet=config.quiet)
     start = time.perf_counter()
     with FEASIBLE.in_folder(config.out, [config.data]) as results:
@@ -144,6 +147,7 @@ def run(config: Feasible) -> int:
         with results.replaced() as new:
             rows = export(result, new, results.folder)
             provenance = Provenance.collect(config, seed=config.seed)
+            write_model(of_feasible(result, provenance), new / MODEL, home=results.folder)
             write_feasible(result, rows, new, provenance, checkup=checkup)
     print("\n" + text_table(link_rows(result)))
     print(text_table(validation_rows(result)))

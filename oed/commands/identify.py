@@ -11,6 +11,9 @@ from oed.commands.from_data_set import Prepared, prepare, prepare_for
 from oed.commands.telling import say, speak
 from oed.estimation.calibration import Calibration, calibrate, convergence, residual_spectrum
 from oed.experiment.dataset import DataSet
+from oed.export.found_models import of_calibration
+from oed.export.model_file import NAME as MODEL
+from oed.export.model_file import write_model
 from oed.report.calibration_report import print_summary, write_calibration
 from oed.report.provenance import Provenance
 from oed.report.study_files import IDENTIFY
@@ -58,19 +61,21 @@ def _calibrated(prepared: Prepared, *, robust: bool) -> Calibration:
 
 
 def run(config: Identify) -> int:
-    """Estimate, and leave estimate.json, parameters.csv, figures and report.html."""
+    """Estimate, and leave model.json, estimate.json, parameters.csv, figures and report.html."""
     speak(quiet=config.quiet)
     start = time.perf_counter()
     with IDENTIFY.in_folder(config.out, [config.data]) as results:
         calibration = estimate(config)
         checkup = check_calibration(calibration)
+        provenance = Provenance.collect(config, seed=None)
         with results.replaced() as new:
+            write_model(of_calibration(calibration, provenance), new / MODEL, home=results.folder)
             write_calibration(
                 calibration,
                 convergence(calibration),
                 residual_spectrum(calibration),
                 new,
-                Provenance.collect(config, seed=None),
+                provenance,
                 checkup=checkup,
             )
     print_summary(calibration, checkup)

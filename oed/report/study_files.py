@@ -8,6 +8,7 @@ CHECK = ResultFiles("check", ("check.json", "ranges.png", "recorded_motion.json"
 IDENTIFY = ResultFiles(
     "identify",
     (
+        "model.json",
         "estimate.json",
         "parameters.csv",
         "validation_errors.csv",
@@ -17,6 +18,7 @@ IDENTIFY = ResultFiles(
 FEASIBLE = ResultFiles(
     "feasible",
     (
+        "model.json",
         "estimate.json",
         "changed_masses.csv",
         "links.csv",
@@ -32,6 +34,7 @@ FEASIBLE = ResultFiles(
 CLOSE_LOOP = ResultFiles(
     "close_loop",
     (
+        "model.json",
         "diagnosis.json",
         "additions.png",
         "dependence.png",

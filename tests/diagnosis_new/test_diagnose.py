@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 
 from oed.diagnosis_new.diagnose import diagnose
+from oed.diagnosis_new.evidence.moments import correlated_rows
+from oed.diagnosis_new.inference.covariance import parameter_covariance
 from oed.dynamics.effects import Effect, Parameter
 from oed.dynamics.effects.catalogue import CATALOGUE, EffectPage, Shape, named_effect, register
 from oed.dynamics.torque_model import TorqueModel
+from oed.export.found_models import of_diagnosis
+from oed.export.model_file import load_model, write_model
+from oed.report.provenance import Provenance
 from tests.diagnosis.arm import data_set, stribeck
 from tests.paths import REPO
 
@@ -39,6 +44,37 @@ def test_finds_what_was_put_in_and_says_its_size(found_stribeck):
     sizes = {p.name: p for p in effect.parameters}
     assert abs(sizes["Fs_1"].value - 1.5) < 4 * sizes["Fs_1"].std
     assert abs(sizes["speed"].value - 0.15) < 0.1
+
+
+def test_is_handed_on_as_a_model_that_predicts_the_same(found_stribeck, tmp_path):
+    provenance = Provenance.collect(PAGE, seed=0)
+    model = of_diagnosis(found_stribeck, "arm", provenance)
+    again = load_model(write_model(model, tmp_path / "model.json"))
+    after, motion = found_stribeck.after, found_stribeck.selected.views.every.problem.rows.prepared
+    motion = motion[0].motion[:500]
+    assert again.torque(motion.q, motion.dq, motion.ddq, t=motion.t) == pytest.approx(
+        dataclasses.replace(after.model, measurement=()).torque(
+            after.parameters, dataclasses.replace(motion, averaged=False)
+        ),
+        rel=1e-12,
+    )
+    assert [s.name for s in again.shapes[-1]] == ["speed", "exponent", "tail"]
+
+
+def test_covariance_is_the_textbooks_by_blocks(found_stribeck):
+    whole = found_stribeck.selected.views.every
+    projection, rows = whole.projection, whole.problem.rows
+    used = projection.used
+    blocks = rows.blocks(max(correlated_rows(whole, j, used) for j in range(2)))[used]
+    X = projection.columns[:, used] * projection.weights[:, None, None]
+    left = projection.residual[:, used] * projection.weights[:, None]
+    bread = np.linalg.inv(np.einsum("jua,jub->ab", X, X))
+    scores = [
+        np.einsum("jua,ju->a", X[:, blocks == b], left[:, blocks == b]) for b in np.unique(blocks)
+    ]
+    expected = bread @ np.transpose(scores) @ np.array(scores) @ bread
+    found = parameter_covariance(whole)
+    assert np.diag(found)[np.diag(found) > 0] == pytest.approx(np.diag(expected), rel=1e-4)
 
 
 def test_budget_adds_up_to_the_torque(found_stribeck):

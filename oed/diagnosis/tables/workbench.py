@@ -26,10 +26,10 @@ from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense
-from oed.dynamics.effects import Effect, MeasurementEffect
+from oed.dynamics.effects import MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives
 from oed.dynamics.effects.delay import TimeDelay
-from oed.dynamics.effects.payload import PayloadChange, PickUp
+from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.effects.transmission import TransmissionChange
@@ -133,7 +133,7 @@ def context_of(
     # Only what depends on nothing but the state, or on what does, as a gear: a reference to a
     # reference would have no end.
     beside = tuple(
-        (_forgetful(trial.effect), values)
+        (trial.effect.leaving, values)
         for trial, values in zip(found.chosen, found.coefficients, strict=True)
         if not trial.is_free_form
         and (CATALOGUE[trial.name].install is None or isinstance(trial.effect, TransmissionChange))
@@ -150,11 +150,6 @@ def context_of(
         ordered=not (several and all(p.laid and p.period is None for p in rows.prepared)),
     )
     return dataclasses.replace(context, pickups=pickups)
-
-
-def _forgetful(effect: Effect) -> Effect:
-    """An effect that remembers no torque, which would remember another, and so on."""
-    return effect.forgetful() if isinstance(effect, PayloadChange) else effect
 
 
 def fit_with(

@@ -39,6 +39,7 @@ class FreeForm(Effect):
     )
     visited: Visited | None = field(default=None, repr=False, compare=False)
     name = "free_form"
+    made_of = (Coordinate, Loop, Factor, VaryingInertia, OtherTorque, Visited)
 
     @property
     def remembers(self) -> bool:

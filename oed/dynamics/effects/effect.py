@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -16,6 +16,9 @@ from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar, add, mean_sign, mul, sign, tanh
 
 REMEMBERED = 32  # signs of a motion's velocities, each with some width
+# What a robot file and its readers know of a joint besides its bodies: dry friction, viscous
+# friction, inertia of a rotor.
+JointTerm = Literal["friction", "damping", "armature"]
 
 
 @dataclass(frozen=True)
@@ -130,10 +133,18 @@ class Effect(ABC):
     """Columns of the torque regressor.
 
     Subclasses are frozen dataclasses whose fields are the joint and the nonlinear
-    parameters, so that a model can be compared, printed and refined.
+    parameters, so that a model can be compared, printed, refined and written to a file.
+
+    Attributes:
+        name: Of the effect, for people.
+        made_of: Dataclasses that fields may hold, beside numbers, text, arrays, robots and
+            reference torques: so a file that has them can be read.
+        joint_term: What of a robot file's joint its one parameter is; None if it is none.
     """
 
     name: ClassVar[str]
+    made_of: ClassVar[tuple[type, ...]] = ()
+    joint_term: ClassVar[JointTerm | None] = None
 
     @property
     @abstractmethod
@@ -149,6 +160,11 @@ class Effect(ABC):
     def beyond_state(self) -> tuple[str, ...]:
         """What of these no state of the joints tells: time and temperatures."""
         return tuple(x for x in self.depends_on if x == "time" or x.startswith("temperature"))
+
+    @property
+    def leaving(self) -> Effect:
+        """The effect as it is written to a file: without what only saves time."""
+        return self
 
     @abstractmethod
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
@@ -179,9 +195,19 @@ class MeasurementEffect(ABC):
 
     `through` receives the function that evaluates all columns of the model, and may
     change the motion before or the columns after.
+
+    Attributes:
+        name: Of the effect, for people.
+        made_of: As of an `Effect`.
     """
 
     name: ClassVar[str]
+    made_of: ClassVar[tuple[type, ...]] = ()
+
+    @property
+    def leaving(self) -> MeasurementEffect:
+        """The effect as it is written to a file: without what only saves time."""
+        return self
 
     @abstractmethod
     def through(

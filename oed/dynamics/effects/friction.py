@@ -25,6 +25,7 @@ class Coulomb(Effect):
     width: float = 0.0
     gradual: bool = False
     name = "coulomb"
+    joint_term = "friction"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -50,6 +51,7 @@ class Viscous(Effect):
 
     joint: int
     name = "viscous"
+    joint_term = "damping"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

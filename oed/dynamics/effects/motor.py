@@ -20,6 +20,7 @@ class RotorInertia(Effect):
 
     joint: int
     name = "rotor_inertia"
+    joint_term = "armature"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -64,6 +64,7 @@ class PayloadChange(Effect):
     pickups: tuple[PickUp, ...] = ()
     held_for: float = np.inf
     name = "payload_change"
+    made_of = (PickUp,)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -105,6 +106,7 @@ class PayloadChange(Effect):
         """The same, held all the time."""
         return dataclasses.replace(self, moment=-np.inf, start=0.0, pickups=(), held_for=np.inf)
 
-    def forgetful(self) -> PayloadChange:
+    @property
+    def leaving(self) -> PayloadChange:
         """The same without a memory."""
         return dataclasses.replace(self, memory=None)

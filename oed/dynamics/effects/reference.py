@@ -12,7 +12,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -29,6 +29,7 @@ from oed.robot import Robot
 
 STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
 SHORTEST = 100  # samples whose spectrum tells anything
+PartT = TypeVar("PartT")
 REMEMBERED = 96  # torques of a few recordings: a scan asks for the same ones at each trial value
 
 
@@ -90,6 +91,19 @@ class ReferenceTorque:
                 others.append(effect)
                 coefficients += [float(value) for value in values]
         return cls(robot.with_parameters(standard), tuple(others), tuple(coefficients))
+
+    @cached_property
+    def end(self) -> ReferenceTorque:
+        """The same without effects that follow a torque themselves."""
+        pairs = [
+            (effect, self.coefficients[place])
+            for effect, place in with_columns(self.others)
+            if not holds_reference(effect)
+        ]
+        if len(pairs) == len(self.others):
+            return self
+        sizes = tuple(size for _, own in pairs for size in own)
+        return ReferenceTorque(self.robot, tuple(effect for effect, _ in pairs), sizes)
 
     def rigid(self, state: State) -> list[Scalar]:
         """Rigid-body torque of every joint [N m]."""
@@ -278,6 +292,29 @@ class ReferenceTorque:
         if len(self._memory) > REMEMBERED:
             self._memory.popitem(last=False)
         return self._memory[key]
+
+
+def holds_reference(value: object) -> bool:
+    """Whether an effect, or a part of it, changes with the torque as modelled so far."""
+    if isinstance(value, ReferenceTorque):
+        return True
+    return any(holds_reference(getattr(value, name)) for name in _parts(value))
+
+
+def with_references(value: PartT, change: Callable[[ReferenceTorque], ReferenceTorque]) -> PartT:
+    """An effect with each reference torque that it or a part of it holds put through `change`."""
+    if isinstance(value, ReferenceTorque):
+        return change(value)
+    own = {name: getattr(value, name) for name in _parts(value)}
+    new = {name: with_references(part, change) for name, part in own.items() if part is not None}
+    new = {name: part for name, part in new.items() if part is not own[name]}
+    return dataclasses.replace(value, **new) if new else value  # pyright: ignore[reportArgumentType]
+
+
+def _parts(value: object) -> tuple[str, ...]:
+    """Fields of a dataclass; of anything else none."""
+    is_whole = isinstance(value, type) or not dataclasses.is_dataclass(value)
+    return () if is_whole else tuple(f.name for f in dataclasses.fields(value) if f.init)
 
 
 def _slope(

@@ -99,6 +99,7 @@ class Transmission(MeasurementEffect):
     rubbing: Rubbing = Rubbing()
     stiffening: float = 0.0
     name = "transmission"
+    made_of = (Rubbing,)
 
     def __post_init__(self) -> None:
         if self.frequency <= 0 or self.damping <= 0:
@@ -207,6 +208,7 @@ class TransmissionChange(Effect):
     """
 
     gear: Transmission
+    made_of = (Rubbing,)
 
     @property
     def name(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]  # one for each gear

@@ -1,13 +1,18 @@
 """What a reference torque remembers is what it would find anew."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.effect import State
-from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.effects.entry import evaluate
+from oed.dynamics.effects.reference import ReferenceTorque, holds_reference
 from oed.dynamics.motion import Motion, random_motion, with_joint
 from oed.dynamics.scalars import mean_sign
 from oed.robot import imi_scara
+from tests.dynamics.effects.arms import context_of, smooth_motion, vertical_arm
 
 
 def motion_of(samples: int) -> Motion:
@@ -42,3 +47,19 @@ def test_signs_are_remembered_by_joint_and_width():
     for scale in (1.0, -2.0, 3.0):
         other = scale * state.dq[0]
         np.testing.assert_array_equal(state.sign(other, 0.1), mean_sign(other, 0.1))
+
+
+def test_references_end_however_often_a_model_is_refitted():
+    context = context_of(vertical_arm(), smooth_motion(vertical_arm(), 1.0))
+    entry, sizes = CATALOGUE["load_dependent_friction"], np.array([0.08])
+    for _ in range(5):
+        effect = entry.build(context, 1, (1.0, 1.0))
+        context = dataclasses.replace(context, beside=((effect, sizes),))
+    (inner,) = [e for e in context.reference.others if holds_reference(e)]
+    assert not any(holds_reference(e) for e in inner.reference.others)
+    # What is left out is the share of a share of a share.
+    motion = smooth_motion(vertical_arm(), 1.0)
+    once = entry.build(dataclasses.replace(context, beside=()), 1, (1.0, 1.0))
+    sizes_of = [np.abs(evaluate(e, motion, 2) * 0.08).max() for e in (once, effect)]
+    assert sizes_of[1] == pytest.approx(sizes_of[0], rel=0.1)
+    assert sizes_of[1] != sizes_of[0]

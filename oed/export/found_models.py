@@ -1,0 +1,113 @@
+"""The model that each way of finding one hands on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from oed.diagnosis_new.diagnose import Diagnosis
+from oed.diagnosis_new.inference.answer import FoundEffect
+from oed.diagnosis_new.inference.covariance import parameter_covariance
+from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.calibration import Calibration
+from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.export.model import Model, Origin, Ranges, ShapeEstimate
+from oed.report.provenance import Provenance
+
+
+def of_calibration(calibration: Calibration, provenance: Provenance) -> Model:
+    """Base parameters by least squares; what they stand for is zero."""
+    estimate, base = calibration.estimate, calibration.base
+    columns = base.columns[list(estimate.columns)]
+    count = len(calibration.model.parameters)
+    parameters, covariance = np.zeros(count), np.zeros((count, count))
+    parameters[columns] = estimate.parameters
+    covariance[np.ix_(columns, columns)] = estimate.covariance
+    return Model(
+        calibration.model,
+        parameters,
+        covariance,
+        np.isin(np.arange(count), columns),
+        is_feasible=False,
+        validity=_ranges(calibration),
+        origin=_origin("oed identify", calibration.dataset.name, estimate.method, provenance),
+    )
+
+
+def of_feasible(result: FeasibleCalibration, provenance: Provenance) -> Model:
+    """All parameters, of bodies that can exist; covariance of resampled estimates."""
+    estimate = result.estimate
+    return Model(
+        estimate.model,
+        estimate.parameters,
+        np.cov(result.bootstrap.samples.T),
+        np.ones(len(estimate.parameters), dtype=bool),
+        is_feasible=True,
+        validity=_ranges(result.plain),
+        origin=_origin(
+            "oed feasible",
+            result.plain.dataset.name,
+            f"feasible least squares; covariance: {result.bootstrap.method}",
+            provenance,
+        ),
+    )
+
+
+def of_diagnosis(found: Diagnosis, data: str, provenance: Provenance) -> Model:
+    """The augmented model: base parameters, effects in their exact form, free forms."""
+    model = found.after.model
+    covariance = parameter_covariance(found.selected.views.every)
+    prepared = found.selected.views.every.problem.rows.prepared
+    return Model(
+        model,
+        found.after.parameters,
+        covariance,
+        np.diag(covariance) > 0,
+        is_feasible=False,
+        validity=Ranges.of([p.motion for p in prepared], [p.torque for p in prepared]),
+        origin=_origin(
+            "oed diagnose",
+            data,
+            "penalised least squares of base model and additions; covariance by blocks of rows",
+            provenance,
+        ),
+        shapes=_shapes(model, found.effects),
+    )
+
+
+def _shapes(
+    model: TorqueModel, effects: tuple[FoundEffect, ...]
+) -> tuple[tuple[ShapeEstimate, ...], ...]:
+    """Nonlinear parameters of what was found, at the effect that has its name and joint."""
+    names = {parameter.name for parameter in model.parameters}
+
+    def own(name: str, joint: int | None) -> tuple[ShapeEstimate, ...]:
+        found = next((e for e in effects if (e.name, e.joint) == (name, joint)), None)
+        return (
+            ()
+            if found is None
+            else tuple(
+                ShapeEstimate(p.name, p.unit, p.value, p.std, p.note)
+                for p in found.parameters
+                if p.name not in names
+            )
+        )
+
+    every = (*model.effects, *model.measurement)
+    return tuple(own(effect.name, getattr(effect, "joint", None)) for effect in every)
+
+
+def _ranges(calibration: Calibration) -> Ranges:
+    training = calibration.recordings["estimation"]
+    return Ranges.of([r.motion for r in training], [r.tau for r in training])
+
+
+def _origin(command: str, data: str, method: str, provenance: Provenance) -> Origin:
+    return Origin(
+        command=command,
+        data=data,
+        method=method,
+        date=provenance.date,
+        commit=provenance.commit,
+        seed=provenance.seed,
+        versions=provenance.versions,
+    )

@@ -1,0 +1,185 @@
+"""A model that is written and read again is the same model."""
+
+import dataclasses
+import json
+
+import jsonschema
+import msgspec
+import numpy as np
+import pytest
+
+import oed
+from oed.dynamics.effects import Effect, Parameter
+from oed.dynamics.torque_model import TorqueModel
+from oed.export.model import Model
+from oed.export.model_file import load_model, write_model
+from oed.export.model_record import ModelFileError, model_schema
+from tests.dynamics.effects.arms import panda, scara, smooth_motion
+from tests.export.every_effect import EFFECTS, ORIGIN, model_with
+from tests.paths import REPO
+
+SCHEMA = REPO / "docs/reference/model.schema.json"
+
+
+def written(model, folder):
+    return write_model(model, folder / "model.json")
+
+
+def same_torque(model, again, motion):
+    before, after = (m.torque_model.torque(m.parameters, motion) for m in (model, again))
+    return np.abs(after - before).max() <= 1e-12 * np.abs(before).max()
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_every_effect_comes_back(tmp_path, name):
+    model, motion = model_with(name)
+    again = load_model(written(model, tmp_path))
+    assert same_torque(model, again, motion)
+    assert [type(e) for e in again.torque_model.effects] == [
+        type(e) for e in model.torque_model.effects
+    ]
+    assert again.torque_model.parameters == model.torque_model.parameters
+    assert np.array_equal(again.covariance, np.where(model.estimated, model.covariance, 0))
+
+
+def test_all_effects_and_free_forms_together_come_back(tmp_path):
+    model, motion = model_with(*EFFECTS, forms=True)
+    path = written(model, tmp_path)
+    assert same_torque(model, load_model(path), motion)
+    again = load_model(written(load_model(path), tmp_path / "again"))
+    assert same_torque(model, again, motion)
+
+
+def test_a_robot_with_a_file_keeps_it(tmp_path):
+    robot = panda()
+    motion = smooth_motion(robot, 0.2)
+    model, _ = model_with("stribeck", robot=robot, duration=0.5)
+    again = load_model(written(model, tmp_path))
+    assert same_torque(model, again, motion)
+    assert again.robot.description.text == robot.description.text
+    assert again.robot.description.path.resolve() == robot.description.path.resolve()
+    for kind in ("position", "velocity", "torque"):
+        assert np.array_equal(getattr(again.robot.limits, kind), getattr(robot.limits, kind))
+
+
+def test_what_is_known_of_the_numbers_comes_back(tmp_path):
+    model, _ = model_with("stribeck")
+    again = oed.load_model(written(model, tmp_path))
+    assert again.origin == model.origin
+    assert np.array_equal(again.validity.tau, model.validity.tau)
+    assert again.std == pytest.approx(model.std, nan_ok=True)
+
+
+@pytest.mark.parametrize("names", [(), EFFECTS])
+def test_files_keep_to_their_schema(tmp_path, names):
+    plain = json.loads(written(model_with(*names)[0], tmp_path).read_text(encoding="utf-8"))
+    jsonschema.validate(plain, model_schema())
+
+
+def test_the_schema_in_the_documentation_is_that_of_the_types():
+    assert json.loads(SCHEMA.read_text(encoding="utf-8")) == json.loads(
+        msgspec.json.encode(model_schema())
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class Wobble(Effect):
+    """A user's own."""
+
+    joint: int
+    depth: tuple[float, ...]
+    name = "wobble"
+
+    @property
+    def parameters(self):
+        return tuple(Parameter(f"w{k}_{self.joint + 1}", "N m", self.joint) for k in (1, 2))
+
+    @property
+    def depends_on(self):
+        return (f"q_{self.joint + 1}",)
+
+    def entries(self, state):
+        return [{self.joint: state.q[self.joint] ** d} for d in self.depth]
+
+
+def test_an_effect_from_outside_comes_back(tmp_path):
+    robot = scara()
+    torque_model = TorqueModel(robot, (Wobble(1, (2.0, 3.0)),))
+    model = Model(torque_model, np.array([1.5, -2.0]), None, np.ones(2, bool), False, None, ORIGIN)
+    path = written(model, tmp_path)
+    assert same_torque(model, load_model(path), smooth_motion(robot, 0.1))
+    renamed = path.read_text(encoding="utf-8").replace('"Wobble"', '"Wibble"')
+    path.write_text(renamed, encoding="utf-8")
+    with pytest.raises(ModelFileError, match=r"no effect 'Wibble' here.*import the module"):
+        load_model(path)
+
+
+def _spoiled(text, how):
+    plain = json.loads(text)
+    how(plain)
+    return json.dumps(plain)
+
+
+def _drop_a_joint(plain):
+    plain["robot"]["joints"].pop()
+
+
+def _change(*keys, to):
+    def change(plain):
+        for key in keys[:-1]:
+            plain = plain[key]
+        plain[keys[-1]] = to
+
+    return change
+
+
+SPOILED = {
+    "older": (_change("version", to=0), "has version 0 of the format"),
+    "newer": (_change("version", to=2), "make it again"),
+    "foreign": (_change("format", to="urdf"), "is no model.json"),
+    "a word for a number": (
+        _change("effects", 1, "parameters", 0, "value", to="much"),
+        r"effects\[1\].parameters\[0\].value",
+    ),
+    "an unknown field": (_change("colour", to="red"), "colour"),
+    "a joint too few": (_drop_a_joint, "robot"),
+    "another name": (
+        _change("effects", 1, "parameters", 0, "name", to="Fx"),
+        r"effects\[1\]: its parameters are Fx",
+    ),
+    "an impossible shape": (_change("effects", -1, "form", "speed", to=-1.0), "positive"),
+    "a field of no effect": (_change("effects", -1, "form", "spin", to=1.0), "spin"),
+    "covariance of another size": (_change("covariance", "matrix", to=[[1.0]]), "covariance"),
+}
+
+
+@pytest.mark.parametrize("how", SPOILED)
+def test_a_spoiled_file_is_refused_in_one_line(tmp_path, how):
+    change, words = SPOILED[how]
+    path = written(model_with("stribeck")[0], tmp_path)
+    path.write_text(_spoiled(path.read_text(encoding="utf-8"), change), encoding="utf-8")
+    with pytest.raises(ModelFileError, match=words) as caught:
+        load_model(path)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[1, 2]", b"\xff\xfe", b"null"])
+def test_what_is_no_model_is_refused(tmp_path, content):
+    path = tmp_path / "model.json"
+    path.write_bytes(content)
+    with pytest.raises(ModelFileError, match=r"model\.json: is no"):
+        load_model(path)
+    with pytest.raises(ModelFileError, match="no such file"):
+        load_model(tmp_path / "absent.json")
+
+
+def test_a_spoiled_robot_text_is_noticed(tmp_path):
+    model, _ = model_with(robot=panda(), duration=0.1)
+    path = written(model, tmp_path)
+    spoiled = _spoiled(
+        path.read_text(encoding="utf-8"), _change("robot", "description", "text", to="<robot/>")
+    )
+    path.write_text(spoiled, encoding="utf-8")
+    with pytest.raises(ModelFileError, match="sha256"):
+        load_model(path)
