@@ -3,6 +3,7 @@
 # make paper   setup, then the main job: recordings in, parameters, tables and figures out
 #              make paper DATA=DIR reads the data sets in DIR
 # make docs    setup, then the documentation in out/site, every link checked
+# make mutants setup, then change one line behind each claim at a time: the tests must notice
 # make lint    setup, then lint, format check and type check
 # make clean   remove the environment, the caches and what a run wrote (results/ stays)
 
@@ -21,7 +22,7 @@ test paper: export OMP_NUM_THREADS = 1
 test: export OED_PROCESSES = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup test paper docs lint clean
+.PHONY: help setup test paper docs mutants lint clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p;/^$$/q' Makefile
@@ -62,6 +63,9 @@ docs: export NO_MKDOCS_2_WARNING = 1
 docs: setup
 	$(PYTHON) -m mkdocs build --strict --quiet
 	@echo "open out/site/index.html"
+
+mutants: setup
+	$(PYTHON) -m tests.mutants
 
 lint: setup
 	$(PYTHON) -m ruff check .

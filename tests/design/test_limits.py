@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from oed.design.extrema import proven_range, quick_range
+from oed.design.extrema import FIRST_INTERVALS, proven_range, quick_range
 from oed.design.limits import KINEMATIC, certify, check_limits, fill, repair
 from oed.design.torque_range import proven_torque_range
-from oed.design.trajectories import HarmonicClass
+from oed.design.trajectories import FourierClass, HarmonicClass
+from oed.robot import JointLimits
 from tests.design.problems import HORIZON, classes, lopsided, scara
 
 DENSE = np.linspace(0.0, HORIZON, 100_000)
@@ -52,6 +53,18 @@ def test_sees_a_beat_that_falls_between_samples() -> None:
     lower, upper = proven_range(trajectory, z, 0)[0]
     assert upper == pytest.approx(1.0, abs=1e-6)
     assert lower == pytest.approx(-1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("multiple", [1, 2, 3])
+def test_sees_a_wave_that_has_its_troughs_at_every_first_sample(multiple: int) -> None:
+    # Slopes vanish there too: only the curvature tells that there are crests in between.
+    count = FIRST_INTERVALS * multiple
+    trajectory = FourierClass(HORIZON, JointLimits.symmetric([2.0], [1e9], [1e9]), count)
+    z = np.zeros(trajectory.size)
+    z[-1] = -1.0 if multiple % 2 == 0 else 1.0
+    lower, upper = proven_range(trajectory, z, 0)[0]
+    assert lower == pytest.approx(-1.0, abs=1e-6)
+    assert upper == pytest.approx(1.0, abs=1e-6)
 
 
 def test_the_quick_range_holds_the_proven_one() -> None:

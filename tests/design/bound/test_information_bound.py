@@ -158,3 +158,30 @@ def test_needs_limits_that_bound_the_states() -> None:
     free = JointLimits.symmetric(position=(1.0, 1.0), velocity=(1.0, 1.0))
     with pytest.raises(ValueError, match="acceleration"):
         ViableStates(free)
+
+
+def quadratics(x: np.ndarray) -> np.ndarray:
+    return np.stack([np.ones_like(x), x, x**2], axis=1)
+
+
+@pytest.mark.parametrize("middle", [1 / 3, 0.5, 0.6, 0.8])
+def test_a_measure_bounds_the_textbook_optimum(middle: float) -> None:
+    # Regression on 1, x, x^2 over [-1, 1]: D-optimal is a third at each of -1, 0 and 1, det 4/27
+    # (Fedorov 1972), and by the equivalence theorem its dual has its maximum 3 there.
+    ends = (1 - middle) / 2
+    F = quadratics(np.array([-1.0, 0.0, 1.0]))
+    information = F.T @ (np.array([ends, middle, ends])[:, None] * F)
+    x = quadratics(np.linspace(-1, 1, 2001))
+    highest = np.einsum("ij,jk,ik->i", x, np.linalg.inv(information), x).max()
+    found = InformationBound.of_measure(
+        information, highest, kind="estimated", functions=3, boxes=0, longest_return=0.0
+    )
+    best = np.log10(4 / 27)
+    if middle == 1 / 3:
+        assert found.log10_det == pytest.approx(best)
+        assert found.excess == pytest.approx(0.0, abs=1e-12)
+    else:
+        assert found.attained < best < found.log10_det
+        assert found.excess > 0
+    # N instants have N times the mean information, and det of b = 3 parameters N^3 times it.
+    assert found.J_d(80) == pytest.approx(found.log10_det + np.log10(80.0**3))
