@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from oed.estimation.autoregressive import AutoregressiveNoise
 from oed.estimation.covariance import estimate_covariance
+from oed.estimation.effective_samples import effective_degrees_of_freedom
 from oed.estimation.least_squares import batch_least_squares
 from tests.estimation.planar_arm import (
     DEVIATIONS,
@@ -74,6 +76,54 @@ def test_correlation_does_not_cross_from_one_recording_to_the_next():
 
     share = coverage(draw, "hac", 50, seed=14, segments=(SAMPLES // 6,) * 6)
     assert 0.90 <= share <= 0.98
+
+
+def freedom_of(path: np.ndarray, coefficient: float) -> float:
+    """Degrees of freedom of a parameter that sums first-order noise along a path of unit length."""
+    noise = AutoregressiveNoise((np.array([1.0, -coefficient]),), np.eye(1))
+    path = path / np.linalg.norm(path)
+    found = effective_degrees_of_freedom(path[:, None, None], np.eye(1), noise, (len(path),))
+    return float(found[0])
+
+
+def test_white_noise_leaves_a_degree_of_freedom_a_sample():
+    # A sum of N squares has the variance of chi squared with N degrees of freedom.
+    noise = AutoregressiveNoise((np.array([1.0]),), np.eye(1))
+    path = np.random.default_rng(0).normal(size=(500, 1, 1)) / np.sqrt(500)
+    found = effective_degrees_of_freedom(path, np.eye(1), noise, (500,))
+    assert found[0] == pytest.approx(500, rel=0.01)
+
+
+@pytest.mark.parametrize("coefficient", [-0.5, 0.3, 0.7])
+@pytest.mark.parametrize("waves", [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 3.0)])
+def test_freedom_under_first_order_noise_is_that_of_the_delta_method(coefficient, waves):
+    # V = N S(0) c^2 + N S(w) d^2 / 2, S = s^2 / |1 - f exp(-iw)|^2; var f = (1 - f^2) / N and
+    # var s^2 = 2 s^4 / N of the maximum likelihood, independent of one another.
+    count, turn = 20_000, 400
+    w, (constant, wave) = 2 * np.pi * turn / count, waves
+    path = constant + wave * np.cos(w * np.arange(count))
+
+    def variance(f: float) -> float:
+        spectrum = [1 / abs(1 - f * np.exp(-1j * x)) ** 2 for x in (0.0, w)]
+        return constant**2 * spectrum[0] + wave**2 / 2 * spectrum[1]
+
+    slope = (variance(coefficient + 1e-6) - variance(coefficient - 1e-6)) / 2e-6
+    whole = variance(coefficient)
+    error = 2 * whole**2 / count + slope**2 * (1 - coefficient**2) / count
+    assert freedom_of(path, coefficient) == pytest.approx(2 * whole**2 / error, rel=0.01)
+
+
+def test_a_prior_adds_the_information_that_it_states():
+    # With residuals of unit variance the posterior covariance is (A^T A + P)^-1 (8).
+    rng = np.random.default_rng(3)
+    A = rng.normal(size=(200, 3))
+    root = np.linalg.cholesky(A.T @ A + np.diag([50.0, 200.0, 800.0])).T
+    freedom = 200 - np.trace(A @ np.linalg.solve(root.T @ root, A.T))
+    residual = rng.normal(size=(100, 2))
+    residual *= np.sqrt(freedom / np.sum(residual**2))
+    found = estimate_covariance(A, residual, root, method="white")
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(root.T @ root), rtol=1e-10)
+    np.testing.assert_allclose(found.degrees_of_freedom, freedom)
 
 
 def one_fit(noise_seed=5, segments=None, order=None):

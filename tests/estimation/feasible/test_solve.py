@@ -13,11 +13,12 @@ from oed.dynamics.motion import Motion
 from oed.estimation.feasible import solve
 from oed.estimation.feasible.barrier_solver import solve_barrier
 from oed.estimation.feasible.conic_solver import solve_conic
+from oed.estimation.feasible.coordinates import ENTRIES, adjoint
 from oed.estimation.feasible.data_factor import DataFactor
 from oed.estimation.feasible.estimate import estimate_feasible
 from oed.estimation.feasible.feasible_set import FeasibleSet, MassRegion
 from oed.estimation.feasible.interior import SolverFailed
-from oed.estimation.feasible.optimality import check_optimality
+from oed.estimation.feasible.optimality import Multipliers, check_optimality
 from oed.estimation.feasible.problem import build_problem
 from oed.estimation.feasible.reference import (
     InfeasiblePrior,
@@ -99,6 +100,27 @@ def test_the_check_does_not_believe_a_wrong_solution():
     outside = result.x.copy()
     outside[:10] *= -1e-3
     assert check_optimality(problem, outside, result.multipliers).primal > 1e-4
+
+
+def test_prices_that_the_point_does_not_pay_widen_the_bound():
+    # A pull so strong that the best point is inside all demands, where the objective is a parabola.
+    problem = arm_problem(1e2, "quadratic", noise=0.1)
+    start = problem.coordinates.start
+    hessian = problem.hessian(start)
+    best = start - np.linalg.solve(hessian, problem.gradient(start))
+    assert problem.link_margins(best).min() > problem.margin
+    assert problem.slack(best).min() > 0
+    # Prices of demands that do not bind: the Lagrangian's minimum lies elsewhere, and is flat there.
+    links = 1e-2 * np.stack([np.eye(4)] * problem.coordinates.links)
+    priced = np.zeros(len(best))
+    priced[: ENTRIES * problem.coordinates.links] = adjoint(links)
+    moved = best + np.linalg.solve(hessian, priced)
+    prices = Multipliers(links, np.zeros(len(problem.inequality)))
+    found = check_optimality(problem, moved, prices)
+    excess = (problem.objective(moved) - problem.objective(best)) / problem.size(moved)
+    assert found.decrement < 1e-3 * excess
+    assert found.suboptimality >= excess > 0
+    assert not found.holds(excess / 2)
 
 
 def test_derivatives_of_the_objective_agree_with_differences():
