@@ -123,6 +123,13 @@ def test_a_strong_prior_wins_and_a_weak_one_vanishes(data):
     assert relative(batch_least_squares(W, y, 2, prior=strong).parameters, TRUTH + 1) < 1e-9
 
 
+def test_independent_deviations_are_a_diagonal_covariance():
+    std = np.array([0.1, 2.0, 30.0])
+    given = Prior.independent(np.arange(3.0), std)
+    np.testing.assert_allclose(given.factor.T @ given.factor, np.diag(1 / std**2))
+    np.testing.assert_allclose(given.factor.T @ given.offset, np.arange(3.0) / std**2)
+
+
 def test_an_infinite_prior_deviation_is_no_prior(data):
     W, y = data
     partly = Prior.independent(np.zeros(8), np.where(np.arange(8) == 2, 1e-9, np.inf))

@@ -15,6 +15,13 @@ def test_states_rms_as_the_paper_does():
     assert found.samples == 4
 
 
+def test_a_steady_torque_counts_in_the_relative_error_and_not_in_r_squared():
+    measured = np.array([[5.0], [3.0], [5.0], [3.0]])  # holds 4 N m against gravity
+    found = validate(measured - 0.5, measured)
+    assert found.relative_rms[0] == pytest.approx(0.5 / np.sqrt(17.0))
+    assert found.r_squared[0] == pytest.approx(1 - 0.25 / 1.0)
+
+
 def test_a_joint_without_torque_has_no_relative_error():
     measured = np.column_stack([np.zeros(5), np.arange(5.0)])
     found = validate(np.ones((5, 2)), measured)
