@@ -23,7 +23,7 @@ from typing import Generic, Protocol, TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from oed.diagnosis.side_by_side import PROCESSES
+from oed.parallel_map import PROCESSES
 from oed.process_end import end_with_parent, is_interrupt, without_interrupts
 from oed.report.code_digest import code_digest
 from oed.report.input_files import data_digest

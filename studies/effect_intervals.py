@@ -20,15 +20,15 @@ from pathlib import Path
 from typing import ClassVar
 
 from oed.commands.options import Count, Seed, parse
-from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.uncertainty import with_uncertainty
 from oed.diagnosis.evidence.verdict import FoundEffect, describe_effects
 from oed.diagnosis.search.selection import search
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis_new.noise.baseline import find_baseline
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.read_dataset import read_dataset
 from oed.process_end import RESUMES, leave
 from oed.report.json_file import write_atomically
@@ -121,7 +121,7 @@ def work(case: Case) -> dict[str, str | int | float]:
         (hidden,) = make_dataset(case, data).hidden
         dataset = read_dataset(data)
     settings = DiagnosisSettings(max_effects=1, candidates=(hidden.name,))
-    prepared = prepare(dataset.recordings, settings)
+    prepared = prepare(dataset.recordings)
     estimation, validation = (_with_role(prepared, r) for r in ("estimation", "validation"))
     baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
     shop = Workshop(baseline, estimation, validation, settings)

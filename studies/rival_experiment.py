@@ -14,13 +14,10 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.candidates.calming import worth_beside
 from oed.diagnosis.candidates.margin import decisive_between
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import most_telling_first, telling
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.rivals.discrimination import NextExperiment, design_discriminating, separation
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workbench import lay_out
@@ -28,9 +25,12 @@ from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine
 from oed.diagnosis.terms.scores import Score, scan
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
+from oed.diagnosis_new.noise.baseline import find_baseline
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.recording import Recording
 from oed.experiment.simulation import Log
 from oed.robot import Robot
@@ -177,7 +177,7 @@ def set_up(duel: Duel, size: float) -> Scene:
 def lay(scene: Scene, pairs: Sequence[tuple[Recording, Recording]]) -> Table:
     """Recordings, each with its noiseless twin, as the diagnosis lays them out."""
     settings = DiagnosisSettings()
-    prepared, clean = (prepare(tuple(side), settings) for side in zip(*pairs, strict=True))
+    prepared, clean = (prepare(tuple(side)) for side in zip(*pairs, strict=True))
     baseline = find_baseline(TorqueModel.standard(scene.declared), prepared)
     return Table(Workshop(baseline, prepared, (), settings), clean)
 

@@ -14,19 +14,17 @@ ORDER = (
     "experiment",
     "estimation",
     "checkup",
-    "diagnosis",
     "diagnosis_new",
+    "diagnosis",
     "report",
     "export",
     "commands",
 )
-SHARED_BY_ALL = ("errors", "input_file", "process_end")
+SHARED_BY_ALL = ("errors", "input_file", "parallel_map", "process_end")
 # Within the diagnosis the same holds; its settings serve all, and diagnosis.py stands above.
 DIAGNOSIS_ORDER = (
-    "data",
     "fit",
     "terms",
-    "baseline",
     "tables",
     "candidates",
     "search",
@@ -142,7 +140,7 @@ def test_a_planted_fault_is_caught(tmp_path: Path, path: str, line: str) -> None
         ("oed/dynamics/effects/x.py", "from ..motion import Motion"),
         ("oed/robot/x.py", "from oed.errors import RobotError"),
         ("oed/diagnosis/search/x.py", "from oed.diagnosis.settings import DiagnosisSettings"),
-        ("oed/diagnosis/search/x.py", "from oed.diagnosis.fit.rows import Rows"),
+        ("oed/diagnosis/search/x.py", "from oed.diagnosis.fit.model import X"),
         ("oed/report/x.py", "from oed.estimation import Estimate"),
         ("paper_figures/x.py", "from oed.report.style import save_figure"),
     ],

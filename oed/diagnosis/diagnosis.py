@@ -12,11 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from threadpoolctl import threadpool_limits
 
-from oed.diagnosis.baseline.baseline import Baseline, find_baseline
 from oed.diagnosis.candidates.accepted import Refused
-from oed.diagnosis.data.encoder_steps import encoder_torque
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.caveats import caveats
 from oed.diagnosis.evidence.contradiction import checked_errors
 from oed.diagnosis.evidence.contributions import Contribution, contributions
@@ -38,17 +34,21 @@ from oed.diagnosis.evidence.verdict import (
 )
 from oed.diagnosis.evidence.withheld import Errors, withheld
 from oed.diagnosis.finding import Finding, find, uncontradicted
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.predict import rms
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.baseline import Baseline, find_baseline
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.catalogue import Drives
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.dissipation import check_dissipation, driven_joints
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.encoder_steps import encoder_torque
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.recording import ROLES
 
 
@@ -150,7 +150,7 @@ def diagnose(
             "its dataset.toml"
         )
     dataset.check_moves()
-    prepared = prepare(dataset.recordings, settings)
+    prepared = prepare(dataset.recordings)
     by_role = {role: tuple(p for p in prepared if p.role == role) for role in ROLES}
     estimation = by_role["estimation"]
     say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")

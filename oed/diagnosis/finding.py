@@ -13,7 +13,6 @@ from numpy import ndarray
 from oed.diagnosis.candidates.accepted import Refused
 from oed.diagnosis.candidates.clocks import by_other_clock
 from oed.diagnosis.candidates.turning import GRAVITY
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contradiction import checked_errors, held_out_rms
 from oed.diagnosis.evidence.final_model import FinalModel, final_with, fit_final
 from oed.diagnosis.evidence.naming import named
@@ -22,6 +21,7 @@ from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import search, with_stand_ins
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.experiment.preparation.prepared import Prepared
 
 Key = tuple[str, object]
 # Ratio of a joint's test errors above which an addition is no gain: noise alone makes 1.03 of a true one.

@@ -35,8 +35,6 @@ class DiagnosisSettings:
             that one's formula, if a free-form term of the same coordinate would do as well.
         floor_ratio: Error over noise floor up to which a model counts as complete if no term
             locates what is left.
-        lowest_cutoff: Of the analysis band [Hz].
-        highest_cutoff: Of the analysis band [Hz].
         folds: Of the cross-validation within the estimation recordings.
         surrogates: Sign-flipped residuals that calibrate the search; up to ten times as many where a
             chance is near the level.
@@ -59,8 +57,6 @@ class DiagnosisSettings:
     foreign_share: float = 0.95
     mending_share: float = 0.25
     floor_ratio: float = 1.3
-    lowest_cutoff: float = 8.0
-    highest_cutoff: float = 30.0
     folds: int = 5
     surrogates: int = 99
     refined: int = 6

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis_new.candidates.candidate import NamedCandidate, SmoothCandidate
-from oed.diagnosis_new.rows import WhiteRows
+from oed.diagnosis_new.rows.white_rows import WhiteRows
 from oed.dynamics.effects.catalogue import CatalogueEntry, Context
 from oed.dynamics.torque_model import TorqueModel
 

@@ -10,25 +10,24 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline, find_baseline
-from oed.diagnosis.baseline.sign_width import with_widths
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
-from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
-from oed.diagnosis.fit.rows import weigh
-from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.free_terms import ALL_PAIRED, terms_alone, terms_together
 from oed.diagnosis_new.candidates.candidate import SmoothCandidate
+from oed.diagnosis_new.candidates.smooth_terms import ALL_PAIRED, terms_alone, terms_together
+from oed.diagnosis_new.noise.baseline import Baseline, find_baseline
+from oed.diagnosis_new.noise.linear_fit import LinearFit, fit_model
+from oed.diagnosis_new.noise.sign_width import with_widths
 from oed.diagnosis_new.numbers import EFFECTS_PER_JOINT, LEAST_EFFECTS, NOISE_LAGS
 from oed.diagnosis_new.problem import Problem, named_candidates
-from oed.diagnosis_new.rows import WhiteRows
+from oed.diagnosis_new.rows.weighted_rows import weigh
+from oed.diagnosis_new.rows.white_rows import WhiteRows
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Drives
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.dissipation import check_dissipation, driven_joints
 from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.mean_repetition import mean_of_repetitions
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.signals.lowpass import lowpass
 
 
@@ -91,7 +90,7 @@ def pose(
             "its dataset.toml"
         )
     dataset.check_moves()
-    prepared = prepare(dataset.recordings, DiagnosisSettings())
+    prepared = prepare(dataset.recordings)
     say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
     estimation = tuple(p for p in prepared if p.role == "estimation")
     validation = tuple(p for p in prepared if p.role == "validation")

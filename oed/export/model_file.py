@@ -12,9 +12,9 @@ import msgspec
 import numpy as np
 from numpy import ndarray
 
-from oed.diagnosis.terms import free_form as _free_form  # noqa: F401  a file may hold one
 from oed.dynamics.effects import Effect, MeasurementEffect, with_columns
 from oed.dynamics.effects import catalogue as _catalogue  # noqa: F401  and these
+from oed.dynamics.effects import smooth_term as _smooth_term  # noqa: F401  a file may hold one
 from oed.dynamics.torque_model import TorqueModel
 from oed.export.effect_form import FormReader, FormWriter
 from oed.export.model import Model, Origin, Ranges, ShapeEstimate

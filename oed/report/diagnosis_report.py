@@ -14,7 +14,7 @@ from oed.diagnosis.evidence.contributions import Contribution, ContributionMap
 from oed.diagnosis.evidence.dependence import Dependence
 from oed.diagnosis.rivals.discrimination import NextExperiment
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.side_by_side import side_by_side
+from oed.parallel_map import side_by_side
 from oed.report.diagnosis_page import diagnosis_page
 from oed.report.diagnosis_plots import (
     Curve,

@@ -11,7 +11,7 @@ from oed.diagnosis.evidence.proof import error_in_floors
 from oed.diagnosis.evidence.unlocated import CLEAR_UNSEEN
 from oed.diagnosis.evidence.verdict import Unexplained
 from oed.diagnosis.evidence.withheld import MOSTLY, SURELY
-from oed.diagnosis.terms.free_form import FreeForm
+from oed.dynamics.effects.smooth_term import FreeForm
 from oed.report.page import Picture, Table, Text
 
 LOST = (

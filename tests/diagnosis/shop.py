@@ -2,15 +2,15 @@
 
 from collections import OrderedDict
 
-from oed.diagnosis.baseline.baseline import Baseline, find_baseline
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import catalogue_trial
+from oed.diagnosis_new.noise.baseline import Baseline, find_baseline
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.prepared import Prepared
 
 KEPT = 12  # data sets whose baseline is known: many tests begin with the same
 
@@ -27,9 +27,9 @@ def shop_of(dataset, *, held=True, **settings):
 
 def baseline_of(dataset, settings):
     """The recordings brought to their band and the model to start with."""
-    key = (id(dataset), settings.lowest_cutoff, settings.highest_cutoff)
+    key = (id(dataset),)
     if key not in known:
-        prepared = prepare(dataset.recordings, settings)
+        prepared = prepare(dataset.recordings)
         model = TorqueModel.standard(dataset.robot)
         # With the data set itself, whose number no other may get.
         known[key] = dataset, prepared, find_baseline(model, with_role(prepared, "estimation"))

@@ -3,10 +3,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.data.band import Band, choose_band, position_noise
 from oed.dynamics.effects import State
 from oed.dynamics.effects.deflection import deflect
 from oed.dynamics.motion import Motion
+from oed.experiment.preparation.band import Band, choose_band, position_noise
 
 
 def test_decimating_filter_is_the_plain_convolution():

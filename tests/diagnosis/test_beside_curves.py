@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.search.free_form_rivals import better_free_form
@@ -14,6 +13,7 @@ from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import with_stand_ins
 from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
+from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import RATE, data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of

@@ -5,10 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.candidates.calming import worth_beside
 from oed.diagnosis.candidates.margin import decisive_between
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.fit.motion_noise import calmed
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workbench import lags_of
@@ -16,7 +14,9 @@ from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine
 from oed.diagnosis.terms.scores import gain_of, score
 from oed.diagnosis.terms.trials import moved
+from oed.diagnosis_new.noise.baseline import find_baseline
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -34,7 +34,7 @@ def laid_out():
     sharp = [dataclasses.replace(r, name=f"exact {r.name}") for r in exact.validation]
     settings = DiagnosisSettings()
     # One call: all go through the same band.
-    estimation, *others = prepare((*rounded.recordings, *sharp), settings)
+    estimation, *others = prepare((*rounded.recordings, *sharp))
     validation, truth = tuple(others[: len(sharp)]), tuple(others[len(sharp) :])
     baseline = find_baseline(TorqueModel.standard(rounded.robot), (estimation,))
     return Workshop(baseline, (estimation,), validation, settings), truth

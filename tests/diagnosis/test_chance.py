@@ -6,8 +6,8 @@ from scipy.stats import gumbel_r
 
 from oed.diagnosis.candidates import chance
 from oed.diagnosis.candidates.chance import ROUNDS, chance_of, keeps_step_unseen, p_value_of
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.terms.scores import inflation_of, score
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

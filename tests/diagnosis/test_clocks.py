@@ -4,14 +4,14 @@ import dataclasses
 
 import numpy as np
 
-from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.candidates.clocks import by_other_clock
 from oed.diagnosis.candidates.judgement import held_out_fault
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workbench import early_and_late
 from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis_new.noise.baseline import find_baseline
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import RATE, data_set, once
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -22,7 +22,7 @@ def laid_out(roles):
     # Without a period, as most logs are.
     logs = tuple(map(once, dataset.recordings))
     settings = DiagnosisSettings()
-    prepared = prepare(logs, settings)
+    prepared = prepare(logs)
     own = tuple(p for p in prepared if p.role == "estimation")
     later = tuple(p for p in prepared if p.role != "estimation")
     baseline = find_baseline(TorqueModel.standard(dataset.robot), own)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.evidence.common_noise import bias_from, moments_of_mean
-from oed.diagnosis.fit.linear_fit import project
+from oed.diagnosis_new.noise.linear_fit import project
 
 TRUTH = np.array([2.0, -1.0])
 REPETITIONS, ROWS = 6, 800

@@ -6,14 +6,14 @@ from functools import partial
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.encoder_steps import encoder_steps, encoder_torque, repeated_steps
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis_new.noise.baseline import find_baseline
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.encoder_steps import encoder_steps, encoder_torque, repeated_steps
+from oed.experiment.preparation.mean_repetition import mean_of_repetitions
+from oed.experiment.preparation.prepare import prepare
 from oed.experiment.recording import Recording
 from oed.robot.builtin import imi_scara
 from tests.diagnosis.arm import data_set
@@ -73,7 +73,7 @@ def test_torque_errs_as_much_as_rounded_positions_make_it():
     model = TorqueModel(robot, (RigidBody(robot),))
     sharp = dataclasses.replace(own, name="b", q=exact)
     # One call: both go through the same band.
-    rounded, clean = prepare((own, sharp), DiagnosisSettings())
+    rounded, clean = prepare((own, sharp))
     parameters = robot.parameters
     band = rounded.band
     real = band.apply(
@@ -97,7 +97,7 @@ def test_rounding_errs_nothing_new_where_a_joint_rests():
     resting = dataclasses.replace(own, q=np.where(still[:, None], own.q[0], own.q))
     robot = imi_scara()
     model = TorqueModel(robot, (RigidBody(robot),))
-    (prepared,) = prepare((resting,), DiagnosisSettings())
+    (prepared,) = prepare((resting,))
     (errors,) = encoder_torque(partial(model.torque, robot.parameters), [prepared])
     phase = prepared.t % PERIOD
     resting, moving = phase > 0.6 * PERIOD, (phase > 0.1 * PERIOD) & (phase < 0.4 * PERIOD)
@@ -113,9 +113,7 @@ def test_what_rounding_repeats_is_noise_to_the_mean_of_repetitions():
 
 def mean_square(dataset, **changes):
     """Of what a fit to the mean repetitions leaves of the first joint, in units of its noise."""
-    prepared = tuple(
-        dataclasses.replace(p, **changes) for p in prepare(dataset.estimation, DiagnosisSettings())
-    )
+    prepared = tuple(dataclasses.replace(p, **changes) for p in prepare(dataset.estimation))
     baseline = find_baseline(TorqueModel.standard(dataset.robot), prepared)
     fit = Workshop(baseline, prepared, (), DiagnosisSettings()).before.fit
     return np.sum(fit.residual[0] ** 2) / fit.freedom()[0]
@@ -124,7 +122,7 @@ def mean_square(dataset, **changes):
 @pytest.mark.parametrize(("apart", "share"), [(0.0, 1.0), (3.0, 1 / np.sqrt(REPETITIONS))])
 def test_a_mean_keeps_the_rounding_that_every_repetition_has(apart, share):
     _, own = recording(apart=apart)
-    (prepared,) = prepare((own,), DiagnosisSettings())
+    (prepared,) = prepare((own,))
     mean, count = mean_of_repetitions(prepared)
     assert count == REPETITIONS
     assert prepared.position_noise == pytest.approx([STEP / np.sqrt(12)] * 2, rel=0.1)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from oed.diagnosis.fit.model_columns import effect_columns
-from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.scores import score
-from oed.diagnosis.terms.visited import Visited
+from oed.diagnosis_new.rows.model_columns import effect_columns
 from oed.dynamics.effects import State
+from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, VaryingInertia
+from oed.dynamics.effects.smooth_term import FreeForm
+from oed.dynamics.effects.visited import Visited
 from oed.dynamics.motion import Motion
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of

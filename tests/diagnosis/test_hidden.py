@@ -5,15 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.data.direction import uncertain_direction
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.fit import hidden as hidden_module
-from oed.diagnosis.fit.hidden import hidden_in
-from oed.diagnosis.fit.whitening import Autoregression
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis_new.noise.baseline import find_baseline
+from oed.diagnosis_new.rows import uncertain_sign as hidden_module
+from oed.diagnosis_new.rows.autoregression import Autoregression
+from oed.diagnosis_new.rows.uncertain_sign import hidden_in
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.direction import uncertain_direction
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import data_set
 
 COULOMB = 2.0  # [N m]
@@ -25,7 +25,7 @@ DRAWS = 400
 def single():
     """A motion that is run once."""
     dataset = data_set(3, repetitions=1, roles=("estimation",))
-    (prepared,) = prepare(dataset.recordings, DiagnosisSettings())
+    (prepared,) = prepare(dataset.recordings)
     return prepared
 
 
@@ -89,7 +89,7 @@ def test_turns_cost_a_mean_of_repetitions_few_rows_where_noise_grows_with_freque
         dataclasses.replace(r, q=r.q + 1e-4 * np.random.default_rng(k).normal(size=r.q.shape))
         for k, r in enumerate(dataset.estimation)
     )
-    prepared = prepare(recordings, DiagnosisSettings())
+    prepared = prepare(recordings)
     baseline = find_baseline(TorqueModel.standard(dataset.robot), prepared)
     shop = Workshop(baseline, prepared, (), DiagnosisSettings())
     rows = shop.mean.rows

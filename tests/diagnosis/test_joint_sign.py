@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates.usual import as_usual
 from oed.diagnosis.evidence.sharper_sign import told_by_a_sign
 from oed.diagnosis.tables import sharpening
@@ -11,6 +10,7 @@ from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import at_rest
 from oed.diagnosis.terms.scores import score
+from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
 from tests.diagnosis.arm import COULOMB, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

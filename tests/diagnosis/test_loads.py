@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.terms.trials import white_group
+from oed.diagnosis_new.rows.model_columns import effect_columns
 from oed.dynamics.effects.payload import PayloadChange, PickUp
 from tests.diagnosis.arm import PERIOD, data_set
 from tests.diagnosis.shop import shop_of

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.evidence.final_model import fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.terms.scores import score
+from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

@@ -6,22 +6,21 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline import baseline, noise_floor
-from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.baseline.noise_floor import (
+from oed.diagnosis.tables.sharpening import sharpened
+from oed.diagnosis.terms.trials import catalogue_trial
+from oed.diagnosis_new.noise import baseline, noise_floor
+from oed.diagnosis_new.noise.baseline import find_baseline
+from oed.diagnosis_new.noise.noise_floor import (
     NoiseFloor,
     differences,
     floor_from_free_form,
     floor_from_repetitions,
 )
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.fit.whitening import Autoregression
-from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.tables.sharpening import sharpened
-from oed.diagnosis.terms.trials import catalogue_trial
+from oed.diagnosis_new.rows.autoregression import Autoregression
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import COULOMB, NOISE, VISCOUS, data_set, once, rigid, stribeck
 from tests.diagnosis.arm import RATE as ARM_RATE
 from tests.diagnosis.shop import shop_of
@@ -88,7 +87,7 @@ def test_a_floor_knows_with_how_many_degrees_of_freedom_it_was_estimated(monkeyp
 def test_all_repetitions_count_alike():
     """What repeats must have no part in what differs from repetition to repetition."""
     dataset = data_set(2)
-    estimation = prepare(dataset.estimation, DiagnosisSettings())
+    estimation = prepare(dataset.estimation)
     rows = find_baseline(TorqueModel.standard(dataset.robot), estimation).rows(estimation)
     for start, p in zip(rows.starts, estimation, strict=False):
         weights = rows.weights[start : start + p.rows]
@@ -107,7 +106,7 @@ def test_all_repetitions_count_alike():
 def test_floor_is_read_again_beside_what_was_found():
     """A torque that comes and goes is noise until it is known."""
     dataset = data_set(4)
-    estimation = prepare(dataset.estimation, DiagnosisSettings())
+    estimation = prepare(dataset.estimation)
     model = TorqueModel.standard(dataset.robot)
     clean = find_baseline(model, estimation)
     rng = np.random.default_rng(1)
@@ -146,7 +145,7 @@ def test_a_floor_read_beside_what_is_known_is_that_of_data_without_it():
         return np.stack([4.0 * q[:, 0], np.zeros(len(q))], axis=1)
 
     bare, sprung = (
-        prepare(data_set(0, extra=extra, roles=("estimation",)).recordings, DiagnosisSettings())
+        prepare(data_set(0, extra=extra, roles=("estimation",)).recordings)
         for extra in (None, spring)
     )
     expected = find_baseline(TorqueModel.standard(data_set(0).robot), bare)
@@ -168,7 +167,7 @@ def test_steps_of_encoders_are_loud_at_reversals_alone():
         roles=("estimation",),
         extra=lambda q, dq, ddq: 20 * COULOMB * np.sign(dq),
     )
-    (prepared,) = prepare(dataset.recordings, DiagnosisSettings())
+    (prepared,) = prepare(dataset.recordings)
     floor = find_baseline(TorqueModel.standard(dataset.robot), (prepared,)).floor
     sizes = zip(floor.noise, floor.deviation, strict=True)
     # Where joints move, steps of 0.05 mrad add a tenth to the noise.
@@ -187,7 +186,7 @@ def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
     for seed in range(12):
         dataset = data_set(seed, roles=("estimation",), repetitions=2)
         (whole,) = dataset.recordings
-        prepared = prepare((once(whole),), DiagnosisSettings())
+        prepared = prepare((once(whole),))
         found.append(find_baseline(TorqueModel.standard(dataset.robot), prepared).floor.deviation)
         taps = prepared[0].band.taps
     true = NOISE * np.sqrt(taps @ taps)
@@ -209,7 +208,7 @@ def test_rows_that_are_too_few_for_the_functions_give_way_to_those_of_a_rougher_
 
     monkeypatch.setattr(baseline, "_trusted_rows", fewer_and_fewer)
     dataset = data_set(3, roles=("estimation",), repetitions=2)
-    prepared = prepare((once(dataset.recordings[0]),), DiagnosisSettings())
+    prepared = prepare((once(dataset.recordings[0]),))
     model = TorqueModel.standard(dataset.robot)
     if not enough:
         with pytest.raises(ValueError, match="too few to tell noise"):
@@ -246,7 +245,7 @@ def test_recordings_too_short_to_tell_noise_from_motion_are_refused():
     dataset = data_set(1, roles=("estimation",), repetitions=1)
     (whole,) = dataset.recordings
     short = once(whole, slice(0, round(2.5 * ARM_RATE)))
-    prepared = prepare((short,), DiagnosisSettings())
+    prepared = prepare((short,))
     with pytest.raises(ValueError, match="record longer, or repeat the motion"):
         find_baseline(TorqueModel.standard(dataset.robot), prepared)
 

@@ -5,17 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
-from oed.diagnosis.baseline.sign_width import widths_of
-from oed.diagnosis.data.direction import uncertain_direction
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.coordinates import Coordinate
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import Left, likeliest, restrained
+from oed.diagnosis_new.noise.baseline import find_baseline
+from oed.diagnosis_new.noise.sign_width import widths_of
 from oed.dynamics.effects.catalogue import Context
+from oed.dynamics.effects.coordinates import Coordinate
+from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.direction import uncertain_direction
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis import arm
 from tests.diagnosis.arm import COULOMB, data_set
 
@@ -23,7 +23,7 @@ SETTINGS = DiagnosisSettings()
 
 
 def _baseline(dataset):
-    prepared = prepare(dataset.estimation, SETTINGS)
+    prepared = prepare(dataset.estimation)
     return find_baseline(TorqueModel.standard(dataset.robot), prepared), prepared
 
 
@@ -58,9 +58,9 @@ def test_recordings_may_have_periods_of_their_own(monkeypatch):
 
 def test_a_gap_in_the_log_is_no_fast_motion():
     dataset = data_set(2)
-    whole = prepare(dataset.estimation, SETTINGS)[0]
+    whole = prepare(dataset.estimation)[0]
     cut = tuple(_with_gaps(recording) for recording in dataset.estimation)
-    assert prepare(cut, SETTINGS)[0].band.cutoff == pytest.approx(whole.band.cutoff, rel=0.25)
+    assert prepare(cut)[0].band.cutoff == pytest.approx(whole.band.cutoff, rel=0.25)
 
 
 def _with_gaps(recording):
@@ -72,8 +72,8 @@ def _with_gaps(recording):
 
 def test_a_gap_is_crossed_as_smoothly_as_an_arm_moves():
     dataset = data_set(2)
-    whole = prepare(dataset.estimation, SETTINGS)[0]
-    cut = prepare(tuple(_with_gaps(recording) for recording in dataset.estimation), SETTINGS)[0]
+    whole = prepare(dataset.estimation)[0]
+    cut = prepare(tuple(_with_gaps(recording) for recording in dataset.estimation))[0]
     jumps = [np.abs(np.diff(p.motion.ddq, axis=0)).max(axis=0) for p in (whole, cut)]
     # A straight line across would make an impulse of the acceleration at both ends.
     assert (jumps[1] < 3 * jumps[0]).all()
@@ -97,7 +97,7 @@ def test_noise_floor_without_repetitions_is_the_noise_whatever_the_model_lacks()
 
 def test_a_free_form_term_keeps_only_what_the_data_determine():
     dataset = data_set(4)
-    prepared = prepare(dataset.recordings, SETTINGS)
+    prepared = prepare(dataset.recordings)
     estimation = tuple(p for p in prepared if p.role == "estimation")
     baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
     shop = Workshop(baseline, estimation, (), SETTINGS)
@@ -135,7 +135,7 @@ def test_the_likeliest_expectation_is_that_of_the_function_at_hand(length):
 
 
 def test_a_joint_that_lingers_has_no_known_direction():
-    prepared = prepare(data_set(6).estimation, SETTINGS)[0]
+    prepared = prepare(data_set(6).estimation)[0]
     motion, typical = prepared.motion, np.sqrt(np.mean(prepared.motion.dq[:, 1] ** 2))
     before = uncertain_direction(prepared, 1)
     fast = np.flatnonzero(np.abs(motion.dq[:, 1]) > typical)
@@ -161,7 +161,7 @@ def test_recordings_of_one_clock_make_a_session():
     dataset = data_set(5)
     model = TorqueModel.standard(dataset.robot)
     parameters = np.ones(len(model.parameters))
-    motions = [p.motion for p in prepare(dataset.estimation, SETTINGS)]
+    motions = [p.motion for p in prepare(dataset.estimation)]
     restarted = dataclasses.replace(motions[1], t=motions[0].t[: len(motions[1])])
     assert Context.of(model, parameters, [motions[0], restarted]).session is None
     later = dataclasses.replace(motions[1], t=motions[1].t + 100.0)

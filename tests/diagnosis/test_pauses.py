@@ -2,8 +2,7 @@
 
 import pytest
 
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.settings import DiagnosisSettings
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import data_set, once
 
 EVERY, PAUSE = 0.9, 0.15  # [s]
@@ -17,4 +16,4 @@ def test_a_recording_without_a_stretch_as_long_as_the_filter_is_refused_by_name(
         for recording in data_set(2, repetitions=1).recordings
     )
     with pytest.raises(ValueError, match=rf"{role}_\d: between its pauses no stretch is long"):
-        prepare(recordings, DiagnosisSettings())
+        prepare(recordings)

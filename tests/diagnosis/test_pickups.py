@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.candidates.pickups import _best_stretch, _is_shown_unseen
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.final_model import final_with
 from oed.diagnosis.evidence.taken_up import with_moments_of
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.payload import PickUp
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import LENGTH, PERIOD, RATE, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -133,7 +133,7 @@ def test_a_moment_is_not_read_off_what_a_shape_would_be_if_it_were_another():
     load = trial_of(shop, "payload_change", None, (13.0,))
     friction = trial_of(shop, "nonlinear_viscous", 1, (3.0,))
     found = shop.fit([load, friction])
-    test = [p for p in prepare(dataset.recordings, shop.settings) if p.role == "test"]
+    test = [p for p in prepare(dataset.recordings) if p.role == "test"]
     _, moments = with_moments_of(shop, found, final_with(shop, found), test)
     (own,) = moments.values()
     # There all the time: the arm's first second hardly shows it, and noise has its share beside that.

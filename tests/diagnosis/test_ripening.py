@@ -5,22 +5,22 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.baseline import find_baseline
 from oed.diagnosis.candidates import ranking
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.ripening import has_crests, ripened
 from oed.diagnosis.candidates.telling import most_telling_first
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import at_rest, refine
 from oed.diagnosis.terms.scores import scan, score
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.baseline import find_baseline
 from oed.dynamics.effects.entry import evaluate
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
 from oed.experiment.recording import Recording
 from oed.robot import imi_scara
 from tests.diagnosis.shop import trial_of
@@ -61,7 +61,7 @@ def _shop(joint: int, gear: Gear, *, unseen: bool = False) -> Workshop:
         slower = _record(rng, joint, gear, 0.8 * PACE, duration=80.0)
         recordings.append(dataclasses.replace(slower, name="validation", role="validation"))
     settings = DiagnosisSettings()
-    prepared, *others = prepare(tuple(recordings), settings)
+    prepared, *others = prepare(tuple(recordings))
     baseline = find_baseline(TorqueModel.standard(imi_scara()), (prepared,))
     return Workshop(baseline, (prepared,), tuple(others), settings)
 

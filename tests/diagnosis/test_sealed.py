@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import data_set, once
 
 
@@ -23,9 +23,7 @@ def _noisy(recording):
 def test_a_test_recording_changes_nothing_of_the_others(change):
     recordings = data_set(1, step=1e-7).recordings
     other = tuple(change(r) if r.role == "test" else r for r in recordings)
-    for one, same in zip(
-        prepare(recordings, DiagnosisSettings()), prepare(other, DiagnosisSettings()), strict=True
-    ):
+    for one, same in zip(prepare(recordings), prepare(other), strict=True):
         if one.role != "test":
             assert one.band == same.band
             assert np.array_equal(one.torque, same.torque)
@@ -36,8 +34,8 @@ def test_a_repeated_test_does_not_widen_the_band_of_motions_that_ran_once():
     recordings = data_set(1, step=1e-7).recordings
     single = tuple(map(once, recordings))
     mixed = tuple(r if r.role == "test" else once(r) for r in recordings)
-    one, same = (prepare(own, DiagnosisSettings())[0].band for own in (single, mixed))
-    assert one.cutoff == same.cutoff < prepare(recordings, DiagnosisSettings())[0].band.cutoff
+    one, same = (prepare(own)[0].band for own in (single, mixed))
+    assert one.cutoff == same.cutoff < prepare(recordings)[0].band.cutoff
 
 
 @pytest.mark.parametrize(("size", "said"), [(0.0, set()), (3.0, {0})])

@@ -8,18 +8,18 @@ import pytest
 
 from oed.diagnosis.candidates.crests import climbed
 from oed.diagnosis.candidates.within import comes_at_once
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.diagnosis import diagnose
-from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
-from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.fit.whitening import Autoregression
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.trials import moved, white_group
+from oed.diagnosis_new.rows.autoregression import Autoregression
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.entries.payload import FOR_GOOD
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.thermal import ThermalDrift
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.mean_repetition import mean_of_repetitions
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import COULOMB, LENGTH, PERIOD, RATE, VISCOUS, data_set, once, rigid
 from tests.diagnosis.shop import shop_of
 
@@ -54,11 +54,11 @@ def shifted(dataset, gap):
 
 def test_recordings_of_their_own_clocks_lie_end_to_end_as_they_are_listed():
     dataset = data_set(0)
-    prepared = prepare(dataset.recordings, DiagnosisSettings())
+    prepared = prepare(dataset.recordings)
     starts = [p.motion.t[0] for p in prepared]
     assert np.diff(starts) == pytest.approx(3 * PERIOD, abs=0.01)
     # Where the log has a clock that goes on, time stays as it was logged.
-    apart = prepare(shifted(dataset, 5.0), DiagnosisSettings())
+    apart = prepare(shifted(dataset, 5.0))
     assert np.diff([p.motion.t[0] for p in apart]) == pytest.approx(3 * PERIOD + 5, abs=0.01)
     assert apart[0].motion.t[0] == pytest.approx(100.0, abs=0.2)
 
@@ -82,7 +82,7 @@ def test_clocks_or_repetitions_tell_how_recordings_follow_one_another(recordings
 @pytest.mark.parametrize("kind", ["payload", "drift"])
 def test_columns_of_the_mean_repetition_are_the_mean_of_all(kind):
     dataset = data_set(0, roles=("estimation", "estimation"))
-    prepared = prepare(dataset.recordings, DiagnosisSettings())
+    prepared = prepare(dataset.recordings)
     robot = dataset.robot
     effect = {
         "payload": PayloadChange(robot, 1, 44.0, (1, 9), prepared[0].motion.t[0]),

@@ -6,8 +6,8 @@ import signal
 import numpy as np
 import pytest
 
-from oed.diagnosis.side_by_side import PROCESSES, one_by_one, processes, side_by_side
 from oed.errors import DataSetError
+from oed.parallel_map import PROCESSES, one_by_one, processes, side_by_side
 
 
 @pytest.fixture(autouse=True, params=["1", "2", "3"])

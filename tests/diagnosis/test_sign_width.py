@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.sign_width import LARGEST_WIDTH
 from oed.diagnosis.search.selection import search
+from oed.diagnosis_new.noise.sign_width import LARGEST_WIDTH
 from oed.dynamics.effects import Coulomb, State
 from tests.diagnosis.arm import COULOMB, data_set
 from tests.diagnosis.shop import shop_of

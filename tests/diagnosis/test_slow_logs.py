@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.sign_width import widths_of
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.terms.climbing import at_rest
 from oed.diagnosis.terms.scores import score
+from oed.diagnosis_new.noise.sign_width import widths_of
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import Recording
 from oed.robot.builtin import imi_scara

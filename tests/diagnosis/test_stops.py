@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.candidates.standstill import acts_at_standstill
-from oed.diagnosis.data.prepare import prepare
-from oed.diagnosis.fit.rows import weigh
-from oed.diagnosis.fit.whitening import Autoregression
-from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis_new.rows.autoregression import Autoregression
+from oed.diagnosis_new.rows.weighted_rows import weigh
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.prepare import prepare
 from oed.experiment.recording import Recording
 from oed.robot.builtin import imi_scara
 from tests.diagnosis.shop import shop_of, trial_of
@@ -34,7 +33,7 @@ def recording(pause):
 
 @pytest.mark.parametrize("pause", [0.3, 0.6, 1.2])
 def test_all_rows_of_a_stop_tell_no_more_than_one(pause):
-    prepared = prepare((recording(pause),), DiagnosisSettings())
+    prepared = prepare((recording(pause),))
     noise = (Autoregression.white(NOISE),) * 2
     rows = weigh(prepared, noise, np.array([COULOMB, COULOMB]))
     turn = np.mod(prepared[0].t, MOVE + pause)
@@ -47,7 +46,7 @@ def test_all_rows_of_a_stop_tell_no_more_than_one(pause):
 
 
 def test_a_turn_on_the_way_is_no_stop():
-    prepared = prepare((recording(0.6),), DiagnosisSettings())
+    prepared = prepare((recording(0.6),))
     noise = (Autoregression.white(NOISE),) * 2
     weights = weigh(prepared, noise, np.array([COULOMB, COULOMB])).weights[:, 1]
     # In doubt are the two samples between which it turns: in the band, a share of its friction.

@@ -8,10 +8,10 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from oed.diagnosis.candidates.surrogates import NullSearch, flipped, moved_in_time, undiminished
-from oed.diagnosis.fit.addition import NormalEquations
 from oed.diagnosis.tables.workbench import fit_layout
 from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, score, scores
 from oed.diagnosis.terms.trials import dense
+from oed.diagnosis_new.noise.addition import NormalEquations
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of
 

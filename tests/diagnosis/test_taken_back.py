@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.candidates.accepted import Accepted
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.evidence.final_model import fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.finding import Finding, uncontradicted
 from oed.diagnosis.search.selected import Selection
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -36,7 +36,7 @@ def test_a_curve_that_raises_its_joints_error_stands_aside_and_the_name_beside_i
     assert after.model is not before.model
     found = Finding(shop, selection, before, after, effects)
     recordings = data_set(3, extra=tested).recordings
-    test = tuple(p for p in prepare(recordings, shop.settings) if p.role == "test")
+    test = tuple(p for p in prepare(recordings) if p.role == "test")
     left = uncontradicted(found, shop.validation, test)
     assert [e.name for e in left.effects] == ["stribeck"]
     assert {a.trial.key for a in left.selection.accepted} == {name.key, curve.key}
@@ -62,7 +62,7 @@ def test_a_name_that_raises_a_joints_error_goes_alone(tested, kept):
     shop, selection, after, effects = named(shop, selection, shop.validation, before)
     found = Finding(shop, selection, before, after, effects)
     recordings = data_set(3, extra=tested).recordings
-    test = tuple(p for p in prepare(recordings, shop.settings) if p.role == "test")
+    test = tuple(p for p in prepare(recordings) if p.role == "test")
     left = uncontradicted(found, shop.validation, test)
     assert sorted(e.name for e in left.effects) == kept
     gone = {r.name for r in left.selection.refused if r.reason == "it raises the test error"}

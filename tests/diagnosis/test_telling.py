@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.sign_width import widths_of
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import foretells_most, most_telling_first, telling
@@ -14,6 +13,7 @@ from oed.diagnosis.evidence.contenders import find_rivals
 from oed.diagnosis.search.selection import search
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.scores import inflation_of, score
+from oed.diagnosis_new.noise.sign_width import widths_of
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import COULOMB, RATE, data_set
 from tests.diagnosis.shop import shop_of

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.candidates.within import differs_alone
-from oed.diagnosis.data.prepare import prepare
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.effects.entries.history import MEASURED
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, once
 from tests.diagnosis.shop import shop_of, trial_of
 
@@ -77,7 +77,7 @@ def test_thermometers_that_the_test_recording_lacks_are_none():
     assert (known[0].role, test.role) == ("estimation", "test")
     bare = dataclasses.replace(test, temperature=None)
     for last, measured in ((test, True), (bare, False)):
-        prepared = prepare((*known, last), SETTINGS)
+        prepared = prepare((*known, last))
         assert all((p.motion.temperature is not None) is measured for p in prepared)
 
 

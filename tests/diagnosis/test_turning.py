@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from oed.diagnosis import finding
-from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates import turning
 from oed.diagnosis.candidates.accepted import Accepted
 from oed.diagnosis.candidates.telling import foretells_most
@@ -16,6 +15,7 @@ from oed.diagnosis.evidence.estimates import estimates, from_declared
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.tilt_review import tilt_fault
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
 from oed.dynamics.effects.gravity import tilt_directions
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis import arm

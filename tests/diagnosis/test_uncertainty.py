@@ -6,18 +6,18 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from oed.diagnosis.baseline.sign_width import widths_of, with_widths
 from oed.diagnosis.candidates.crests import climbed, crests
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.profile import left_by, profiled_deviation, widened
 from oed.diagnosis.evidence.uncertainty import robust_covariance, with_uncertainty
-from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import at_rest
 from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.secants import secants
+from oed.diagnosis_new.noise.linear_fit import project
+from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of

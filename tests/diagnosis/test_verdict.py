@@ -17,8 +17,8 @@ from oed.diagnosis.evidence.verdict import (
     outdone,
     preferred_rival,
 )
-from oed.diagnosis.fit.linear_fit import project
 from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis_new.noise.linear_fit import project
 from oed.dynamics.effects.catalogue import CATALOGUE
 from tests.diagnosis.arm import COULOMB, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of

@@ -6,11 +6,11 @@ import numpy as np
 
 from oed.diagnosis.diagnosis import diagnose
 from oed.diagnosis.evidence.final_model import errors_of
-from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.terms.coordinates import Coordinate
-from oed.diagnosis.terms.free_form import FreeForm
-from oed.diagnosis.terms.visited import CELL, Visited
+from oed.diagnosis_new.rows.model_columns import effect_columns
+from oed.dynamics.effects.coordinates import Coordinate
+from oed.dynamics.effects.smooth_term import FreeForm
+from oed.dynamics.effects.visited import CELL, Visited
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from tests.diagnosis.arm import data_set

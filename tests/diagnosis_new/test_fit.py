@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis_new.evidence.columns import pieces, white_effect, white_model
 from oed.diagnosis_new.evidence.fit import project
-from oed.diagnosis_new.rows import WhiteRows
+from oed.diagnosis_new.rows.weighted_rows import Rows
+from oed.diagnosis_new.rows.white_rows import WhiteRows
 from oed.diagnosis_new.setup import pose
 from oed.dynamics.effects import RotorInertia
 from oed.dynamics.effects.delay import FilterLag

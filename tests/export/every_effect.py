@@ -5,9 +5,9 @@ import itertools
 
 import numpy as np
 
-from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, VaryingInertia
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, VaryingInertia
+from oed.dynamics.effects.smooth_term import FreeForm
 from oed.export.model import Model, Origin, Ranges
 from tests.dynamics.effects.arms import context_of, smooth_motion, vertical_arm
 from tests.dynamics.effects.test_catalogue import USUAL

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from oed.diagnosis.side_by_side import PROCESSES, side_by_side
+from oed.parallel_map import PROCESSES, side_by_side
 from studies.case_runner import CaseRunner, Outcome, RowFile
 
 

@@ -13,10 +13,10 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.fit.motion_noise import calmed
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.tables.workbench import lags_of
 from oed.diagnosis.terms.scores import Score, Worth
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.rows.weighted_rows import Rows
 
 
 def calmed_beside(others: Sequence[Trial], trial: Trial, rows: Rows) -> Float[ndarray, " joints"]:

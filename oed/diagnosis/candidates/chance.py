@@ -16,11 +16,11 @@ from oed.diagnosis.candidates.surrogates import (
     moved_in_time,
     undiminished,
 )
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score, inflation_of
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.linear_fit import LinearFit
+from oed.diagnosis_new.rows.weighted_rows import Rows
 
 MAIN = 0.1  # of the most that a candidate explains of a joint, at one that counts
 ROUNDS = 10  # of residuals at most, while a chance is within

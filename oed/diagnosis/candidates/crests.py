@@ -14,11 +14,11 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from oed.diagnosis.candidates.ripening import is_late, is_unripe
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine
 from oed.diagnosis.terms.scores import Score, implausible, score
 from oed.diagnosis.terms.trials import Trial, moved
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects.catalogue import CATALOGUE
 
 MOST = 4  # crests of a grid that are climbed

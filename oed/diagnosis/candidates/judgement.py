@@ -14,15 +14,15 @@ from oed.diagnosis.candidates.leftovers import is_own, too_little
 from oed.diagnosis.candidates.open_shapes import shapes_beside
 from oed.diagnosis.candidates.standstill import acts_at_standstill
 from oed.diagnosis.candidates.within import comes_at_once, differs_alone
-from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.held_out import cross_validate
 from oed.diagnosis.tables.workbench import comes_first, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.bodies import is_no_body
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.scores import Score, implausible
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.addition import normal_equations
+from oed.dynamics.effects.smooth_term import FreeForm
 
 WORSE = 1.02  # ratio up to which a joint's held-out error may rise while the sum falls
 # Share of what joints win, in -2 log likelihood, that others may lose to a named effect: it moves

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.diagnosis.candidates.accepted import Accepted
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workbench import Layout
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import at_rest
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.scores import Score, inflation_of, none_explains_more, score
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.effects.smooth_term import FreeForm
 
 STATIC = "position"  # family of torque at rest, which no lag that is a little wrong leaves
 # Family of what scales torque: all joints have the links' parameters in common, so that a formula

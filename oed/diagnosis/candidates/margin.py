@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.diagnosis.candidates.calming import calmed_beside
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score
 from oed.diagnosis.terms.trials import Trial, white_group
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.delay import FilterLag
 from oed.dynamics.effects.torque_change import TorqueChange

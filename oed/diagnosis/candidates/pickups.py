@@ -14,17 +14,17 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.candidates.crests import climbed
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.model_columns import filtered_columns
 from oed.diagnosis.tables.predict import fine_torque, prediction_errors
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import at_rest
 from oed.diagnosis.terms.scores import Score, inflation_of, score
 from oed.diagnosis.terms.trials import Trial, moved
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.diagnosis_new.rows.model_columns import filtered_columns
 from oed.dynamics.effects.payload import PayloadChange, PickUp
+from oed.experiment.preparation.prepared import Prepared
 
 ROUNDS = 3  # of the load by its moments, and these by the load
 NEAR = 40  # rows in which a moment is looked for, of those that it seems to be in

@@ -17,12 +17,12 @@ from oed.diagnosis.candidates.ripening import (
     where_it_ended,
 )
 from oed.diagnosis.candidates.turning import GRAVITY
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine
 from oed.diagnosis.terms.scores import Score, best_shapes, score, scores
 from oed.diagnosis.terms.trials import Trial, moved
+from oed.diagnosis_new.noise.linear_fit import LinearFit
+from oed.parallel_map import side_by_side
 
 OF_EACH = 2  # candidates of every joint that are refined in any case
 LATE_SHARE = 0.2  # of the best gain, from which on a late torque is worth evaluating anew

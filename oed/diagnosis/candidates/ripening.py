@@ -16,14 +16,14 @@ from numpy import ndarray
 from scipy.optimize import differential_evolution
 
 from oed.diagnosis.candidates.calming import worth_beside
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workbench import lags_of
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine, score_at
 from oed.diagnosis.terms.scores import Score, Worth, gain_of, implausible, score
 from oed.diagnosis.terms.trials import Trial, moved
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
+from oed.parallel_map import side_by_side
 
 STARTS = 3  # parts of the first shape's range that are each searched
 KEPT = 2  # of these that are evaluated anew

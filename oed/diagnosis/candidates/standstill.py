@@ -10,10 +10,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.direction import uncertain_direction
-from oed.diagnosis.fit.model_columns import effect_columns
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.rows.model_columns import effect_columns
+from oed.experiment.preparation.direction import uncertain_direction
 
 NEARLY_ALL = 0.9  # share of an effect's squares; friction that falls with speed has up to 0.7 there
 

@@ -11,16 +11,16 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import gumbel_r
 
-from oed.diagnosis.fit.addition import (
+from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, ridge_of
+from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.addition import (
     NormalEquations,
     moments_of_all,
     normal_equations_of_all,
 )
-from oed.diagnosis.fit.leverage import left_of_noise, taken_of_noise
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.terms.scores import inflation_of, minus_log_chance, ridge_of
-from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.leverage import left_of_noise, taken_of_noise
+from oed.diagnosis_new.noise.linear_fit import LinearFit
+from oed.diagnosis_new.rows.weighted_rows import Rows
 
 LEAST_LEFT = 0.1  # share of noise: where a fit leaves nothing there is nothing to give back
 SMALLEST = 1e-12  # chance that a tail fitted to some draws can tell

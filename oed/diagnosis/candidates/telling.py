@@ -20,10 +20,10 @@ from oed.diagnosis.candidates.margin import is_first_order, tied_within
 from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.ripening import is_part_of
 from oed.diagnosis.candidates.turning import GRAVITY
-from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score, inflation_of
 from oed.diagnosis.terms.trials import Trial
+from oed.parallel_map import side_by_side
 
 RIVAL_SHARE = 0.7  # of the best gain, from which on another candidate may be the one that is meant
 FAR_MORE = 1.5  # ratio of gains

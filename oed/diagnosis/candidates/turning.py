@@ -15,17 +15,17 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.candidates.accepted import Accepted, at_home
-from oed.diagnosis.fit.linear_fit import LinearFit, span_of_model
-from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.diagnosis_new.noise.linear_fit import LinearFit, span_of_model
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.gravity import tilt_between, tilt_directions, tilted
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.parallel_map import side_by_side
 from oed.robot.inertia import PARAMETER_SYMBOLS
 
 GRAVITY = "gravity_direction"

@@ -13,11 +13,11 @@ from collections.abc import Iterator, Sequence
 
 from oed.diagnosis.candidates.margin import decisive_between
 from oed.diagnosis.candidates.telling import telling
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import climb, shorter_formulas
 from oed.diagnosis.terms.scores import Score, implausible, score
 from oed.diagnosis.terms.trials import Trial, moved
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects.catalogue import CATALOGUE, Shape
 
 

@@ -10,12 +10,12 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.addition import Addition, normal_equations
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.tables.workbench import Layout
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import inflation_of
 from oed.diagnosis.terms.trials import Trial, white_group
+from oed.diagnosis_new.noise.addition import Addition, normal_equations
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.entries.history import start_of
 from oed.dynamics.effects.payload import PayloadChange

@@ -15,10 +15,10 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import norm, t
 
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 REACH = 0.09  # of a shape's range, to each side of its estimate

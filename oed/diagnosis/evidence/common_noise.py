@@ -15,9 +15,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.linear_fit import Projection
 from oed.diagnosis.tables.workbench import Layout, layout_of
 from oed.diagnosis.tables.workshop import Workshop
+from oed.diagnosis_new.noise.linear_fit import Projection
 
 MOST_NOISE = 0.5  # share of a direction's squares that is taken for noise at most
 # Columns of a layout and the torque that they are to explain, all white.

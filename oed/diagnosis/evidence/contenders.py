@@ -13,11 +13,11 @@ from oed.diagnosis.candidates.open_shapes import decided
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import telling
 from oed.diagnosis.candidates.turning import GRAVITY, turned
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.tilt_review import stood_upright
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score, implausible, inflation_of, score
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects.actuator import GainError
 from oed.dynamics.effects.catalogue import CATALOGUE
 

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of
 from oed.diagnosis.evidence.taken_up import with_moments_of
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.tables.predict import rms
 from oed.diagnosis.tables.workshop import Workshop
+from oed.experiment.preparation.prepared import Prepared
 
 
 def checked_errors(

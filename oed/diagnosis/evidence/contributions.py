@@ -15,12 +15,12 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.turning import GRAVITY
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.dependence import Dependence, binned, blocks_of, coordinates_of
 from oed.diagnosis.evidence.final_model import FinalModel, errors_of, final_with
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.experiment.preparation.prepared import Prepared
 
 CELLS = 14  # of a map, each way
 LEAST_ROWS = 3  # in a cell

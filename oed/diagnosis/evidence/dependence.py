@@ -10,8 +10,8 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.signal import welch
 
-from oed.diagnosis.data.band import BLOCK
-from oed.diagnosis.data.prepared import Prepared
+from oed.experiment.preparation.band import BLOCK
+from oed.experiment.preparation.prepared import Prepared
 
 BINS = 24
 OF_ITS_OWN = ("ddq", "temperature")  # that say something of their own joint alone

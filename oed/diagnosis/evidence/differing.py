@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.final_model import FinalModel
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.experiment.preparation.prepared import Prepared
 
 PADDING = 2  # ratio of a transform's to its signal's length: a line may lie between two frequencies
 # [rad/s] Least velocity with a direction, of a joint that no encoder sees move.

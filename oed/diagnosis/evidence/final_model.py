@@ -10,16 +10,16 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline
 from oed.diagnosis.candidates.turning import GRAVITY
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
 from oed.diagnosis.tables.workbench import Augmented, Layout, lags_of
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.diagnosis_new.noise.linear_fit import LinearFit, fit_model
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepared import Prepared
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from numpy import ndarray
 from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
-from oed.diagnosis.data.prepared import mean_at_each, places_in_period
 from oed.diagnosis.evidence.differing import PADDING, Differing
+from oed.experiment.preparation.prepared import mean_at_each, places_in_period
 
 # Chance of a line in white noise, over all frequencies and joints. Where colour changes within a
 # neighbourhood the chance is up to some hundred times that.

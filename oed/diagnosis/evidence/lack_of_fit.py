@@ -9,7 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import f as f_distribution
 
-from oed.diagnosis.fit.linear_fit import LinearFit
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from oed.diagnosis.candidates.paying import validation_gain
 from oed.diagnosis.candidates.standstill import acts_at_standstill
 from oed.diagnosis.candidates.turning import GRAVITY
 from oed.diagnosis.candidates.usual import plainer
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.at_its_end import is_at_its_end
 from oed.diagnosis.evidence.doubt import doubtful_name
 from oed.diagnosis.evidence.final_model import FinalModel, lost_when_repeated
@@ -34,6 +33,7 @@ from oed.diagnosis.tables.workbench import Augmented, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.experiment.preparation.prepared import Prepared
 
 
 def named(

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from oed.diagnosis.candidates.judgement import costs, rise
 from oed.diagnosis.candidates.ripening import is_late
 from oed.diagnosis.candidates.turning import GRAVITY
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.contradiction import held_out_rms
 from oed.diagnosis.evidence.final_model import FinalModel, final_with
 from oed.diagnosis.search.exchange import foretelling
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.tables.workshop import Workshop
+from oed.experiment.preparation.prepared import Prepared
 
 RAISES = "in its exact form it raises the validation error"
 

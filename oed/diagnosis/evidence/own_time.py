@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.differing import differing, left_of_single
 from oed.diagnosis.evidence.final_model import FinalModel
 from oed.diagnosis.evidence.free_running import find_lines
 from oed.diagnosis.evidence.modulation import find_modulations
 from oed.diagnosis.evidence.verdict import Unexplained
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.experiment.preparation.prepared import Prepared
 
 
 def in_own_time(

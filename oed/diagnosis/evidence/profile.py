@@ -16,10 +16,10 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.optimize import root_scalar
 
-from oed.diagnosis.fit.linear_fit import Projection, project
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.secants import secants
 from oed.diagnosis.terms.trials import Trial, dense, moved
+from oed.diagnosis_new.noise.linear_fit import Projection, project
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 REACH = 2.0  # deviations at which a fit is compared

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.band import BLOCK
 from oed.diagnosis.tables.predict import rms
+from oed.experiment.preparation.band import BLOCK
 
 INTERVAL = (2.5, 97.5)  # [%]
 

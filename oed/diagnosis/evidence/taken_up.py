@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from oed.diagnosis.candidates.pickups import read_off
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.estimates import Estimated
 from oed.diagnosis.evidence.final_model import FinalModel
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
 from oed.dynamics.effects.payload import PayloadChange
+from oed.experiment.preparation.prepared import Prepared
 
 
 def with_moments_of(

@@ -24,11 +24,11 @@ from oed.diagnosis.evidence.both_motions import narrowed
 from oed.diagnosis.evidence.by_recording import rugged_shapes, spread_by_recording
 from oed.diagnosis.evidence.common_noise import noise_bias
 from oed.diagnosis.evidence.profile import UNIFORM, axes_of, left_by, profiled_deviation, widened
-from oed.diagnosis.fit.linear_fit import Projection
 from oed.diagnosis.tables.workbench import Augmented, Layout
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.secants import secants
 from oed.diagnosis.terms.trials import Trial, dense, moved
+from oed.diagnosis_new.noise.linear_fit import Projection
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 # Of a shape's range. Below, differences of filtered columns are rounding; above, no slope is.

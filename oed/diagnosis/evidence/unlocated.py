@@ -10,7 +10,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.chance import keeps_step, keeps_step_unseen
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.evidence.lack_of_fit import LackOfFit, foretold_error
 from oed.diagnosis.evidence.verdict import Unexplained
 from oed.diagnosis.evidence.withheld import Errors
@@ -18,6 +17,7 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.unseen import Unseen
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.trials import Trial
+from oed.experiment.preparation.prepared import Prepared
 
 # Ratio of the error on recordings that no parameter was fitted to, to what may be expected of them,
 # above which something is missing though no term locates it.

@@ -18,13 +18,13 @@ from oed.diagnosis.evidence.contenders import Rival, find_rivals
 from oed.diagnosis.evidence.estimates import Estimated, estimates
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.tilt_review import stood_upright, validation_gain_of_tilt
-from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.motor import CrossCoupling, MotorCoupling
+from oed.dynamics.effects.smooth_term import FreeForm
+from oed.parallel_map import side_by_side
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
 

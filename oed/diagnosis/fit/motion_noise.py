@@ -17,14 +17,14 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from oed.diagnosis.data.encoder_steps import Torque, encoder_torque, rounding_deviation
-from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.delay import Late
 from oed.dynamics.effects.effect import Effect, with_columns
 from oed.dynamics.effects.friction import Viscous
 from oed.dynamics.effects.motor import RotorInertia
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.torque_change import TorqueChange
+from oed.experiment.preparation.encoder_steps import Torque, encoder_torque, rounding_deviation
 
 SMOOTH = (Viscous, RotorInertia)
 

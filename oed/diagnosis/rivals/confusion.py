@@ -26,12 +26,12 @@ from oed.diagnosis.candidates.margin import (
     of_sampling,
     of_smoothing,
 )
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.rivals.drawn import Drawn, best_of_shapes, noise_beside
 from oed.diagnosis.rivals.favourite import Pair, best_imitations, context_beside, torque_beside
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import score
+from oed.diagnosis_new.noise.linear_fit import LinearFit
+from oed.experiment.preparation.prepared import Prepared
 
 DRAWS = 400  # of the noise: a rate of 10 % is known within 1.5 points
 TRUTHS = 8  # that the data at hand leave open

@@ -21,17 +21,17 @@ from numpy import ndarray
 from scipy.stats import norm
 
 from oed.diagnosis.candidates.margin import of_smoothing
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.addition import normal_equations
 from oed.diagnosis.rivals.confusion import confusion
 from oed.diagnosis.rivals.favourite import Pair, best_imitations, context_beside, torque_beside
 from oed.diagnosis.rivals.motions import as_prepared, random_motions
-from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.secants import shape_derivatives
 from oed.diagnosis.terms.trials import Trial, dense, moved
+from oed.diagnosis_new.noise.addition import normal_equations
 from oed.dynamics.motion import Motion
+from oed.experiment.preparation.prepared import Prepared
+from oed.parallel_map import side_by_side
 
 # Motions of which the rival is refitted in full: the slope of its shape alone may promise a
 # separation that another shape takes back.

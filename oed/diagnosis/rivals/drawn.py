@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.fit.addition import normal_equations
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, grid_of
+from oed.diagnosis_new.noise.addition import normal_equations
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.context import Context
 

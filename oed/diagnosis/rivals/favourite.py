@@ -9,17 +9,17 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.workbench import Layout, fit_layout, layout_of
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import refine
 from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense, grid_of, white_group
+from oed.diagnosis_new.noise.linear_fit import LinearFit
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.context import Context
+from oed.experiment.preparation.prepared import Prepared
+from oed.parallel_map import side_by_side
 
 # Favourite, its coefficients, and rival.
 Pair = tuple[Trial, Float[ndarray, " columns"], Trial]

@@ -7,8 +7,8 @@ import numpy as np
 from oed.design.default_limits import with_default_limits
 from oed.design.limits import fill
 from oed.design.trajectories import FourierClass
-from oed.diagnosis.data.prepared import Prepared
 from oed.dynamics.motion import Motion
+from oed.experiment.preparation.prepared import Prepared
 from oed.robot import Robot
 
 HARMONICS = (5, 10, 15)  # more harmonics separate delays and lags, few separate slow effects

@@ -19,14 +19,14 @@ from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.ripening import is_part_of
 from oed.diagnosis.candidates.telling import may_replace, replaces
 from oed.diagnosis.candidates.usual import as_usual
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.search.free_form_rivals import curves_explain_more
-from oed.diagnosis.side_by_side import one_by_one
 from oed.diagnosis.tables.workbench import Layout, early_and_late
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import AT_REST, MOST_ROUNDS, at_rest
 from oed.diagnosis.terms.scores import Score, Worth, implausible, score
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.linear_fit import LinearFit
+from oed.parallel_map import one_by_one
 
 MOST_EXCHANGES = 2  # rounds after each addition; exchanges could go round in circles
 MANY = 5  # additions; to look at all of more, again and again, takes minutes

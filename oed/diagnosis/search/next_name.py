@@ -12,11 +12,11 @@ from oed.diagnosis.candidates.pickups import is_load, with_own_moments
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import most_telling_first
 from oed.diagnosis.search.free_form_rivals import better_free_form, curves_explain_more
-from oed.diagnosis.side_by_side import one_by_one
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.scores import Score
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects.payload import PickUp
+from oed.parallel_map import one_by_one
 
 
 def next_names(

@@ -17,10 +17,10 @@ from oed.diagnosis.candidates.telling import foretells_most
 from oed.diagnosis.search.free_form_rivals import FULLER, in_more_terms
 from oed.diagnosis.tables.workbench import is_pure_delay
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.scores import inflation_of, score
 from oed.diagnosis.terms.trials import Trial, free_form_trials
+from oed.dynamics.effects.smooth_term import FreeForm
 
 # Share by which what bends the model's own torque lowers a held-out error of noise: a lag or a soft
 # gear smooths what the model predicts, and with it what encoder noise adds to that. A delay does not.

@@ -13,16 +13,16 @@ from oed.diagnosis.candidates.chance import chance_of_slow_noise
 from oed.diagnosis.candidates.judgement import held_out_fault, judge
 from oed.diagnosis.candidates.ranking import ranked
 from oed.diagnosis.candidates.telling import RIVAL_SHARE
-from oed.diagnosis.side_by_side import one_by_one, side_by_side
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.coordinates import Coordinate, Factor
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.trials import Trial, free_form_trials
-from oed.diagnosis.terms.visited import Visited
 from oed.dynamics.effects import State
+from oed.dynamics.effects.coordinates import Coordinate, Factor
+from oed.dynamics.effects.smooth_term import FreeForm
+from oed.dynamics.effects.visited import Visited
+from oed.parallel_map import one_by_one, side_by_side
 
 # Ratio of the held-out error that a free-form term must reach: it knows nothing of physics that
 # would carry it to the next motion.

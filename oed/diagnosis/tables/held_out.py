@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.tables.workbench import Augmented
+from oed.diagnosis_new.rows.weighted_rows import Rows
 
 SEGMENTS_PER_FOLD = 4
 

@@ -14,8 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.baseline.sign_width import (
+from oed.diagnosis.tables.workbench import Layout, fit_with
+from oed.diagnosis.terms.climbing import climb
+from oed.diagnosis.terms.scores import Score, score
+from oed.diagnosis.terms.trials import Trial, moved
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.diagnosis_new.noise.linear_fit import whitened_regressor
+from oed.diagnosis_new.noise.sign_width import (
     COMPLETE,
     DECISIVE,
     LARGEST_WIDTH,
@@ -25,15 +30,10 @@ from oed.diagnosis.baseline.sign_width import (
     usual_speed,
     with_signs,
 )
-from oed.diagnosis.fit.linear_fit import whitened_regressor
-from oed.diagnosis.side_by_side import side_by_side
-from oed.diagnosis.tables.workbench import Layout, fit_with
-from oed.diagnosis.terms.climbing import climb
-from oed.diagnosis.terms.scores import Score, score
-from oed.diagnosis.terms.trials import Trial, moved
 from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.torque_model import TorqueModel
+from oed.parallel_map import side_by_side
 
 LAW_OF_SPEED = "odd in speed"  # family whose shapes trade places with the sign's width
 NEARBY = 1.5  # ratio to the widths that tell whether there is a better one at all

@@ -8,10 +8,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis.tables.workbench import Augmented
 from oed.diagnosis.terms.trials import Trial
 from oed.dynamics.effects import State
+from oed.experiment.preparation.prepared import Prepared
 
 
 def prediction_errors(

@@ -9,14 +9,6 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.baseline.sign_width import (
-    signs_of,
-    turn_alike,
-    with_fitted_sign,
-    with_signs,
-    with_widths,
-)
 from oed.diagnosis.tables.joint_sign import is_law_of_speed, with_signs_fitted_together
 from oed.diagnosis.tables.predict import fine_torque
 from oed.diagnosis.tables.workbench import Augmented, added_columns, lags_of
@@ -24,6 +16,14 @@ from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import climb
 from oed.diagnosis.terms.scores import scan
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.diagnosis_new.noise.sign_width import (
+    signs_of,
+    turn_alike,
+    with_fitted_sign,
+    with_signs,
+    with_widths,
+)
 from oed.dynamics.torque_model import TorqueModel
 
 

@@ -16,13 +16,13 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.model_columns import filtered_columns
 from oed.diagnosis.fit.motion_noise import calmed
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.tables.predict import prediction_errors
 from oed.diagnosis.tables.workbench import Augmented, lags_of, mean_rows
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.diagnosis_new.rows.model_columns import filtered_columns
+from oed.diagnosis_new.rows.weighted_rows import Rows
+from oed.experiment.preparation.prepared import Prepared
 
 LEAST_SHARE = 0.1  # of the squares that is left of them without noise
 

@@ -11,9 +11,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import (
+from oed.diagnosis.terms.secants import shape_derivatives
+from oed.diagnosis.terms.trials import Trial, dense
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.diagnosis_new.noise.linear_fit import (
     LinearFit,
     Projection,
     fit_span,
@@ -21,11 +22,8 @@ from oed.diagnosis.fit.linear_fit import (
     reversal_nuisances,
     whitened_regressor,
 )
-from oed.diagnosis.fit.recent import Recent
-from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
-from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.terms.secants import shape_derivatives
-from oed.diagnosis.terms.trials import Trial, dense
+from oed.diagnosis_new.rows.recent import Recent
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects import MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives
 from oed.dynamics.effects.delay import TimeDelay
@@ -34,6 +32,8 @@ from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.effects.transmission import TransmissionChange
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.mean_repetition import mean_of_repetitions
+from oed.experiment.preparation.prepared import Prepared
 
 RECENT_SPANS = 16  # kept of a layout
 

@@ -11,12 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.baseline.baseline import Baseline
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.recent import Recent
-from oed.diagnosis.fit.repeat_mean import mean_of_repetitions
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.side_by_side import side_by_side
 from oed.diagnosis.tables.predict import prediction_errors, rms
 from oed.diagnosis.tables.unseen import Unseen
 from oed.diagnosis.tables.workbench import (
@@ -26,12 +21,17 @@ from oed.diagnosis.tables.workbench import (
     fit_with,
     lay_out,
 )
-from oed.diagnosis.terms.free_form import FreeForm
-from oed.diagnosis.terms.free_terms import terms_alone, terms_together, torques_of_others
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, free_form_trials, grid_of, moved
+from oed.diagnosis_new.candidates.smooth_terms import terms_alone, terms_together, torques_of_others
+from oed.diagnosis_new.noise.baseline import Baseline
+from oed.diagnosis_new.rows.recent import Recent
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives, Shape, Target
 from oed.dynamics.effects.entries.history import MEASURED
 from oed.dynamics.effects.payload import PickUp
+from oed.dynamics.effects.smooth_term import FreeForm
+from oed.experiment.preparation.mean_repetition import mean_of_repetitions
+from oed.experiment.preparation.prepared import Prepared
+from oed.parallel_map import side_by_side
 
 NOTHING_KNOWN = Drives()
 SAME = 0.999  # ratio of squares of two rounds, after which the reference torque has settled

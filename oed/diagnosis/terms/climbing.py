@@ -10,9 +10,9 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.optimize import minimize
 
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.terms.scores import Score, Worth, gain_of, implausible, is_better, score
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, moved
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 # Fall of -2 log likelihood, in noise that is as stated, by which a shape may miss its best value:

@@ -10,11 +10,11 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.band import Band
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.model_columns import effect_columns
-from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis_new.rows.model_columns import effect_columns
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.payload import PayloadChange
+from oed.experiment.preparation.band import Band
+from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.signals.moving_sum import windows
 
 Columns = tuple[Float[ndarray, "samples columns"], Float[ndarray, "rows columns"]]

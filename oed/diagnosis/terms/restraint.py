@@ -22,11 +22,11 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import eigh
 
-from oed.diagnosis.fit.addition import normal_equations
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.terms.coordinates import Coordinate, VaryingInertia
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.addition import normal_equations
+from oed.diagnosis_new.noise.linear_fit import LinearFit
+from oed.dynamics.effects.coordinates import Coordinate, VaryingInertia
+from oed.dynamics.effects.smooth_term import FreeForm
 
 # Standard deviations that a combination of the expected size must measure, from what noise
 # alone asks for to what a motion that leaves much of the range unvisited does.

@@ -10,9 +10,13 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import chdtrc, gammaln
 
-from oed.diagnosis.fit.addition import NormalEquations, normal_equations, normal_equations_of_all
-from oed.diagnosis.fit.linear_fit import LinearFit
 from oed.diagnosis.terms.trials import Trial
+from oed.diagnosis_new.noise.addition import (
+    NormalEquations,
+    normal_equations,
+    normal_equations_of_all,
+)
+from oed.diagnosis_new.noise.linear_fit import LinearFit
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 FREE_FORM_RIDGE = 1e-3  # of a unit column's square

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis.terms.trials import Trial, catalogue_trial, dense, moved
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 
 SHAPE_STEP = 0.01  # of a shape's range, for derivatives

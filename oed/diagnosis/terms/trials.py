@@ -12,16 +12,16 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.addition import gram_of
-from oed.diagnosis.fit.model_columns import effect_columns
-from oed.diagnosis.fit.rows import Rows
-from oed.diagnosis.terms.coordinates import OtherTorque
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.diagnosis.terms.loads import white_load
+from oed.diagnosis_new.noise.addition import gram_of
+from oed.diagnosis_new.rows.model_columns import effect_columns
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Shape, Target
+from oed.dynamics.effects.coordinates import OtherTorque
 from oed.dynamics.effects.payload import PayloadChange
+from oed.dynamics.effects.smooth_term import FreeForm
+from oed.experiment.preparation.prepared import Prepared
 
 FREE_FORM = "free_form"
 

@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.terms.free_form import FreeForm
 from oed.dynamics.effects.catalogue import CatalogueEntry, Context, Shape, Target
 from oed.dynamics.effects.effect import Effect
 from oed.dynamics.effects.reference import OnReference, ReferenceTorque
+from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.torque_model import TorqueModel
 
 Values = tuple[float, ...]

@@ -8,12 +8,12 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis_new.rows import WhiteRows
+from oed.diagnosis_new.rows.white_rows import WhiteRows
 from oed.dynamics.effects.effect import Effect, MeasurementEffect, State
 from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepared import Prepared
 
 SAMPLES = 20_000  # of the fine grid that a model is evaluated on at once
 SETTLED = 3.0  # [s] after which a measurement has forgotten where a piece began

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from oed.diagnosis_new.rows import WhiteRows
+from oed.diagnosis_new.rows.white_rows import WhiteRows
 
 RANK = 1e-7  # of the largest singular value of normalised columns, below which nothing is excited
 

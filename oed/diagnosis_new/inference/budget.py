@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis_new.inference.errors import Predictor
 from oed.dynamics.effects.effect import Effect, with_columns
+from oed.experiment.preparation.prepared import Prepared
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
 from oed.diagnosis_new.evidence.columns import pieces
 from oed.diagnosis_new.numbers import BLOCK_SECONDS, REPLICATES
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepared import Prepared
 
 INTERVAL = (2.5, 97.5)  # [%]
 

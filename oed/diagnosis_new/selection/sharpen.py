@@ -6,8 +6,8 @@ import dataclasses
 
 import numpy as np
 
-from oed.diagnosis.baseline.sign_width import with_fitted_sign
 from oed.diagnosis_new.evidence.views import Views, Which
+from oed.diagnosis_new.noise.sign_width import with_fitted_sign
 from oed.diagnosis_new.numbers import PREDICTION_GAIN
 from oed.diagnosis_new.problem import Problem
 

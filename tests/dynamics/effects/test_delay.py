@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.data.band import Band
 from oed.dynamics.effects.delay import FilterLag, TimeDelay, delayed
 from oed.dynamics.effects.friction import Coulomb
 from oed.dynamics.effects.linear_filter import respond
@@ -13,6 +12,7 @@ from oed.dynamics.effects.motor import RotorInertia
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.band import Band
 from oed.robot import Robot, imi_scara
 from tests.dynamics.effects.arms import context_of, smooth_motion, vertical_arm
 

@@ -6,10 +6,10 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
 from oed.dynamics.effects import Effect, State
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepared import Prepared
 
 
 def filtered_columns(

@@ -17,13 +17,13 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy.linalg import block_diag
 
-from oed.diagnosis.baseline.colour import Colour, Stretches
-from oed.diagnosis.baseline.sign_width import WIDTH_PER_SIGMA
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit
-from oed.diagnosis.fit.model_columns import effect_columns
-from oed.diagnosis.terms.free_form import FreeForm
-from oed.diagnosis.terms.free_terms import PIECES_FINE, coordinate, loop, terms_together
+from oed.diagnosis_new.candidates.smooth_terms import PIECES_FINE, coordinate, loop, terms_together
+from oed.diagnosis_new.noise.colour import Colour, Stretches
+from oed.diagnosis_new.noise.linear_fit import LinearFit
+from oed.diagnosis_new.noise.sign_width import WIDTH_PER_SIGMA
+from oed.diagnosis_new.rows.model_columns import effect_columns
+from oed.dynamics.effects.smooth_term import FreeForm
+from oed.experiment.preparation.prepared import Prepared
 
 ROWS_PER_FREE_COLUMN = 8  # least rows for each column of the first fit
 LEAST_ROWS_PER_COLUMN = 4  # and after the enrichment

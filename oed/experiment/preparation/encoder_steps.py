@@ -16,8 +16,8 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from oed.diagnosis.data.prepared import Prepared
 from oed.dynamics.motion import Motion
+from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.recording import Recording
 
 Torque = Callable[[Motion], Float[ndarray, "samples joints"]]

@@ -14,7 +14,7 @@ from numpy import ndarray
 from scipy.ndimage import binary_opening, maximum_filter1d, minimum_filter1d
 from scipy.signal import fftconvolve
 
-from oed.diagnosis.data.prepared import Prepared
+from oed.experiment.preparation.prepared import Prepared
 
 SIGMAS = 2.0  # velocities below this many standard deviations have no direction
 # Largest ripple of a smoothed velocity beside a kink, in units of the leap of the acceleration

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.fit.linear_fit import Projection
+from oed.diagnosis_new.noise.linear_fit import Projection
 
 # Share of a candidate's length outside the model below which it is absorbed: what is left is
 # smoothing error, and a coefficient that stands on it means nothing.

@@ -18,8 +18,8 @@ from jaxtyping import Bool, Float, Int, Shaped
 from numpy import ndarray
 from scipy.signal import fftconvolve
 
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.whitening import Autoregression, fit_autoregression
+from oed.diagnosis_new.rows.autoregression import Autoregression, fit_autoregression
+from oed.experiment.preparation.prepared import Prepared
 
 NoiseSource = Literal["repetitions", "free-form fit"]
 LEAST_SHARE_OF_LAST = 0.3  # of the last repetition that must be left for it to count

@@ -9,13 +9,16 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.band import EDGE, Band, PositionNoise, choose_band, position_noise
-from oed.diagnosis.data.bridge import bridged
-from oed.diagnosis.data.encoder_steps import encoder_steps, repeated_steps, rounding_deviation
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.settings import DiagnosisSettings
 from oed.dynamics.motion import Motion, follow_one_another
 from oed.experiment.choose_settings import search_cutoff
+from oed.experiment.preparation.band import EDGE, Band, PositionNoise, choose_band, position_noise
+from oed.experiment.preparation.bridge import bridged
+from oed.experiment.preparation.encoder_steps import (
+    encoder_steps,
+    repeated_steps,
+    rounding_deviation,
+)
+from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.processing import fresh_samples
 from oed.experiment.recording import Recording
 from oed.experiment.signals.gaps import find_gaps
@@ -25,6 +28,7 @@ from oed.experiment.temperature import has_thermometers, joint_temperature
 
 FINEST_RATE = 1000.0  # [Hz] of the fine grid; arms and encoders give nothing beyond
 LEAST_BAND = 8.0  # [Hz] in which friction's steps at reversals are still seen
+HIGHEST_BAND = 30.0  # [Hz] beyond which gears ring and no rigid arm is left to identify
 SHORTEST_WAVE = 260.0  # [1/turn] of a torque ripple and its first overtone
 LEAST_ROWS = 20  # of a recording that is of use
 LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
@@ -36,7 +40,7 @@ def _fine_rate(recordings: tuple[Recording, ...]) -> float:
     return min(FINEST_RATE, float(f"{slowest:.3g}"))
 
 
-def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> tuple[Prepared, ...]:
+def prepare(recordings: tuple[Recording, ...]) -> tuple[Prepared, ...]:
     """Bring all recordings to one fine grid and one band, chosen from their positions.
 
     Of a test recording only the times count, or it would have a say in what is found.
@@ -52,11 +56,11 @@ def prepare(recordings: tuple[Recording, ...], settings: DiagnosisSettings) -> t
         if recording.role != "test"
         for stretch in _stretches(q, _recorded(recording, t, rate), rate)
     ]
-    highest = settings.highest_cutoff
+    highest = HIGHEST_BAND
     if all(r.repetitions < 2 for r in recordings if r.role == "estimation"):
         highest = min(highest, _motion_band(recordings, rate))
     noise = position_noise(positions, rate)
-    band = choose_band(noise, rate, settings.lowest_cutoff, highest)
+    band = choose_band(noise, rate, LEAST_BAND, highest)
     periods = [p for p in map(_period, recordings) if p is not None]
     band = band.thinned(_fastest_wave(band, positions), periods)
     starts = _starts_end_to_end(recordings)

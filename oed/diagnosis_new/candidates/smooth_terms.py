@@ -8,11 +8,11 @@ from itertools import combinations, permutations
 
 import numpy as np
 
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
-from oed.diagnosis.terms.free_form import FreeForm
+from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
 from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.effects.thermal import since
+from oed.experiment.preparation.prepared import Prepared
 
 PIECES_ALONE = 8
 PIECES_FINE = 36  # what repeats along a turn: teeth, poles, balls

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.encoder_steps import rounding_deviation
-from oed.diagnosis.data.prepared import Prepared
+from oed.experiment.preparation.encoder_steps import rounding_deviation
+from oed.experiment.preparation.prepared import Prepared
 
 # Repetitions whose positions differ by more than this share of the motion are not repetitions:
 # their mean would be a motion that nobody ran.

@@ -15,9 +15,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from oed.diagnosis.data.direction import hardly_moves, uncertain_direction
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.whitening import Autoregression
+from oed.diagnosis_new.rows.autoregression import Autoregression
+from oed.experiment.preparation.direction import hardly_moves, uncertain_direction
+from oed.experiment.preparation.prepared import Prepared
 
 # Pieces to a period of the band's edge, within which friction is alike while a joint turns: it
 # changes as fast as the band shows.

@@ -13,12 +13,12 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 from scipy.ndimage import maximum_filter1d
 
-from oed.diagnosis.data.band import BLOCK
-from oed.diagnosis.data.direction import direction_error, stopped
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.hidden import Hidden, hidden_in
-from oed.diagnosis.fit.recent import Recent
-from oed.diagnosis.fit.whitening import Autoregression
+from oed.diagnosis_new.rows.autoregression import Autoregression
+from oed.diagnosis_new.rows.recent import Recent
+from oed.diagnosis_new.rows.uncertain_sign import Hidden, hidden_in
+from oed.experiment.preparation.band import BLOCK
+from oed.experiment.preparation.direction import direction_error, stopped
+from oed.experiment.preparation.prepared import Prepared
 
 LEAST_BLOCK = 4  # rows
 RECENT_TRIALS = 32

@@ -16,14 +16,14 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.optimize import minimize_scalar
 
-from oed.diagnosis.fit.addition import normal_equations
-from oed.diagnosis.fit.linear_fit import (
+from oed.diagnosis_new.noise.addition import normal_equations
+from oed.diagnosis_new.noise.linear_fit import (
     Projection,
     project,
     reversal_nuisances,
     whitened_regressor,
 )
-from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.torque_model import TorqueModel
 

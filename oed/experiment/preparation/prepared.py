@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.band import Band
 from oed.dynamics.motion import Motion
+from oed.experiment.preparation.band import Band
 from oed.experiment.recording import Role
 
 

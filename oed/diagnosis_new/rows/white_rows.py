@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.rows import Rows
 from oed.diagnosis_new.numbers import BLOCK_SECONDS, HELD_OUT_SHARE, MOST_BLOCK_SHARE
+from oed.diagnosis_new.rows.weighted_rows import Rows
+from oed.experiment.preparation.prepared import Prepared
 
 
 @dataclass(frozen=True, eq=False)

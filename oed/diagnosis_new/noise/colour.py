@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.fit.leverage import left_of_noise, taken_of_noise
+from oed.diagnosis_new.noise.leverage import left_of_noise, taken_of_noise
 
 OCTAVES = 9  # into which frequencies are divided
 # Share of the noise that a fit must leave of an octave to tell how loud it is there. Elsewhere it is

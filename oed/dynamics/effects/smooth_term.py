@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.terms.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
-from oed.diagnosis.terms.visited import Visited
 from oed.dynamics.effects import Effect, Parameter, State
+from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
+from oed.dynamics.effects.visited import Visited
 from oed.dynamics.scalars import Scalar
 
 

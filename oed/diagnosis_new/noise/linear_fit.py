@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.data.direction import reversal_shapes
-from oed.diagnosis.fit.model_columns import filtered_columns
-from oed.diagnosis.fit.rows import Rows
+from oed.diagnosis_new.rows.model_columns import filtered_columns
+from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.direction import reversal_shapes
 
 RANK_TOLERANCE = 1e-7  # of the largest singular value of the normalised regressor
 NUISANCES = 2  # columns a joint that are fitted beside every model

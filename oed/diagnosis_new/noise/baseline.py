@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.baseline.noise_floor import (
+from oed.diagnosis_new.noise.linear_fit import LinearFit, fit_model
+from oed.diagnosis_new.noise.noise_floor import (
     NoiseFloor,
     differences,
     floor_from_free_form,
@@ -19,24 +20,23 @@ from oed.diagnosis.baseline.noise_floor import (
     repetition_samples,
     repetition_series,
 )
-from oed.diagnosis.baseline.rich_fit import RichFit, lay_out, model_columns, rich_fit
-from oed.diagnosis.baseline.sign_width import (
+from oed.diagnosis_new.noise.rich_fit import RichFit, lay_out, model_columns, rich_fit
+from oed.diagnosis_new.noise.sign_width import (
     signs_of,
     widths_of,
     with_fitted_sign,
     with_signs,
     with_uncertain_sign,
 )
-from oed.diagnosis.data.direction import certainty, trusted_samples
-from oed.diagnosis.data.encoder_steps import fine_encoder_torque
-from oed.diagnosis.data.prepared import Prepared
-from oed.diagnosis.fit.linear_fit import LinearFit, fit_model
-from oed.diagnosis.fit.rows import Rows, weigh
-from oed.diagnosis.fit.whitening import Autoregression
-from oed.diagnosis.side_by_side import side_by_side
+from oed.diagnosis_new.rows.autoregression import Autoregression
+from oed.diagnosis_new.rows.weighted_rows import Rows, weigh
 from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.direction import certainty, trusted_samples
+from oed.experiment.preparation.encoder_steps import fine_encoder_torque
+from oed.experiment.preparation.prepared import Prepared
+from oed.parallel_map import side_by_side
 
 REFITS = 2  # of the base model with the noise that it left
 LEAST_TRUSTED = 0.05  # of a joint's rows

@@ -1,1 +1,0 @@
-"""The model before any addition, and the noise that it leaves."""

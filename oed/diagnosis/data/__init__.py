@@ -1,1 +1,0 @@
-"""Recordings in the analysis band, and where they cannot be trusted."""
