@@ -14,7 +14,6 @@ from oed.diagnosis_new.candidates.candidate import SmoothCandidate
 from oed.diagnosis_new.candidates.smooth_terms import ALL_PAIRED, terms_alone, terms_together
 from oed.diagnosis_new.noise.baseline import Baseline, find_baseline
 from oed.diagnosis_new.noise.linear_fit import LinearFit, fit_model
-from oed.diagnosis_new.noise.sign_width import with_widths
 from oed.diagnosis_new.numbers import EFFECTS_PER_JOINT, LEAST_EFFECTS, NOISE_LAGS
 from oed.diagnosis_new.problem import Problem, named_candidates
 from oed.diagnosis_new.rows.weighted_rows import weigh
@@ -22,6 +21,7 @@ from oed.diagnosis_new.rows.white_rows import WhiteRows
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Drives
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import with_widths
 from oed.estimation.dissipation import check_dissipation, driven_joints
 from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.dataset import DataSet

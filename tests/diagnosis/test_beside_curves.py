@@ -13,8 +13,8 @@ from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.selection import with_stand_ins
 from oed.diagnosis.terms.scores import score
 from oed.diagnosis.terms.trials import Trial, catalogue_trial
-from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.velocity_sign import widths_of, with_widths
 from tests.diagnosis.arm import RATE, data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 

@@ -10,7 +10,7 @@ from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.climbing import at_rest
 from oed.diagnosis.terms.scores import score
-from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
+from oed.dynamics.velocity_sign import widths_of, with_widths
 from tests.diagnosis.arm import COULOMB, data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

@@ -10,7 +10,7 @@ from oed.diagnosis.evidence.final_model import fit_final
 from oed.diagnosis.evidence.naming import named
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.terms.scores import score
-from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
+from oed.dynamics.velocity_sign import widths_of, with_widths
 from tests.diagnosis.arm import data_set
 from tests.diagnosis.shop import shop_of, trial_of
 

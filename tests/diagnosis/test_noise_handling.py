@@ -9,11 +9,11 @@ from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.tables.workshop import Workshop
 from oed.diagnosis.terms.restraint import Left, likeliest, restrained
 from oed.diagnosis_new.noise.baseline import find_baseline
-from oed.diagnosis_new.noise.sign_width import widths_of
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import widths_of
 from oed.experiment.preparation.direction import uncertain_direction
 from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis import arm

@@ -6,7 +6,7 @@ import pytest
 from oed.diagnosis.tables.sharpening import sharpened
 from oed.diagnosis.terms.climbing import at_rest
 from oed.diagnosis.terms.scores import score
-from oed.diagnosis_new.noise.sign_width import widths_of
+from oed.dynamics.velocity_sign import widths_of
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import Recording
 from oed.robot.builtin import imi_scara

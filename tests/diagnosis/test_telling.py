@@ -13,8 +13,8 @@ from oed.diagnosis.evidence.contenders import find_rivals
 from oed.diagnosis.search.selection import search
 from oed.diagnosis.settings import DiagnosisSettings
 from oed.diagnosis.terms.scores import inflation_of, score
-from oed.diagnosis_new.noise.sign_width import widths_of
 from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import widths_of
 from tests.diagnosis.arm import COULOMB, RATE, data_set
 from tests.diagnosis.shop import shop_of
 

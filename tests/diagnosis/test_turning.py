@@ -15,9 +15,9 @@ from oed.diagnosis.evidence.estimates import estimates, from_declared
 from oed.diagnosis.search.selected import Selection
 from oed.diagnosis.search.tilt_review import tilt_fault
 from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
 from oed.dynamics.effects.gravity import tilt_directions
 from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import widths_of, with_widths
 from tests.diagnosis import arm
 from tests.diagnosis.arm import COULOMB, INERTIA, VISCOUS, data_set, rigid
 from tests.diagnosis.shop import shop_of, trial_of

@@ -17,8 +17,8 @@ from oed.diagnosis.terms.climbing import at_rest
 from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.secants import secants
 from oed.diagnosis_new.noise.linear_fit import project
-from oed.diagnosis_new.noise.sign_width import widths_of, with_widths
 from oed.dynamics.effects.catalogue import CATALOGUE
+from oed.dynamics.velocity_sign import widths_of, with_widths
 from tests.diagnosis.arm import data_set, stribeck
 from tests.diagnosis.shop import shop_of, trial_of
 

@@ -26,13 +26,12 @@ from oed.diagnosis_new.noise.sign_width import (
     LARGEST_WIDTH,
     MODEST_WIDTH,
     SMALLEST_WIDTH,
-    signs_of,
     usual_speed,
-    with_signs,
 )
 from oed.dynamics.effects import Coulomb, with_columns
 from oed.dynamics.effects.catalogue import CATALOGUE, Context
 from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import signs_of, with_signs
 from oed.parallel_map import side_by_side
 
 LAW_OF_SPEED = "odd in speed"  # family whose shapes trade places with the sign's width

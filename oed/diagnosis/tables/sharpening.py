@@ -17,14 +17,9 @@ from oed.diagnosis.terms.climbing import climb
 from oed.diagnosis.terms.scores import scan
 from oed.diagnosis.terms.trials import Trial
 from oed.diagnosis_new.noise.baseline import Baseline
-from oed.diagnosis_new.noise.sign_width import (
-    signs_of,
-    turn_alike,
-    with_fitted_sign,
-    with_signs,
-    with_widths,
-)
+from oed.diagnosis_new.noise.sign_width import with_fitted_sign
 from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import signs_of, turn_alike, with_signs, with_widths
 
 
 def sharpened(shop: Workshop, chosen: Sequence[Trial]) -> Workshop | None:

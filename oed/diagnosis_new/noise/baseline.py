@@ -21,18 +21,18 @@ from oed.diagnosis_new.noise.noise_floor import (
     repetition_series,
 )
 from oed.diagnosis_new.noise.rich_fit import RichFit, lay_out, model_columns, rich_fit
-from oed.diagnosis_new.noise.sign_width import (
+from oed.diagnosis_new.noise.sign_width import with_fitted_sign
+from oed.diagnosis_new.rows.autoregression import Autoregression
+from oed.diagnosis_new.rows.weighted_rows import Rows, weigh
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import (
+    sign_terms,
     signs_of,
     widths_of,
-    with_fitted_sign,
     with_signs,
     with_uncertain_sign,
 )
-from oed.diagnosis_new.rows.autoregression import Autoregression
-from oed.diagnosis_new.rows.weighted_rows import Rows, weigh
-from oed.dynamics.effects import Coulomb, with_columns
-from oed.dynamics.identifiability import base_parameters
-from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.preparation.direction import certainty, trusted_samples
 from oed.experiment.preparation.encoder_steps import fine_encoder_torque
 from oed.experiment.preparation.prepared import Prepared
@@ -125,9 +125,8 @@ def _coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
     """Height of each joint's friction step as the fit has it [N m]."""
     heights = np.zeros(fit.model.robot.n)
     full = fit.full_parameters()
-    for effect, place in with_columns(fit.model.effects):
-        if isinstance(effect, Coulomb):
-            heights[effect.joint] = abs(full[place.start])
+    for _, column, sign in sign_terms(fit.model):
+        heights[sign.joint] = abs(full[column])
     return heights
 
 

@@ -20,9 +20,9 @@ from scipy.linalg import block_diag
 from oed.diagnosis_new.candidates.smooth_terms import PIECES_FINE, coordinate, loop, terms_together
 from oed.diagnosis_new.noise.colour import Colour, Stretches
 from oed.diagnosis_new.noise.linear_fit import LinearFit
-from oed.diagnosis_new.noise.sign_width import WIDTH_PER_SIGMA
 from oed.diagnosis_new.rows.model_columns import effect_columns
 from oed.dynamics.effects.smooth_term import FreeForm
+from oed.dynamics.velocity_sign import WIDTH_PER_SIGMA
 from oed.experiment.preparation.prepared import Prepared
 
 ROWS_PER_FREE_COLUMN = 8  # least rows for each column of the first fit

@@ -9,7 +9,7 @@ speed will offer to take them.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -24,17 +24,15 @@ from oed.diagnosis_new.noise.linear_fit import (
     whitened_regressor,
 )
 from oed.diagnosis_new.rows.weighted_rows import Rows
-from oed.dynamics.effects import Coulomb, with_columns
+from oed.dynamics.effects import Coulomb
 from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import sign_terms
 
-# tanh(v / width) is closest to the expected sign of a Gaussian velocity at this many sigmas.
-WIDTH_PER_SIGMA = 1.25
 LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
 # The same where more is missing of the joint: a wide sign may stand in for nearly anything.
 MODEST_WIDTH = 0.05
 COMPLETE = 2.0  # mean squared white residual up to which little is
 SMALLEST_WIDTH = 1e-4
-WIDER = 1.1  # ratio of two widths beyond which they are not alike
 POINTS = 14
 # Fall of -2 log likelihood that a wider sign must bring, besides Schwarz's log of the rows.
 DECISIVE = 10.0
@@ -60,28 +58,14 @@ def with_fitted_sign(
     regressor = np.concatenate([*fixed, *([] if beside is None else [beside])], axis=2)
     torque = rows.torque()
     effects = list(model.effects)
-    for place, (effect, at) in enumerate(with_columns(model.effects)):
-        own = np.flatnonzero(columns == at.start)
-        if not isinstance(effect, Coulomb) or not own.size:
-            continue
-        projection = project(np.delete(regressor, own[0], axis=2))
-        alone = dataclasses.replace(model, effects=(effect,))
-        effects[place] = _best_turn(alone, rows, projection, projection.residual(torque))
+    for place, column, sign in sign_terms(model):
+        own = np.flatnonzero(columns == column)
+        if own.size:
+            projection = project(np.delete(regressor, own[0], axis=2))
+            alone = dataclasses.replace(model, effects=(sign,))
+            left = projection.residual(torque)
+            effects[place] = _best_turn(sign, alone, rows, projection, left)
     return dataclasses.replace(model, effects=tuple(effects))
-
-
-def widths_of(model: TorqueModel) -> list[float]:
-    """Width of each Coulomb term [rad/s]."""
-    return [effect.width for effect in _coulomb_terms(model)]
-
-
-def turn_alike(one: TorqueModel, other: TorqueModel) -> bool:
-    """Whether the Coulomb terms of two models turn alike, by shape and about by width."""
-    pairs = zip(_coulomb_terms(one), _coulomb_terms(other), strict=True)
-    return all(
-        a.gradual == b.gradual and max(a.width, b.width) < WIDER * max(min(a.width, b.width), 1e-12)
-        for a, b in pairs
-    )
 
 
 def usual_speed(rows: Rows, joint: int) -> float:
@@ -90,48 +74,14 @@ def usual_speed(rows: Rows, joint: int) -> float:
     return float(np.sqrt(np.mean(velocity**2)))
 
 
-def _coulomb_terms(model: TorqueModel) -> list[Coulomb]:
-    return [effect for effect in model.effects if isinstance(effect, Coulomb)]
-
-
-def signs_of(model: TorqueModel) -> dict[int, Coulomb]:
-    """The Coulomb term of each joint that has one."""
-    return {effect.joint: effect for effect in _coulomb_terms(model)}
-
-
-def with_uncertain_sign(model: TorqueModel, sign_noise: Float[ndarray, " joints"]) -> TorqueModel:
-    """The model whose Coulomb friction is the expectation over an uncertain velocity sign.
-
-    Only the sign's own noise enters: a velocity shrunk like a regressor would shift it.
-    """
-    least = WIDTH_PER_SIGMA * sign_noise
-    blurred = (
-        dataclasses.replace(sign, width=max(sign.width, float(least[sign.joint])))
-        for sign in _coulomb_terms(model)
-    )
-    return with_signs(model, {sign.joint: sign for sign in blurred})
-
-
-def with_signs(model: TorqueModel, signs: Mapping[int, Coulomb]) -> TorqueModel:
-    """The model with these Coulomb terms in the place of those of the same joints."""
-    effects = (signs.get(e.joint, e) if isinstance(e, Coulomb) else e for e in model.effects)
-    return dataclasses.replace(model, effects=tuple(effects))
-
-
-def with_widths(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:
-    """The model whose Coulomb terms turn over these velocities [rad/s], in their order."""
-    pairs = zip(_coulomb_terms(model), widths, strict=True)
-    turned = (dataclasses.replace(sign, width=width, gradual=False) for sign, width in pairs)
-    return with_signs(model, {sign.joint: sign for sign in turned})
-
-
 def _best_turn(
-    alone: TorqueModel, rows: Rows, projection: Projection, residual: Float[ndarray, "joints rows"]
+    effect: Coulomb,
+    alone: TorqueModel,
+    rows: Rows,
+    projection: Projection,
+    residual: Float[ndarray, "joints rows"],
 ) -> Coulomb:
-    """The one term of a model with the turn that gains most, or its own."""
-    (effect,) = alone.effects
-    if not isinstance(effect, Coulomb):
-        raise TypeError(f"{effect.name} has no sign whose width could be fitted")
+    """The term of a model that has nothing else, with the turn that gains most, or its own."""
     joint = effect.joint
 
     def gain_of(tried: Coulomb) -> float:
