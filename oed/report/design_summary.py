@@ -49,7 +49,9 @@ def efficiency_line(efficiency: DEfficiency | None) -> str:
     """What a design is worth against a bound, in words."""
     if efficiency is None:
         return "not known"
-    return f"at least {efficiency.value:.3f}, {efficiency.kind}"
+    if efficiency.kind == "certified":
+        return f"at least {efficiency.value:.3f}, certified"
+    return f"about {efficiency.value:.3f}: the bound is estimated, not proven"
 
 
 def clearance_line(check: ClearanceCheck) -> str:
