@@ -62,7 +62,7 @@ def test_every_lower_bound_is_the_series_that_the_tests_run_with():
 
 
 def imported_packages() -> set[str]:
-    """Packages from outside that some file of oed imports, wherever in it."""
+    """Packages from outside that some file of oed imports or takes files of, wherever in it."""
     found = set()
     for file in (REPO / "oed").rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
@@ -70,6 +70,8 @@ def imported_packages() -> set[str]:
                 found |= {alias.name.partition(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 found.add(node.module.partition(".")[0])
+            elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("files"):
+                found |= {a.value for a in node.args if isinstance(a, ast.Constant)}
     return found - set(sys.stdlib_module_names) - {"oed"}
 
 

@@ -48,7 +48,7 @@ def copy_finding(dataset: DataSet) -> Finding:
         "held-out recordings",
         "red",
         f"{told}: its error is that of the fit, and no prediction",
-        "record another motion to be foretold",
+        "record another motion to be predicted",
         tuple(rows),
     )
 

@@ -70,7 +70,7 @@ class Checkup:
 
 
 def share(ratio: float) -> str:
-    """A relative error as a reader wants it: a per cent, or a multiple where nothing is foretold."""
+    """A relative error as a reader wants it: a per cent, or a multiple where nothing is predicted."""
     return f"{multiple(ratio)} {'of ' if ratio < 1 else ''}the torque"
 
 

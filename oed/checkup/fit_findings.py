@@ -1,4 +1,4 @@
-"""What an estimate shows of its data: what they determine, what is impossible, what is foretold badly."""
+"""What an estimate shows of its data: what they determine, what is impossible, what is predicted badly."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def cause_finding(calibration_names: tuple[str, ...], search: Search) -> Finding
             "no reversed sign, exchange, direction of gravity, unit or offset alone repairs the fit"
         )
     else:
-        text = "signs, order, units and gravity fit together: the joints foretell what was held out"
+        text = "signs, order, units and gravity fit together: the joints predict what was held out"
     return Finding(
         "units and signs",
         "green",
@@ -76,7 +76,7 @@ def parameter_finding(calibration: Calibration) -> Finding:
         text += (
             f"; along {lost} of {len(estimate.reach)} directions the recordings for estimation excite "
             f"too little: an error of the size of their residual, hidden there, would change what is "
-            f"foretold by up to {estimate.reach.max():.3g} times the torque; these are left at zero"
+            f"predicted by up to {estimate.reach.max():.3g} times the torque; these are left at zero"
         )
         return Finding(
             "parameters", "red", text, "record the motion that the checkup proposes", rows
@@ -125,8 +125,8 @@ def impossible_finding(calibration: Calibration) -> Finding:
 
 
 def error_finding(calibration: Calibration, search: Search) -> Finding:
-    """How well the estimate foretells, judged on what was held out where there is any."""
-    held = [role for role in HELD_OUT if role in calibration.validation]
+    """How well the estimate predicts, judged on what was held out where there is any."""
+    held: list[Role] = [role for role in HELD_OUT if role in calibration.validation]
     role: Role = held[0] if held else "estimation"
     result = calibration.validation[role]
     names = calibration.dataset.robot.joint_names

@@ -79,7 +79,7 @@ def coverage_finding(dataset: DataSet) -> Finding:
         return Finding(
             "what moved",
             "amber",
-            "no recording is held out: nothing shows how well an estimate foretells",
+            "no recording is held out: nothing shows how well an estimate predicts",
             "add a recording of another motion with role validation",
             tuple(rows),
         )

@@ -4,7 +4,7 @@ A suspicion is named if it alone repairs the fit,
 
 - by a likelihood that is very strong evidence over the log as it is and over every other repair:
   2 log of their ratio beyond 10 (Kass and Raftery 1995, Bayes factors, J. Am. Stat. Assoc. 90, 773-795);
-- with every joint foretold again, but for those that no suspicion helps, which stay as they are;
+- with every joint predicted again, but for those that no suspicion helps, which stay as they are;
 - and with all that it needs determined by the recordings for estimation.
 
 Where the joints hardly couple, a reversed sign leaves a fair fit. There a suspicion of signs, order or
@@ -77,7 +77,7 @@ def find_repairs(
 
 
 def _is_repair(outcome: Outcome, as_logged: Outcome, helped: Bool[ndarray, " joints"]) -> bool:
-    """Whether all joints that anything helps are foretold again, and the others stay as they are."""
+    """Whether all joints that anything helps are predicted again, and the others stay as they are."""
     bad = helped & (as_logged.relative > USELESS)
     change = _change(outcome, as_logged)
     return bool(
@@ -129,7 +129,7 @@ def name_repair(
         for j in np.flatnonzero(mended)
     )
     evidence = (
-        f"put right, it alone repairs what is foretold of recordings that were not fitted: relative "
+        f"put right, it alone repairs what is predicted of recordings that were not fitted: relative "
         f"error of {shown}; 2 log likelihood ratio {gain:.3g}"
         + (f", {lead:.3g} to the next such cause" if np.isfinite(lead) else ", no other cause does")
     )

@@ -66,7 +66,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How well a trial foretells what was held out.
+    """How well a trial predicts what was held out.
 
     Attributes:
         relative: (n,) rms error of each joint over the rms of its torque.
@@ -86,7 +86,7 @@ class TrialData:
 
     Attributes:
         fitted: To fit to.
-        held: To be foretold.
+        held: To be predicted.
         columns: p, of the model's columns in a basis without dependences.
     """
 
@@ -100,7 +100,7 @@ class TrialData:
         return len(self.fitted.factors)
 
     def outcome(self, trial: Trial) -> Outcome:
-        """Fit and foretell under a trial."""
+        """Fit and predict under a trial."""
         joints = range(self.joints)
         rows = [self._rows(self.fitted, trial, j) for j in joints]
         held = [self._rows(self.held, trial, j) for j in joints]
@@ -130,7 +130,7 @@ def trial_data(
     """Lay a data set out for trials.
 
     Args:
-        recordings: By role; the held-out roles are foretold, or the last third of each estimation
+        recordings: By role; the held-out roles are predicted, or the last third of each estimation
             recording where there is none.
         evaluate: The model's columns at every instant of a motion.
     """

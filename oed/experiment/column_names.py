@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import get_args
 
 from oed.errors import DataSetError
 from oed.experiment.log_format import REPETITION, TEMPERATURE, TIME, LogFormat
 from oed.experiment.logs.table import Log, Table
 from oed.experiment.toml_table import nearest
-from oed.experiment.units import JOINT_QUANTITIES
+from oed.experiment.units import JOINT_QUANTITIES, Quantity
+from oed.experiment.units_in_names import marked_unit
 from oed.robot import Robot
 
 NUMBERED = re.compile(r"(q|dq|ddq|tau)_(\d+)")
@@ -29,6 +31,16 @@ class ColumnNames:
 
     table: Table
     fields: dict[str, tuple[str, ...]]
+
+    @property
+    def units(self) -> dict[str, tuple[str, ...]]:
+        """Units that the names themselves state, as in `q_1 [deg]`, by quantity; "" is none."""
+        found = {
+            quantity: tuple(marked_unit(name, quantity)[1] for name in self.fields[quantity])
+            for quantity in get_args(Quantity)
+            if quantity in self.fields
+        }
+        return {quantity: units for quantity, units in found.items() if any(units)}
 
     @property
     def all(self) -> tuple[str, ...]:
@@ -68,9 +80,9 @@ def _fields(table: Table, robot: Robot, log_format: LogFormat) -> dict[str, tupl
         _check_joint_count(table, robot)
     fields: dict[str, tuple[str, ...]] = {}
     if log_format.rate is None:
-        fields[TIME] = stated.get(TIME, (TIME,))
+        fields[TIME] = stated.get(TIME) or _as_logged(table, (TIME,), TIME)
     for quantity in JOINT_QUANTITIES:
-        usual = _usual_names(table, quantity, robot)
+        usual = _as_logged(table, _usual_names(table, quantity, robot), quantity)
         if quantity in stated:
             fields[quantity] = _elements(table, stated[quantity], robot)
         elif quantity in REQUIRED or (not stated and any(name in table.columns for name in usual)):
@@ -83,12 +95,18 @@ def _fields(table: Table, robot: Robot, log_format: LogFormat) -> dict[str, tupl
     return fields
 
 
-def _usual_names(table: Table, quantity: str, robot: Robot) -> tuple[str, ...]:
+def _usual_names(table: Table, quantity: Quantity, robot: Robot) -> tuple[str, ...]:
     """Columns q_1 … q_n, or named by joint, as in q_shoulder, where there is one such."""
     numbered = joint_columns(quantity, robot.n)
     named = tuple(f"{quantity}_{joint}" for joint in robot.joint_names)
-    is_numbered = any(name in table.columns for name in numbered)
-    return named if not is_numbered and any(name in table.columns for name in named) else numbered
+    present = {*table.columns, *(marked_unit(name, quantity)[0] for name in table.columns)}
+    return named if not present & {*numbered} and present & {*named} else numbered
+
+
+def _as_logged(table: Table, names: tuple[str, ...], quantity: Quantity) -> tuple[str, ...]:
+    """Names with the unit that a log writes behind them, where it does."""
+    logged = {bare: name for name in table.columns for bare in (marked_unit(name, quantity)[0],)}
+    return tuple(name if name in table.columns else logged.get(name, name) for name in names)
 
 
 def _elements(table: Table, names: tuple[str, ...], robot: Robot) -> tuple[str, ...]:

@@ -141,9 +141,11 @@ def _slope(x: Float[ndarray, " windows"], y: Float[ndarray, " windows"]) -> floa
     x, y = x[x != 0], y[x != 0]
     if not len(x):
         return 1.0  # nothing is known against it
-    order = np.argsort(y / x)
+    with np.errstate(over="ignore"):  # of an x that is next to nothing, and weighs as little
+        ratio = y / x
+    order = np.argsort(ratio)
     weight = np.cumsum(np.abs(x[order]))
-    return float((y / x)[order[np.searchsorted(weight, weight[-1] / 2)]])
+    return float(ratio[order[np.searchsorted(weight, weight[-1] / 2)]])
 
 
 def _cause(ratios: list[float], joint: int) -> str:

@@ -17,6 +17,7 @@ from oed.experiment.drive import Drive, TorqueKind
 from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
 from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
 from oed.experiment.log_format import LogFormat
+from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log, Table, table_of
 from oed.experiment.manifest import RecordingEntry
 from oed.experiment.read_recording import read_recording, take_samples
@@ -79,9 +80,7 @@ def dataset_from_frame(
         raise ValueError("give at least one frame")
     tables = []
     for i, one in enumerate(frames):
-        numbers = one.reset_index() if "t" not in one.columns and one.index.name else one
-        numbers = numbers.select_dtypes("number")
-        arrays = {str(key): numbers[key].to_numpy() for key in numbers.columns}
+        arrays = _arrays(one)
         tables.append(table_of(arrays, name if len(frames) == 1 else f"{name}[{i}]"))
     joints = RobotJoints(robot.joint_names, robot.joint_names)
     stated = dict(log_format.columns) if log_format else {}
@@ -136,6 +135,24 @@ def _dataset(
         drive=about.drive,
         recordings=tuple(recordings),
     )
+
+
+def _arrays(frame: pd.DataFrame) -> dict[str, ndarray]:
+    """Columns of numbers, and of times as seconds; the index too where it has a name or is time."""
+    if "t" not in frame.columns and isinstance(frame.index, pd.DatetimeIndex | pd.TimedeltaIndex):
+        frame = frame.rename_axis(index=frame.index.name or "t")
+    if "t" not in frame.columns and frame.index.name:
+        frame = frame.reset_index()
+    found: dict[str, ndarray] = {}
+    for key, column in frame.items():
+        if isinstance(column.dtype, pd.DatetimeTZDtype) or column.dtype.kind == "M":
+            stamps = column.dt.as_unit("ns").astype(np.int64)
+            found[str(key)] = seconds_of_day(stamps.to_numpy())
+        elif column.dtype.kind == "m":
+            found[str(key)] = column.dt.total_seconds().to_numpy()
+        elif pd.api.types.is_numeric_dtype(column.dtype):
+            found[str(key)] = column.to_numpy()
+    return found
 
 
 def _entry(

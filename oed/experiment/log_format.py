@@ -5,6 +5,7 @@ These are the keys `[columns]`, `[units]`, `sign`, `zero` and `rate` of `dataset
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -51,6 +52,10 @@ class LogFormat:
         """Raise `ValueError` if a unit is not one of the joint's quantity."""
         for quantity in JOINT_QUANTITIES:
             self.factors(quantity, robot)
+
+    def with_units(self, units: Mapping[str, tuple[str, ...]]) -> LogFormat:
+        """This format, with units of the quantities whose unit it does not say."""
+        return dataclasses.replace(self, units={**units, **self.units})
 
     def unit(self, quantity: Quantity, joint: int = 0) -> str:
         """The unit that a quantity of a joint is logged in; "" where it is SI."""

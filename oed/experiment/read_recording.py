@@ -104,6 +104,7 @@ def take_samples(
         DataSetError: If a value is no number that can be believed, or there is no such row.
     """
     table = names.table
+    log_format = log_format.with_units(names.units)
     values = table.take(names.all)
     count = len(next(iter(values.values())))
     t = _time(names, values, count, log_format)

@@ -9,11 +9,11 @@ from typing import Literal
 from oed.checkup.checkup import checkup_record
 from oed.checkup.finding import Checkup, Finding, Level
 from oed.experiment.dataset import DataSet
-from oed.report.check_plots import draw_ranges
+from oed.report.chart import THINNED, Chart
+from oed.report.check_charts import range_chart, signal_charts
 from oed.report.json_file import write_json
-from oed.report.page import Command, Page, Picture, Section, Table, Text, Verdict, write_page
+from oed.report.page import Command, Page, Section, Table, Text, Verdict, write_page
 from oed.report.provenance import Provenance
-from oed.report.style import save_figure
 
 COLOURS: dict[Level, Literal["good", "warning", "bad"]] = {
     "green": "good",
@@ -38,7 +38,7 @@ def write_check(
     motion: Mapping[str, object],
     command: str,
 ) -> None:
-    """Leave check.json, the recorded motion, the figure and report.html in a folder.
+    """Leave check.json, the recorded motion and report.html in a folder.
 
     Args:
         checkup: To write down.
@@ -48,9 +48,8 @@ def write_check(
         motion: As `recorded_motion` gives it.
         command: That designs what completes the data.
     """
-    picture = save_figure(draw_ranges(dataset), out / "ranges", ("png",))[0]
     write_json(out / "recorded_motion.json", motion)
-    write_page(out / "report.html", _page(checkup, dataset, picture, provenance, command))
+    write_page(out / "report.html", _page(checkup, dataset, provenance, command))
     record = {
         **checkup_record(checkup),
         "command": command,
@@ -61,12 +60,10 @@ def write_check(
     write_json(out / "check.json", record)
 
 
-def _page(
-    checkup: Checkup, dataset: DataSet, picture: Path, provenance: Provenance, command: str
-) -> Page:
+def _page(checkup: Checkup, dataset: DataSet, provenance: Provenance, command: str) -> Page:
     notes = checkup.notes
     count = {level: sum(f.level == level for f in checkup.findings) for level in COLOURS}
-    told = ", ".join(f"{number} {WORDS[level]}" for level, number in count.items() if number)
+    told = ", ".join(f"{count[level]} {word}" for level, word in WORDS.items() if count[level])
     return Page(
         title=f"Checkup of {checkup.name}",
         subtitle=f"{len(dataset.recordings)} recordings of {dataset.robot.n} joints",
@@ -78,7 +75,8 @@ def _page(
         sections=(
             Section("What was looked at", [_box(finding) for finding in checkup.findings]),
             Section("What to record next", _next(checkup, command)),
-            Section("Evidence", _evidence(checkup, picture)),
+            Section("Evidence", _evidence(checkup, dataset)),
+            Section("The log", _signals(dataset)),
             Section(
                 "Where it comes from",
                 (
@@ -107,14 +105,16 @@ def _next(checkup: Checkup, command: str) -> tuple[Text | Command, ...]:
     return (Text(first), Command(command))
 
 
-def _evidence(checkup: Checkup, picture: Path) -> list[Table | Picture]:
-    blocks: list[Table | Picture] = [
-        Picture(picture, "Positions of each joint by role; grey: the limits of the robot's file.")
-    ]
+def _evidence(checkup: Checkup, dataset: DataSet) -> list[Table | Chart]:
+    blocks: list[Table | Chart] = [range_chart(dataset)]
     # The longest last.
     tables = sorted((f for f in checkup.findings if f.rows), key=lambda f: len(f.rows) > LONG)
     blocks += [Table(f.rows, caption=f"{_capital(f.topic)}.", digits=3) for f in tables]
     return blocks
+
+
+def _signals(dataset: DataSet) -> list[Text | Chart]:
+    return [Text(THINNED), *signal_charts(dataset)]
 
 
 def _capital(text: str) -> str:

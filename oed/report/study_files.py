@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from oed.report.result_folder import ResultFiles
 
-CHECK = ResultFiles("check", ("check.json", "ranges.png", "recorded_motion.json", "report.html"))
+CHECK = ResultFiles("check", ("check.json", "recorded_motion.json", "report.html"))
 IDENTIFY = ResultFiles(
     "identify",
     (

@@ -79,3 +79,17 @@ def test_a_frame_in_degrees_without_time(motion):
         DataSet.from_frame(
             imi_scara(), frame.rename(columns={"a": "q_1", "b": "q_2", "c": "tau_1", "d": "tau_2"})
         )
+
+
+@pytest.mark.parametrize("times", ["index", "column", "duration"])
+def test_a_frame_with_times_of_pandas(motion, times):
+    t, q, tau = motion
+    since = pd.to_timedelta(t, unit="s")
+    clock = since if times == "duration" else pd.Timestamp("2026-01-31T23:59:55Z") + since
+    columns = {f"{key}_{j + 1}": a[:, j] for key, a in (("q", q), ("tau", tau)) for j in (0, 1)}
+    frame = pd.DataFrame(columns, index=clock if times == "index" else None)
+    if times != "index":
+        frame["time"] = clock
+    dataset = DataSet.from_frame(imi_scara(), frame)
+    read = np.concatenate([r.t for r in dataset.recordings])
+    assert np.allclose(np.diff(read), np.diff(t), rtol=0, atol=1e-8)

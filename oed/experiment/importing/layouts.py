@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from oed.experiment.drive import TorqueKind
-from oed.experiment.units import Quantity, plain, units_of
+from oed.experiment.units import Quantity
+from oed.experiment.units_in_names import marked_unit, suffixed_unit
 
 TIMES = (
     *("t", "time", "stamp", "timestamp", "header.stamp", "time_stamp", "t_s", "seconds", "sec"),
@@ -54,10 +55,6 @@ NOT_MEASURED = {
 }
 # Columns of lists whose elements may be of several quantities, and then say so.
 MIXED = ("observation.state", "state")
-# Units that names end with, as in q1_deg or "Torque 1 [Nm]".
-BRACKETED = re.compile(r"^(.*\S)\s*[\[(]\s*([^\[\]()]+)\s*[\])]$")
-SUFFIXED = re.compile(r"^(.*)_(deg|rad|nm|mnm|a|ma|rpm|s|ms|us|ns|mm|m)$", re.IGNORECASE)
-SUFFIX_UNITS = {"nm": "N m", "mnm": "mN m", "a": "A", "ma": "mA"}
 
 
 @dataclass(frozen=True)
@@ -108,17 +105,9 @@ def _take_apart(column: str, called: str, stem: str, quantity: Quantity) -> Name
 
 
 def _with_units(called: str, quantity: Quantity) -> list[tuple[str, str]]:
-    """The name with no unit, and without the unit that it may end with."""
-    found = [(called, "")]
-    for pattern in (BRACKETED, SUFFIXED):
-        match = pattern.fullmatch(called.strip())
-        if match is None:
-            continue
-        unit = SUFFIX_UNITS.get(match[2].lower(), match[2])
-        slides = (False, True) if quantity in ("q", "dq", "ddq", "tau") else (False,)
-        if any(plain(unit) in units_of(quantity, slides=s) for s in slides):
-            found.insert(0, (match[1], unit))
-    return found
+    """The name without the unit that it may end with, and with no unit."""
+    ways = (suffixed_unit(called, quantity), marked_unit(called, quantity))
+    return [*((name, unit) for name, unit in ways if unit), (called, "")]
 
 
 def _label(called: str, stem: str) -> str | None:

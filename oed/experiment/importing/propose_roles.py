@@ -87,10 +87,10 @@ def propose_roles(logs: Sequence[Timed]) -> tuple[tuple[Part, ...], str]:
 
 
 def _by_files(logs: Sequence[Timed]) -> tuple[tuple[Part, ...], str]:
-    named = [_named_role(log.stem) for log in logs]
+    named: list[Role | None] = [_named_role(log.stem) for log in logs]
     if all(named) and "estimation" in named:
         return (
-            tuple(Part(i, role) for i, role in enumerate(named) if role),
+            tuple(Part(i, role) for i, role in enumerate(named) if role is not None),
             "roles: by the names of the files",
         )
     roles = _shared_out([float(log.t[-1] - log.t[0]) for log in logs])

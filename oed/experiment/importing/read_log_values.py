@@ -15,6 +15,7 @@ from oed.experiment.importing.layouts import EPISODES
 from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.propose_units import UnitProposal, propose_units
 from oed.experiment.log_format import LogFormat
+from oed.experiment.recording_checks import check_rows
 from oed.experiment.units import factor_to_si
 from oed.robot import Robot
 
@@ -70,6 +71,7 @@ def read_values(
             t = arrays["t"][:, 0] * factor_to_si("t", units.units.get("t", ("s",))[0])
         else:
             t = np.arange(count) / rate
+        check_rows(t, robot.n, columns.table.file)
         values = LogValues(
             columns,
             units,

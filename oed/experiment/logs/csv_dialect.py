@@ -1,8 +1,8 @@
 """How a text file separates its numbers, and the same numbers separated by commas.
 
-Whatever a spreadsheet or a logger wrote (semicolons, tabs, blanks, decimal commas, quotes, a
-byte-order mark, comments above, a header or none) becomes one kind of text, line for line, so that
-a fault is still named by the line that the user sees.
+Whatever a spreadsheet or a logger wrote (semicolons, tabs, blanks, decimal commas, quotes, UTF-16,
+a byte-order mark, comments above, a header or none, a line of units, times of day) becomes one kind
+of text, line for line, so that a fault is still named by the line that the user sees.
 """
 
 from __future__ import annotations
@@ -10,12 +10,17 @@ from __future__ import annotations
 import csv
 import re
 from dataclasses import dataclass
+from typing import get_args
 
 from oed.errors import DataSetError
+from oed.experiment.logs.clock_text import DATE, clock_seconds, is_clock
 from oed.experiment.logs.csv_fault import NUMBER
+from oed.experiment.units import Quantity
+from oed.experiment.units_in_names import is_unit
 
 SAMPLE = 20  # lines that tell how a file is written
 COMMENTS = ("#", "%")
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # its byte-order marks
 SEPARATOR_LINE = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)  # spreadsheets write it as line 1
 TWO_NUMBERS = re.compile(r"[\d.,eE+-]*\d\s+[+-]?[\d.,][\d.,eE+-]*")
 
@@ -25,7 +30,8 @@ class CsvText:
     """Text whose numbers are separated by commas and have decimal points.
 
     Attributes:
-        header: A name for each column: those of the file, or "1", "2", … where it has none.
+        header: A name for each column: those of the file, or "1", "2", … where it has none; with
+            its unit in brackets where a line below the names states units.
         body: The rows, each ended by a line feed; the last only if it is so in the file.
         first_row: Line of the file that is the first of `body`.
         header_row: Line of the header; None if there is none.
@@ -53,12 +59,17 @@ def read_csv_text(content: bytes, file: str) -> CsvText:
     separator = separator or _separator(sample)
     first, _, rest = text.partition(b"\n")
     names = _cells(first.decode(), separator, file, skipped + 1)
-    has_header = not _is_number(names[0])
+    has_header = not _is_value(names[0])
     body, first_row = (rest, skipped + 2) if has_header else (text, skipped + 1)
     header_row = skipped + 1 if has_header else None
+    second, _, below = rest.partition(b"\n")
+    units = _cells(second.decode(), separator, file, first_row) if has_header else ()
+    if _are_units(units) and len(units) == len(names):
+        names = tuple(_with_unit(name, unit) for name, unit in zip(names, units, strict=True))
+        body, first_row = below, first_row + 1
     if not has_header:
         above = _cells(comment, separator, file, skipped) if comment else ()
-        is_named = len(above) == len(names) and not any(map(_is_number, above))
+        is_named = len(above) == len(names) and not any(map(_is_value, above))
         header_row = skipped if is_named else None
         names = above if is_named else tuple(str(i + 1) for i in range(len(names)))
     is_complete = text.endswith(b"\n")
@@ -66,15 +77,18 @@ def read_csv_text(content: bytes, file: str) -> CsvText:
     if not body.strip():
         raise DataSetError("holds a header but no row", file=file, row=first_row)
     header = tuple(name or f"column {i + 1}" for i, name in enumerate(names))
-    return CsvText(
-        header, _with_commas(body, separator, file, first_row), first_row, header_row, is_complete
-    )
+    body = _with_seconds(_with_commas(body, separator, file, first_row))
+    return CsvText(header, body, first_row, header_row, is_complete)
 
 
 def _decoded(content: bytes, file: str) -> bytes:
-    """The content without a byte-order mark, once it is known to be UTF-8 text."""
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise DataSetError("is UTF-16 text; save it as UTF-8", file=file)
+    """The content as UTF-8 without a byte-order mark, once it is known to be text."""
+    if content.startswith(UTF_16):
+        try:
+            content = content.decode("utf-16").encode()
+        except UnicodeError as error:
+            message = f"is damaged UTF-16 text ({error}); save the file as UTF-8"
+            raise DataSetError(message, file=file) from error
     zero = content.find(b"\0")
     if zero >= 0:
         row = content[:zero].count(b"\n") + 1
@@ -136,8 +150,24 @@ def _cells(line: str, separator: str, file: str, row: int) -> tuple[str, ...]:
     return tuple(cell.strip().strip("\"'").strip() for cell in cells)
 
 
-def _is_number(cell: str) -> bool:
-    return NUMBER.fullmatch(cell.replace(",", ".", 1)) is not None
+def _is_value(cell: str) -> bool:
+    """Whether a cell is a number or a time, and no name."""
+    point = cell.replace(",", ".", 1)
+    return NUMBER.fullmatch(point) is not None or is_clock(point) or bool(DATE.fullmatch(cell))
+
+
+def _are_units(cells: tuple[str, ...]) -> bool:
+    """Whether a line says in which units the columns below it are; some may have none."""
+    stated = [cell.strip("[]() ") for cell in cells]
+    return any(stated) and all(
+        not unit or any(is_unit(unit, quantity) for quantity in get_args(Quantity))
+        for unit in stated
+    )
+
+
+def _with_unit(name: str, unit: str) -> str:
+    bare = unit.strip("[]() ")
+    return f"{name} [{bare}]" if bare else name
 
 
 def _with_commas(body: bytes, separator: str, file: str, first_row: int) -> bytes:
@@ -150,6 +180,20 @@ def _with_commas(body: bytes, separator: str, file: str, first_row: int) -> byte
     if separator == " ":
         return b"\n".join(b",".join(line.split()) for line in body.split(b"\n"))
     return body.replace(separator.encode(), b",")
+
+
+def _with_seconds(body: bytes) -> bytes:
+    """The rows with seconds in place of times that are written out, as the first row has them."""
+    lines = body.decode().split("\n")
+    clocks = [i for i, cell in enumerate(lines[0].split(",")) if is_clock(cell)]
+    if not clocks:
+        return body
+    rows = [line.split(",") for line in lines]
+    for i in clocks:
+        within = [row for row in rows if len(row) > i]
+        for row, seconds in zip(within, clock_seconds([row[i] for row in within]), strict=True):
+            row[i] = seconds
+    return "\n".join(map(",".join, rows)).encode()
 
 
 def _unquoted(body: str, separator: str, file: str, first_row: int) -> bytes:

@@ -72,8 +72,11 @@ def _cell_fault(cell: str) -> str:
     if cell.lower().lstrip("+-") in NOT_A_NUMBER:
         return f"{cell} is not a finite number; remove the row or repair the log"
     if not NUMBER.fullmatch(cell):
-        is_quoted = NUMBER.fullmatch(cell.strip("\"'"))
-        hint = "; write numbers without quotes" if is_quoted else ""
+        hint = ""
+        if NUMBER.fullmatch(cell.strip("\"'")):
+            hint = "; write numbers without quotes"
+        elif ":" in cell:
+            hint = "; write times as 10:20:30.5 or 2026-01-31T10:20:30.5 throughout"
         return f"{cell[:40]!r} is not a number{hint}"
     if not isfinite(float(cell)):
         return f"{cell[:40]} is beyond what a computer can hold; repair the log"

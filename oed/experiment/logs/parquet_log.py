@@ -6,6 +6,7 @@ import io
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -14,6 +15,8 @@ import pyarrow.parquet as pq
 from numpy import ndarray
 
 from oed.errors import DataSetError
+from oed.experiment.logs.clock_text import clock_seconds, is_clock
+from oed.experiment.logs.csv_fault import NUMBER
 from oed.experiment.logs.registry import log_reader
 from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log, Table
@@ -30,7 +33,7 @@ def read_parquet(path: Path) -> Log:
 
     A column of lists becomes one column an element, `name[0]`, `name[1]` …, whose labels are the
     motors where a LeRobot data set around the file names them; a column of times becomes seconds
-    since midnight.
+    since midnight, and so does one of times that are written out.
 
     Raises:
         DataSetError: If it is damaged or no Parquet file.
@@ -113,7 +116,8 @@ def _lerobot_labels(path: Path, widths: Mapping[str, int]) -> dict[str, str]:
     if info is None:
         return {}
     try:
-        features = dict(read_json(info))["features"]  # pyright: ignore[reportCallIssue, reportArgumentType]  # what is no mapping raises
+        content: Any = read_json(info)  # what is no mapping of mappings raises
+        features = content["features"]
         names = {key: _flat(features[key].get("names")) for key in widths if key in features}
     except (OSError, UnreadableFile, LookupError, AttributeError, TypeError, ValueError) as error:
         raise DataSetError(f"cannot be understood: {error!r}", file=str(info)) from error
@@ -140,6 +144,10 @@ def _numbers(column: pa.ChunkedArray, name: str, file: str) -> ndarray:
         if stamps.null_count:
             raise DataSetError("holds times that are missing", file=file, column=name)
         return seconds_of_day(stamps.to_numpy())
+    if pa.types.is_duration(kind):
+        return column.cast(pa.duration("ns")).cast(pa.int64()).to_numpy() / 1e9
+    if pa.types.is_string(kind) or pa.types.is_large_string(kind):
+        return _written_out(column, name, file)
     if _is_list(kind):
         lengths = np.asarray(pc.list_value_length(column).fill_null(-1))
         other = np.flatnonzero(lengths != lengths[0])
@@ -151,3 +159,16 @@ def _numbers(column: pa.ChunkedArray, name: str, file: str) -> ndarray:
     if not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
         raise DataSetError(f"holds {kind}, not numbers", file=file, column=name)
     return column.to_numpy()
+
+
+def _written_out(column: pa.ChunkedArray, name: str, file: str) -> ndarray:
+    """(N,) seconds of times that are written out."""
+    cells = [str(cell) for cell in column.to_pylist()]
+    if not is_clock(cells[0]):
+        raise DataSetError(f"holds {column.type}, not numbers", file=file, column=name)
+    seconds = clock_seconds(cells)
+    wrong = next((i for i, cell in enumerate(seconds) if not NUMBER.fullmatch(cell)), None)
+    if wrong is not None:
+        message = f"holds text, not numbers or times: {cells[wrong][:40]!r}"
+        raise DataSetError(message, file=file, row=wrong + 1, column=name)
+    return np.array(seconds, dtype=float)

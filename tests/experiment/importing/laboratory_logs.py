@@ -1,4 +1,4 @@
-"""One simulated arm, logged in eleven ways as laboratories have them, by the real libraries."""
+"""One simulated arm, logged in the ways that laboratories have, by the real libraries."""
 
 from __future__ import annotations
 
@@ -136,6 +136,48 @@ def spreadsheet(truth: Truth, folder: Path) -> Path:
     return path
 
 
+def joint_frame(truth: Truth, times: pd.Series, names: str) -> pd.DataFrame:
+    """Times as they are, then degrees, degrees a second and newton metres a joint.
+
+    Args:
+        times: Of the rows, under the name of their column.
+        names: Of the others: quantity, number of the joint, unit.
+    """
+    columns = {str(times.name): times}
+    for name, unit, values in (
+        ("q", "deg", np.rad2deg(truth.q)),
+        ("dq", "deg/s", np.rad2deg(truth.dq)),
+        ("tau", "Nm", truth.tau),
+    ):
+        columns |= {names.format(name, j + 1, unit): values[:, j] for j in range(3)}
+    return pd.DataFrame(columns)
+
+
+def unicode_text(truth: Truth, folder: Path) -> Path:
+    """A spreadsheet's Unicode text: UTF-16, tabs, decimal commas; ISO 8601, units after a slash."""
+    stamps = pd.Series(pd.to_datetime(truth.stamp), name="time").dt
+    times = stamps.strftime("%Y-%m-%d %H:%M:%S,%f").rename("time")
+    text = joint_frame(truth, times, "{} {} / {}").to_csv(
+        index=False, sep="\t", decimal=",", lineterminator="\r\n"
+    )
+    path = folder / "unicode.txt"
+    path.write_text(text, encoding="utf-16", newline="")
+    return path
+
+
+def times_of_day(truth: Truth, folder: Path) -> Path:
+    """A logger's CSV that runs through midnight, with a line of units below the names."""
+    midnight = pd.Timestamp("2026-01-01")
+    times = midnight - pd.Timedelta("5s") + pd.to_timedelta(truth.stamp - truth.stamp[0])
+    clock = pd.Series(times.strftime("%H:%M:%S.%f").str[:-3], name="time")
+    frame = joint_frame(truth, clock, "{}{}|{}")
+    names, units = zip(*(f"{name}|".split("|")[:2] for name in frame.columns), strict=True)
+    path = folder / "clock.csv"
+    rows = frame.to_csv(index=False, header=False)
+    path.write_text(f"{','.join(names)}\n{','.join(units)}\n{rows}")
+    return path
+
+
 def lerobot(truth: Truth, folder: Path) -> Path:
     """LeRobot's layout: lists of degrees, motors named in meta/info.json; here with 64 bits."""
     (folder / "meta").mkdir()
@@ -221,6 +263,8 @@ LOGS: dict[str, Callable[[Truth, Path], Path]] = {
     "RTDE CSV, blanks": rtde_blanks,
     "RTDE Parquet": rtde_parquet,
     "spreadsheet CSV": spreadsheet,
+    "spreadsheet Unicode text": unicode_text,
+    "times of day, a line of units": times_of_day,
     "LeRobot Parquet": lerobot,
     "MATLAB": matlab,
     "NumPy": numpy_archive,

@@ -9,7 +9,7 @@ from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.robot import load_robot
-from tests.experiment.importing.eleven_logs import (
+from tests.experiment.importing.laboratory_logs import (
     JOINTS,
     LOGS,
     TORQUE_CONSTANT,
