@@ -13,13 +13,14 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from oed.design.collision import FAR, Pair, Surroundings, is_wall
-from oed.design.extrema import first_intervals, split_intervals
+from oed.design.collision import FAR, Surroundings, is_wall
+from oed.design.extrema import FIRST_INTERVALS, first_intervals, split_intervals
+from oed.design.posed_shapes import Pair
 from oed.design.status import LimitStatus, Standing
 from oed.design.trajectories import TrajectoryClass
 
 TOLERANCE = 1e-3  # [m] between proven and attained distance, where that is not kept
-MOST_INSTANTS = 20_000
+MOST_INSTANTS = 20_000  # of a proof: some ten seconds
 ROUNDING = 2e-4  # [m] by which Drake's distance of two hulls may be off
 
 
@@ -53,6 +54,7 @@ class ClearanceCheck:
         instants: Number of instants looked at.
         note: What could not be checked, or is not held to `wanted`.
         missing: Meshes of collision shapes that were not found: the check says nothing of them.
+        short: The worst instant of each stretch of time that is not proven [s].
     """
 
     wanted: float
@@ -61,6 +63,7 @@ class ClearanceCheck:
     instants: int
     note: str
     missing: tuple[str, ...] = ()
+    short: tuple[float, ...] = ()
 
     @classmethod
     def not_made(cls, reason: str, missing: tuple[str, ...] = ()) -> ClearanceCheck:
@@ -93,9 +96,12 @@ def prove_clearance(
         q, speed = (trajectory.derivative(z, middle, order) for order in range(2))
         moves = np.abs(speed) * half[:, None] + fastest_change * half[:, None] ** 2 / 2
         for t, posture, move in zip(middle, q, moves, strict=True):
-            distances = surroundings.distances(posture)
-            bodies.look(distances, float(t), move)
-            walls.look(distances, float(t), move)
+            # What the arm cannot reach within the stretch need not be asked for.
+            furthest = surroundings.clearance + surroundings.drift(None) @ move + 2 * ROUNDING
+            ahead = min(FAR, furthest)
+            distances = surroundings.distances(posture, ahead)
+            bodies.look(distances, float(t), move, ahead)
+            walls.look(distances, float(t), move, ahead)
         instants += len(middle)
         is_open = bodies.is_open | walls.is_open
         if instants + 4 * is_open.sum() > MOST_INSTANTS:
@@ -110,6 +116,7 @@ def prove_clearance(
         instants,
         surroundings.note,
         surroundings.missing,
+        worst_of_each(bodies.short + walls.short, trajectory.horizon / FIRST_INTERVALS),
     )
 
 
@@ -121,11 +128,13 @@ class _Kind:
         self._near: tuple[float, Pair | None, float | None] = (FAR, None, None)
         self._spare, self._proven = np.inf, np.inf
         self._bounds: list[float] = []
+        self._times: list[float] = []
+        self.short: list[tuple[float, float]] = []  # (instant, what is proven) where below zero
 
-    def look(self, distances: dict[Pair, float], t: float, move: ndarray) -> None:
-        """Note what is near at an instant, and what is proven of the stretch about it."""
+    def look(self, distances: dict[Pair, float], t: float, move: ndarray, ahead: float) -> None:
+        """Note what is nearer than `ahead` at an instant, and what is proven about it."""
         surroundings = self._surroundings
-        bound = FAR - surroundings.clearance - surroundings.drift(None) @ move - ROUNDING
+        bound = ahead - surroundings.clearance - surroundings.drift(None) @ move - ROUNDING
         for pair, distance in distances.items():
             if is_wall(pair) != self._of_walls:
                 continue
@@ -135,6 +144,7 @@ class _Kind:
             self._spare = min(self._spare, spare)
             bound = min(bound, spare - surroundings.drift(pair) @ move - ROUNDING)
         self._bounds.append(float(bound))
+        self._times.append(t)
 
     @property
     def is_open(self) -> Bool[ndarray, " stretches"]:
@@ -144,14 +154,26 @@ class _Kind:
 
     def close(self, closed: Bool[ndarray, " stretches"]) -> None:
         """Keep what is proven of the stretches that are not split."""
-        self._proven = min([self._proven, *np.array(self._bounds)[closed]])
-        self._bounds = []
+        bounds, times = np.array(self._bounds)[closed], np.array(self._times)[closed]
+        self._proven = min([self._proven, *bounds])
+        self.short += zip(times[bounds < 0.0], bounds[bounds < 0.0], strict=True)
+        self._bounds, self._times = [], []
 
     @property
     def found(self) -> Nearest:
         """What came out."""
         distance, pair, time = self._near
         return Nearest(None if pair is None else distance, pair, time, float(self._proven))
+
+
+def worst_of_each(found: list[tuple[float, float]], stretch: float) -> tuple[float, ...]:
+    """Of instants with what is proven there, the one with least in each stretch of time [s]."""
+    worst: dict[int, tuple[float, float]] = {}
+    for t, bound in found:
+        place = int(t // stretch)
+        if place not in worst or bound < worst[place][1]:
+            worst[place] = (float(t), bound)
+    return tuple(sorted(t for t, _ in worst.values()))
 
 
 def clearance_status(

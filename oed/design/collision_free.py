@@ -22,7 +22,7 @@ from oed.design.clearance import prove_clearance
 from oed.design.collision import Surroundings
 from oed.design.constraints import TrustRegion
 from oed.design.optimisers.interior_point import optimise
-from oed.design.optimisers.local_solution import LocalSettings, solve_near
+from oed.design.optimisers.local_solution import LocalSettings, solve_near, violated
 from oed.design.optimisers.result import Budget, EvaluationLog
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import TrajectoryClass
@@ -41,7 +41,8 @@ LEAST_STEP = 0.02
 ROUNDS = 40
 LEAST_GAIN = 0.02  # [decades] of a round that is worth another at the same price
 LOCAL = LocalSettings(iterations=25, constraint_instants=40)
-BUFFERS = 3  # each twice the last, should what lies between the instants be nearer
+ENOUGH = 5e-4  # [m] at the instants: twice what the proof leaves to rounding, and a little more
+DESCENTS = 4  # each looks at the instants, too, at which the last was nearer than it should be
 
 
 class NoClearMotion(NoUsableResult):
@@ -76,7 +77,6 @@ class Distances:
         slopes: (C, n) by the joints [m per rad or m].
         short: (C,) what each wants beyond slope . q [m]: it is short where this is above.
         spare: Least spare distance, exactly, of the motion itself [m].
-        buffer: Beyond what is wanted, where the price begins [m].
     """
 
     trajectory: TrajectoryClass
@@ -85,7 +85,6 @@ class Distances:
     slopes: Float[ndarray, "distances joints"]
     short: Float[ndarray, " distances"]
     spare: float
-    buffer: float = BUFFER
 
     @classmethod
     def at(
@@ -93,10 +92,10 @@ class Distances:
         trajectory: TrajectoryClass,
         z: Float[ndarray, " size"],
         surroundings: Surroundings,
-        buffer: float = BUFFER,
+        instants: Float[ndarray, " more"] | tuple[float, ...] = (),
     ) -> Distances:
-        """Look at a motion."""
-        t = np.linspace(0.0, trajectory.horizon, INSTANTS)
+        """Look at a motion, at further instants too [s]."""
+        t = np.union1d(np.linspace(0.0, trajectory.horizon, INSTANTS), instants)
         found: list[tuple[int, ndarray, float]] = []
         least = AHEAD
         for k, posture in enumerate(trajectory.derivative(z, t, 0)):
@@ -106,21 +105,19 @@ class Distances:
                 found.append((k, near.slope, float(near.slope @ posture) - spare))
         where, slopes, short = zip(*found, strict=True) if found else ((), (), ())
         slopes = np.array(slopes).reshape(-1, trajectory.joints)
-        return cls(
-            trajectory, t, np.array(where, dtype=int), slopes, np.array(short), least, buffer
-        )
+        return cls(trajectory, t, np.array(where, dtype=int), slopes, np.array(short), least)
 
     def price(self, z: Float[ndarray, " size"], weight: float) -> tuple[float, ndarray]:
         """What short distances cost [decades], and the gradient by z.
 
-        Of a distance that is short by x times `buffer`, beginning there, x^2, and 2x - 1 from
+        Of a distance that is short by x times `BUFFER`, beginning there, x^2, and 2x - 1 from
         x = 1: deep overlaps must not drown the criterion.
         """
         q = self.trajectory.derivative(z, self.t, 0)
-        x = (self.short - (self.slopes * q[self.where]).sum(axis=1)) / self.buffer + 1.0
+        x = (self.short - (self.slopes * q[self.where]).sum(axis=1)) / BUFFER + 1.0
         x = np.maximum(x, 0.0)
         factor = weight / len(self.t)
-        slope = -2 * factor / self.buffer * np.minimum(x, 1.0)[:, None] * self.slopes
+        slope = -2 * factor / BUFFER * np.minimum(x, 1.0)[:, None] * self.slopes
         adjoint = np.zeros_like(q)
         np.add.at(adjoint, self.where, slope)
         value = factor * np.where(x < 1.0, x**2, 2 * x - 1).sum()
@@ -136,9 +133,10 @@ def find_clear_motion(
 ) -> ClearMotion:
     """The best motion, by local searches, that is proven to keep its distances.
 
-    The search begins at a motion that need not keep them. Where no way leads out of what it
-    hits, it begins anew at the best motion within a range of positions in which collisions are
-    rare, and leaves that range again.
+    A motion that need not keep them is one beginning; unless it keeps them, the best motion
+    within a range of positions in which collisions are rare is another. The search begins where
+    criterion and price together are less, and at the other one if no way leads out of what that
+    hits; it leaves the narrower range again.
 
     Args:
         problem: Of a Fourier class.
@@ -153,19 +151,36 @@ def find_clear_motion(
         NoClearRange: If there is no range about a clear posture.
         NoClearMotion: If no motion is found.
     """
-    found = _proven(problem, z, surroundings, budget)
-    if found is None:
-        room = clear_limits(problem.limits, surroundings, rng)
-        trajectory = dataclasses.replace(problem.trajectory, limits=room.limits)
-        narrow = dataclasses.replace(problem, trajectory=trajectory, limits=room.limits)
-        found = _proven(problem, optimise(narrow, budget, rng).z, surroundings, budget)
-    if found is None:
-        raise NoClearMotion(
-            f"no motion was found that keeps the arm clear of itself and its box by "
-            f"{1e3 * surroundings.clearance:g} mm: ask for less (--clearance), or narrow the "
-            "limits of positions yourself"
-        )
-    return found
+    for start in _beginnings(problem, z, surroundings, budget, rng):
+        found = _proven(problem, start, surroundings, budget)
+        if found is not None:
+            return found
+    raise NoClearMotion(
+        f"no motion was found that keeps the arm clear of itself and its box by "
+        f"{1e3 * surroundings.clearance:g} mm: ask for less (--clearance), or narrow the "
+        "limits of positions yourself"
+    )
+
+
+def _beginnings(
+    problem: DesignProblem,
+    z: Float[ndarray, " size"],
+    surroundings: Surroundings,
+    budget: Budget,
+    rng: np.random.Generator,
+) -> list[Float[ndarray, " size"]]:
+    """Motions from which to search, the most promising first."""
+
+    def toll(start: Float[ndarray, " size"]) -> float:
+        seen = Distances.at(problem.trajectory, start, surroundings)
+        return problem.cost(start) + seen.price(start, PRICE)[0]
+
+    if Distances.at(problem.trajectory, z, surroundings).spare >= ENOUGH:
+        return [z]
+    room = clear_limits(problem.limits, surroundings, rng)
+    trajectory = dataclasses.replace(problem.trajectory, limits=room.limits)
+    narrow = dataclasses.replace(problem, trajectory=trajectory, limits=room.limits)
+    return sorted((z, optimise(narrow, budget, rng).z), key=toll)
 
 
 def _proven(
@@ -176,12 +191,15 @@ def _proven(
 ) -> ClearMotion | None:
     """Descend until what was found is proven between instants too; None if that fails."""
     seconds = np.inf if budget.cpu_seconds is None else budget.cpu_seconds
-    log, buffer = EvaluationLog(Budget(cpu_seconds=seconds)), BUFFER
-    for _ in range(BUFFERS):
-        found = descend(problem, z, surroundings, log, buffer)
-        if found is None or prove_clearance(surroundings, problem.trajectory, found.z).is_kept:
+    log, instants = EvaluationLog(Budget(cpu_seconds=seconds)), np.zeros(0)
+    for _ in range(DESCENTS):
+        found = descend(problem, z, surroundings, log, instants)
+        if found is None:
+            return None
+        check = prove_clearance(surroundings, problem.trajectory, found.z)
+        if check.is_kept:
             return found
-        z, buffer = found.z, 2 * buffer
+        z, instants = found.z, np.union1d(instants, check.short)
     return None
 
 
@@ -190,7 +208,7 @@ def descend(
     z: Float[ndarray, " size"],
     surroundings: Surroundings,
     log: EvaluationLog,
-    buffer: float = BUFFER,
+    instants: Float[ndarray, " more"] | tuple[float, ...] = (),
 ) -> ClearMotion | None:
     """Lower criterion and price together from z; None if no motion on the way is clear.
 
@@ -199,28 +217,29 @@ def descend(
         z: A motion within its limits.
         surroundings: What may be hit.
         log: Counts evaluations, and says when to stop.
-        buffer: Beyond what is wanted, where the price begins [m].
+        instants: At which distances are looked at besides `INSTANTS` equally spaced ones [s].
     """
-    seen = Distances.at(problem.trajectory, z, surroundings, buffer)
-    cost, enough = log.evaluate(problem.cost, z), buffer - BUFFER
+    seen = Distances.at(problem.trajectory, z, surroundings, instants)
+    cost, peaks = log.evaluate(problem.cost, z), np.zeros(0)
     weight, step, rounds = PRICE, FIRST_STEP, 0
-    best = (np.array(z), cost) if seen.spare >= enough else None
+    best = (np.array(z), cost) if seen.spare >= ENOUGH else None
     while rounds < ROUNDS and weight <= DEAREST and not log.is_spent:
         rounds += 1
-        candidate = problem.repair(
-            solve_near(
-                problem,
-                z,
-                log,
-                LOCAL,
-                trust=TrustRegion(z, step),
-                penalty=partial(seen.price, weight=weight),
-            )
+        near = solve_near(
+            problem,
+            z,
+            log,
+            LOCAL,
+            trust=TrustRegion(z, step),
+            penalty=partial(seen.price, weight=weight),
+            peaks=peaks,
         )
+        peaks = np.union1d(peaks, violated(problem, near))
+        candidate = problem.repair(near)
         new_cost = log.evaluate(problem.cost, candidate)
-        new = Distances.at(problem.trajectory, candidate, surroundings, buffer)
+        new = Distances.at(problem.trajectory, candidate, surroundings, instants)
         gain = cost + seen.price(z, weight)[0] - new_cost - new.price(candidate, weight)[0]
-        if new.spare >= enough and (best is None or new_cost < best[1]):
+        if new.spare >= ENOUGH and (best is None or new_cost < best[1]):
             best = candidate, new_cost
         if gain > 0.0:
             z, cost, seen = candidate, new_cost, new
@@ -228,7 +247,7 @@ def descend(
         else:
             step /= 3
         if step < LEAST_STEP or 0.0 < gain < LEAST_GAIN:
-            if seen.spare >= enough:
+            if seen.spare >= ENOUGH:
                 break
             weight, step = DEARER * weight, FIRST_STEP
     return None if best is None else ClearMotion(*best, rounds, log.evaluations)

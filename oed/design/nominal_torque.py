@@ -13,8 +13,13 @@ from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.compiled import CompiledRegressor
 
 INSIDE = 0.98  # share of the limit that a design uses: room for what lies between instants
-WEIGHT = 100.0  # decades of cost per squared relative excess, averaged over instants
-HALVINGS = 20
+# Share from which torque has its price: what an optimum pays for goes beyond it by a percent or
+# two. Above `INSIDE` all joints would shrink for that, by much where gravity takes most.
+PRICED = 0.965
+# Decades of cost per squared relative excess, averaged over instants. A design gains half a decade
+# a percent of amplitude; where a tenth of the instants exceed, this holds them within a percent.
+WEIGHT = 1e4
+HALVINGS = 20  # to a millionth
 
 
 @dataclass(frozen=True)
@@ -52,22 +57,22 @@ class NominalTorque:
 
     def excess(self, entries: Float[ndarray, "entries samples"]) -> float:
         """Worst share of `INSIDE` times a limit that is used, less 1; above 0 is too much."""
-        return float(self._relative(self.torque(entries)).max())
+        return float(self._relative(self.torque(entries), INSIDE).max())
 
     def penalty(
         self, entries: Float[ndarray, "entries samples"]
     ) -> tuple[float, Float[ndarray, "entries samples"]]:
         """A smooth cost of excess torque [decades], and its gradient by the entries."""
         torque = self.torque(entries)
-        beyond = np.maximum(self._relative(torque), 0.0)
-        bound = np.where(torque > 0, self.limits[:, 1:], self.limits[:, :1]) * INSIDE
+        beyond = np.maximum(self._relative(torque, PRICED), 0.0)
+        bound = np.where(torque > 0, self.limits[:, 1:], self.limits[:, :1]) * PRICED
         by_torque = WEIGHT * 2 * beyond / bound / torque.shape[1]
         gradient = by_torque[self.regressor.entry_joint] * self.weights[:, None]
         return float(WEIGHT * (beyond**2).sum() / torque.shape[1]), gradient
 
-    def _relative(self, torque: Float[ndarray, "joints samples"]) -> ndarray:
+    def _relative(self, torque: Float[ndarray, "joints samples"], share: float) -> ndarray:
         bound = np.where(torque > 0, self.limits[:, 1:], self.limits[:, :1])
-        return torque / (INSIDE * bound) - 1.0
+        return torque / (share * bound) - 1.0
 
 
 def largest_factor(excess: Callable[[float], float]) -> float:

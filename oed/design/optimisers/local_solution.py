@@ -86,7 +86,7 @@ def solve_locally(
         smooth = _Smooth(problem, stage, instants, settings)
         z, is_converged = smooth.solve(z, log, is_warm=is_warm or number > 0)
     for _ in range(settings.exchanges):
-        added = _violated(problem, z)
+        added = violated(problem, z)
         if log.is_spent or not len(added):
             break
         instants = np.union1d(instants, added)
@@ -103,6 +103,7 @@ def solve_near(
     *,
     trust: TrustRegion,
     penalty: ValueAndGradient,
+    peaks: Float[ndarray, " peaks"],
 ) -> Float[ndarray, " size"]:
     """A solution of the last smooth problem near a motion, at a price besides.
 
@@ -113,11 +114,13 @@ def solve_near(
         settings: How to work.
         trust: How far the motion may move.
         penalty: The price of a point [decades], and its gradient.
+        peaks: Instants at which limits stand besides the equally spaced ones [s].
 
     Returns:
         A point that may violate limits between the instants.
     """
     instants = np.linspace(0.0, problem.trajectory.horizon, settings.constraint_instants)
+    instants = np.union1d(instants, peaks)
     smooth = _Smooth(problem, settings.stages[-1], instants, settings, trust, penalty)
     return smooth.solve(start, log, is_warm=True)[0]
 
@@ -178,7 +181,7 @@ def _left(log: EvaluationLog) -> tuple[int, float]:
     return max(1, budget.evaluations - log.evaluations), seconds
 
 
-def _violated(problem: DesignProblem, z: Float[ndarray, " size"]) -> Float[ndarray, " samples"]:
+def violated(problem: DesignProblem, z: Float[ndarray, " size"]) -> Float[ndarray, " samples"]:
     """Instants of local extrema beyond a limit by more than a part in a thousand."""
     t = np.linspace(0.0, problem.trajectory.horizon, 1001)
     found = []

@@ -1,0 +1,282 @@
+"""An arm's shapes in a posture, by Drake: which are near each other, and how fast they part.
+
+Drake looks at the convex hull of every collision mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from pydrake.geometry import (
+    CollisionFilterDeclaration,
+    GeometryId,
+    GeometrySet,
+    HalfSpace,
+    Role,
+    SceneGraph,
+    SignedDistancePair,
+    Sphere,
+)
+from pydrake.multibody.tree import BodyIndex, PrismaticJoint
+from pydrake.multibody.tree import Joint as DrakeJoint
+
+from oed.design.reach import reaches
+from oed.design.scene import Scene, load_scene
+from oed.robot import Robot
+from oed.robot.robot_file import bodies_of, joints_of, warnings_off
+
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Nearness:
+    """Two things that are near each other in one posture.
+
+    Attributes:
+        pair: Names of two bodies, or of a body and a wall such as "x lower wall".
+        distance: Between them [m]; negative where they overlap.
+        slope: (n,) change of that distance with the joints [m per rad or m].
+    """
+
+    pair: Pair
+    distance: float
+    slope: Float[ndarray, " joints"]
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Where bodies and joints are in one posture, in the world.
+
+    Attributes:
+        rotation: (bodies, 3, 3) of each body's frame.
+        origin: (bodies, 3) of each body's frame [m].
+        axes: (n, 3) of each joint.
+        moments: (n, 3) velocity that each joint gives a point at 0: a point p that joint j moves
+            has the velocity axis_j x p + moment_j per unit of it.
+    """
+
+    rotation: Float[ndarray, "bodies 3 3"]
+    origin: Float[ndarray, "bodies 3"]
+    axes: Float[ndarray, "joints 3"]
+    moments: Float[ndarray, "joints 3"]
+
+    def rates(
+        self, points: Float[ndarray, "points 3"], directions: Float[ndarray, "points 3"]
+    ) -> Float[ndarray, "points joints"]:
+        """Speed of each point along its direction, per unit of each joint that moves it."""
+        return np.cross(points, directions) @ self.axes.T + directions @ self.moments.T
+
+
+class PosedShapes:
+    """The collision shapes of a robot's file, posed at will.
+
+    Pairs that no joint of the design moves against each other are left out, and those that Drake
+    leaves out: links that one joint of the file connects.
+
+    Args:
+        robot: Loaded from a file.
+
+    Raises:
+        RobotError: If the robot has no file, or the file cannot be read.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._scene: Scene = load_scene(robot)
+        plant, scene_graph = self._scene.plant, self._scene.scene_graph
+        planes = _leave_out_planes(scene_graph)
+        self.moved_by = _joints_below(self._scene)
+        _leave_out_rigid(self._scene, self.moved_by)
+        with warnings_off():  # of planes and soft bodies
+            diagram = self._scene.builder.Build()
+            self._root = diagram, diagram.CreateDefaultContext()
+        self._context = plant.GetMyMutableContextFromRoot(self._root[1])
+        self._rest = np.array(plant.GetPositions(self._context))
+        self._joints = [plant.GetJointByName(name) for name in robot.joint_names]
+        self._bodies = sorted(bodies_of(plant), key=lambda body: int(body.index()))
+        self.body_index = {body.name(): int(body.index()) for body in self._bodies}
+        self._is_moved = np.zeros((len(self._bodies), robot.n))
+        for index, movers in self.moved_by.items():
+            self._is_moved[index, list(movers)] = 1.0
+        frames = [_on_body(joint) for joint in self._joints]
+        self._joint_body = [int(joint.child_body().index()) for joint in self._joints]
+        self._joint_origin, self._joint_axis = np.array(frames).reshape(-1, 2, 3).swapaxes(0, 1)
+        self._is_slide = np.array([isinstance(joint, PrismaticJoint) for joint in self._joints])
+        self._read_shapes()
+        self.missing = self._scene.missing
+        self.notes = tuple(filter(None, (self._scene.note, planes)))
+
+    def _read_shapes(self) -> None:
+        """Numbers in place of Drake's objects: looking these up takes longer than distances do."""
+        plant, inspector = self._scene.plant, self._scene.scene_graph.model_inspector()
+        shapes = list(inspector.GetAllGeometryIds(Role.kProximity))
+        self.count = len(shapes)
+        self._body_of, self._in_body = {}, {}
+        for shape in shapes:
+            body = plant.GetBodyFromFrameId(inspector.GetFrameId(shape))
+            self._body_of[shape.get_value()] = int(body.index())
+            self._in_body[shape.get_value()] = inspector.GetPoseInFrame(shape).GetAsMatrix34()
+        self._pairs: dict[tuple[int, int], Pair] = {}
+
+    def near(
+        self, q: Float[ndarray, " joints"], ahead: float, left_out: frozenset[Pair] = frozenset()
+    ) -> list[Nearness]:
+        """All pairs of bodies within a distance in a posture, each once, by its nearest shapes.
+
+        Args:
+            q: The posture.
+            ahead: The distance [m].
+            left_out: Pairs that do not count.
+        """
+        nearest = self._nearest(q, ahead, left_out)
+        slopes = self._slopes(list(nearest.values()))
+        return [
+            Nearness(pair, float(found.distance), slope)
+            for (pair, found), slope in zip(nearest.items(), slopes, strict=True)
+        ]
+
+    def distances(
+        self, q: Float[ndarray, " joints"], ahead: float, left_out: frozenset[Pair] = frozenset()
+    ) -> dict[Pair, float]:
+        """As `near`, without the slopes [m]."""
+        nearest = self._nearest(q, ahead, left_out)
+        return {pair: float(found.distance) for pair, found in nearest.items()}
+
+    def origins(self, q: Float[ndarray, " joints"]) -> tuple[Float[ndarray, "bodies 3"], Poses]:
+        """Of all bodies that a joint moves, and all poses."""
+        self._pose(q)
+        poses = self._poses()
+        return poses.origin[self.movable], poses
+
+    @property
+    def movable(self) -> list[int]:
+        """Index of each body that a joint moves."""
+        return [index for index, movers in self.moved_by.items() if movers]
+
+    def name(self, index: int) -> str:
+        """Of a body."""
+        return self._bodies[index].name()
+
+    def is_moved(self, index: int) -> Float[ndarray, " joints"]:
+        """1 for each joint that moves a body, else 0."""
+        return self._is_moved[index]
+
+    def reaches(self, travel: Float[ndarray, " joints"]) -> dict[int, Float[ndarray, " joints"]]:
+        """Of every body, how far its furthest point moves per unit of each joint, at most."""
+        self._pose(np.zeros(len(self._joints)))
+        return reaches(self._scene, self._context, self._joints, self.moved_by, travel)
+
+    def _pose(self, q: Float[ndarray, " joints"]) -> None:
+        posture = self._scene.positions(q, self._rest)
+        self._scene.plant.SetPositions(self._context, posture)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
+
+    def _nearest(
+        self, q: Float[ndarray, " joints"], ahead: float, left_out: frozenset[Pair]
+    ) -> dict[Pair, SignedDistancePair]:
+        """Pose the arm; of each pair of bodies the two shapes that are nearest."""
+        self._pose(q)
+        query = self._scene.plant.get_geometry_query_input_port().Eval(self._context)
+        nearest: dict[Pair, SignedDistancePair] = {}
+        least: dict[Pair, float] = {}
+        for found in query.ComputeSignedDistancePairwiseClosestPoints(ahead):
+            pair = self._pair(found.id_A.get_value(), found.id_B.get_value())
+            distance = found.distance
+            if distance < least.get(pair, np.inf) and pair not in left_out:
+                nearest[pair], least[pair] = found, distance
+        return nearest
+
+    def _pair(self, a: int, b: int) -> Pair:
+        """Names of the two bodies that two shapes belong to, in their order."""
+        if (a, b) not in self._pairs:
+            one, other = (self.name(self._body_of[shape]) for shape in (a, b))
+            self._pairs[a, b] = (min(one, other), max(one, other))
+        return self._pairs[a, b]
+
+    def _poses(self) -> Poses:
+        """In the present posture."""
+        plant, context = self._scene.plant, self._context
+        X_WB = np.array(
+            [plant.EvalBodyPoseInWorld(context, b).GetAsMatrix34() for b in self._bodies]
+        )
+        rotation, origin = X_WB[:, :, :3], X_WB[:, :, 3]
+        carrier = rotation[self._joint_body]
+        along = np.einsum("jik,jk->ji", carrier, self._joint_axis)
+        at = origin[self._joint_body] + np.einsum("jik,jk->ji", carrier, self._joint_origin)
+        slides = self._is_slide[:, None]
+        axes = np.where(slides, 0.0, along)
+        return Poses(rotation, origin, axes, np.where(slides, along, np.cross(at, axes)))
+
+    def _slopes(self, found: Sequence[SignedDistancePair]) -> Float[ndarray, "pairs joints"]:
+        """Change of each distance with the joints, in the present posture."""
+        slopes = np.zeros((len(found), len(self._joints)))
+        if not found:
+            return slopes
+        poses, n = self._poses(), np.array([pair.nhat_BA_W for pair in found])
+        for sign, shapes, points in (
+            (1.0, [pair.id_A.get_value() for pair in found], [pair.p_ACa for pair in found]),
+            (-1.0, [pair.id_B.get_value() for pair in found], [pair.p_BCb for pair in found]),
+        ):
+            body = [self._body_of[shape] for shape in shapes]
+            X_BG = np.array([self._in_body[shape] for shape in shapes])
+            p_B = np.einsum("kij,kj->ki", X_BG[:, :, :3], np.array(points)) + X_BG[:, :, 3]
+            p_W = np.einsum("kij,kj->ki", poses.rotation[body], p_B) + poses.origin[body]
+            slopes += sign * self._is_moved[body] * poses.rates(p_W, n)
+        return slopes
+
+
+def _on_body(joint: DrakeJoint) -> tuple[ndarray, ndarray]:
+    """A joint's origin and axis in the frame of the body that it moves."""
+    X_BF = joint.frame_on_child().GetFixedPoseInBodyFrame()
+    is_slide = isinstance(joint, PrismaticJoint)
+    axis = joint.translation_axis() if is_slide else joint.revolute_axis()  # pyright: ignore[reportAttributeAccessIssue]  # a joint with one position turns or slides
+    return np.asarray(X_BF.translation()), np.asarray(X_BF.rotation().multiply(axis))
+
+
+def _leave_out_planes(scene_graph: SceneGraph) -> str:
+    """Filter planes against all but spheres, which is all that Drake measures; say so."""
+    inspector = scene_graph.model_inspector()
+    shapes = {g: inspector.GetShape(g) for g in inspector.GetAllGeometryIds(Role.kProximity)}
+    planes = [g for g, shape in shapes.items() if isinstance(shape, HalfSpace)]
+    others = [g for g, shape in shapes.items() if not isinstance(shape, Sphere)]
+    if len(others) == len(planes):
+        return ""
+    for plane in planes:
+        scene_graph.collision_filter_manager().Apply(
+            CollisionFilterDeclaration().ExcludeBetween(GeometrySet(plane), GeometrySet(others))
+        )
+    return "planes, such as a floor, are checked against spheres only" if planes else ""
+
+
+def _leave_out_rigid(scene: Scene, moved_by: dict[int, frozenset[int]]) -> None:
+    """Filter pairs that no joint of the design moves against each other: they cost time."""
+    together: dict[frozenset[int], list[GeometryId]] = {}
+    for index, movers in moved_by.items():
+        shapes = scene.plant.GetCollisionGeometriesForBody(scene.plant.get_body(BodyIndex(index)))
+        together.setdefault(movers, []).extend(shapes)
+    for shapes in together.values():
+        scene.scene_graph.collision_filter_manager().Apply(
+            CollisionFilterDeclaration().ExcludeWithin(GeometrySet(shapes))
+        )
+
+
+def _joints_below(scene: Scene) -> dict[int, frozenset[int]]:
+    """For every body, the columns of the design's joints between it and the world."""
+    plant = scene.plant
+    column = {int(c): i for i, c in enumerate(scene.columns)}
+    inboard = {int(j.child_body().index()): j for j in joints_of(plant)}
+
+    def walk(body: int) -> frozenset[int]:
+        joint = inboard.get(body)
+        if joint is None:
+            return frozenset()
+        moved = {column[joint.position_start()]} if _is_column(joint, column) else set()
+        return walk(int(joint.parent_body().index())) | moved
+
+    return {i: walk(i) for i in range(plant.num_bodies())}
+
+
+def _is_column(joint: DrakeJoint, column: dict[int, int]) -> bool:
+    return joint.num_positions() == 1 and joint.position_start() in column
