@@ -37,6 +37,14 @@ ARMS = (
     *EXAMPLE_ARMS,
     "so_arm_description/urdf/so100.urdf",
     "asr_twodof_description/urdf/TwoDofs.urdf",
+    "ur_description/urdf/ur3_gripper.urdf",
+    "ur_description/urdf/ur5_gripper.urdf",
+    "tiago_description/robots/tiago_dual.urdf",
+    "tiago_pro_description/robots/tiago_pro.urdf",
+    "anymal_b_simple_description/robots/anymal-kinova.urdf",
+    "centauro_description/urdf/centauro.urdf",
+    "pr2_description/urdf/pr2.urdf",
+    "baxter_description/urdf/baxter.urdf",
 )
 FILES = ResultFiles("design_arms", ("runs.csv", "summary.md", "provenance.json"))
 LONGEST = 900.0  # [s] after which an arm counts as failed

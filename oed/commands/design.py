@@ -153,11 +153,11 @@ def find(config: Design, robot: Robot) -> Result:
         problem, found, optimiser=config.optimiser, seed=config.seed, others=posed.others
     )
     _check_information(design)
-    clearance = (
-        ClearanceCheck.not_made(unchecked)
-        if surroundings is None
-        else prove_clearance(surroundings, problem.trajectory, design.z)
-    )
+    clearance = search.check if config.scale == 1.0 else None
+    if surroundings is None:
+        clearance = ClearanceCheck.not_made(unchecked)
+    elif clearance is None or config.no_clearance:
+        clearance = prove_clearance(surroundings, problem.trajectory, design.z)
     design = dataclasses.replace(design, status=_status(design, clearance, config))
     efficiency = None
     try:

@@ -87,7 +87,10 @@ def clear_limits(
                 break
             factors[best] *= narrower
             inside &= extent[:, best] <= factors[best]
-    raise NoClearRange("no range of positions was found in which the arm is clear of collisions")
+    raise NoClearRange(
+        "no range of positions was found in which the arm is clear of collisions"
+        f"{surroundings.mostly_short}"
+    )
 
 
 def _gain(

@@ -42,6 +42,6 @@ def clear_posture(
         raise NoClearPosture(
             f"none of {len(postures)} postures keeps the arm clear of itself and its box by "
             f"{1e3 * surroundings.clearance:g} mm: check the box and the file, or ask for less "
-            "(--clearance)"
+            f"(--clearance){surroundings.mostly_short}"
         )
     return postures[best]

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.design.clearance import ClearanceCheck
 from oed.design.collision import Surroundings
 from oed.design.collision_free import find_clear_motion
 from oed.design.optimisers.interior_point import optimise as interior_point
@@ -26,11 +27,13 @@ class ClearSearch:
         found: The motion that keeps clear, if there is something to keep clear of.
         free: (size,) the best motion found that need not; None if that is the same.
         is_cut_short: The first search ended before it had all its evaluations.
+        check: What is proven of the distances of `found`; None where nothing had to be kept.
     """
 
     found: OptimiserResult
     free: Float[ndarray, " size"] | None
     is_cut_short: bool
+    check: ClearanceCheck | None = None
 
 
 def search_clear(
@@ -69,7 +72,8 @@ def search_clear(
         cpu_s=time.process_time() - started,
         status=f"{free.status}; {clear.rounds} rounds to keep clear",
     )
-    return ClearSearch(found, free.z if clear.rounds else None, _is_cut_short(free, half))
+    before = free.z if clear.rounds else None
+    return ClearSearch(found, before, _is_cut_short(free, half), clear.check)
 
 
 def _is_cut_short(found: OptimiserResult, budget: Budget) -> bool:

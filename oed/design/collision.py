@@ -21,6 +21,8 @@ POSTURES = 200
 # Of postures in which links overlap that always do (MoveIt Setup Assistant's
 # `min_collision_fraction`).
 ALWAYS = 0.95
+OFTEN = 0.5  # share of postures, above which a pair by itself explains that no motion is clear
+WORST = 3  # pairs, in a message
 WALLS = ("x", "y", "z")
 
 
@@ -62,6 +64,7 @@ class Surroundings:
         self._reach = self._shapes.reaches(np.abs(robot.limits.position).max(axis=1))
         self._overlapping: frozenset[Pair] = frozenset()
         self._tight: dict[Pair, float] = {}
+        self._short: dict[Pair, float] = {}
         self._drifts: dict[Pair, Float[ndarray, " joints"]] = {}
         self._judge(robot)
         lacking = () if self.has_shapes else ("no shapes to check for collision",)
@@ -139,6 +142,25 @@ class Surroundings:
         }
         self._overlapping = frozenset(pair for pair, most in apart.items() if most <= 0.0)
         self._tight = {p: m / 2 for p, m in apart.items() if 0.0 < m / 2 < self.clearance}
+        self._short = {
+            pair: sum(d < self.wanted(pair) for d in found) / POSTURES
+            for pair, found in seen.items()
+            if pair not in self._overlapping
+        }
+
+    @property
+    def mostly_short(self) -> str:
+        """What stands in the way of a clear motion, in words; empty if nothing does."""
+        worst = sorted(((share, pair) for pair, share in self._short.items()), reverse=True)
+        told = ", ".join(
+            f"{' and '.join(pair)} in {share:.0%}" for share, pair in worst[:WORST] if share > OFTEN
+        )
+        if not told:
+            return ""
+        return (
+            f". Too near in that share of postures: {told}; judged are convex hulls of the "
+            "collision shapes: split the shapes of those links in the file"
+        )
 
     def _exceptions(self) -> list[str]:
         """What is not held to the clearance, in words."""

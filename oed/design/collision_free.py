@@ -18,7 +18,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.design.clear_limits import clear_limits
-from oed.design.clearance import prove_clearance
+from oed.design.clearance import ClearanceCheck, prove_clearance
 from oed.design.collision import Surroundings
 from oed.design.constraints import TrustRegion
 from oed.design.optimisers.interior_point import optimise
@@ -58,12 +58,14 @@ class ClearMotion:
         cost: Its exact criterion.
         rounds: Linearisations that were solved; 0 if the search began there.
         evaluations: Of the criterion.
+        check: What is proven of its distances; None before that.
     """
 
     z: Float[ndarray, " size"]
     cost: float
     rounds: int
     evaluations: int
+    check: ClearanceCheck | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +160,7 @@ def find_clear_motion(
     raise NoClearMotion(
         f"no motion was found that keeps the arm clear of itself and its box by "
         f"{1e3 * surroundings.clearance:g} mm: ask for less (--clearance), or narrow the "
-        "limits of positions yourself"
+        f"limits of positions yourself{surroundings.mostly_short}"
     )
 
 
@@ -198,7 +200,7 @@ def _proven(
             return None
         check = prove_clearance(surroundings, problem.trajectory, found.z)
         if check.is_kept:
-            return found
+            return dataclasses.replace(found, check=check)
         z, instants = found.z, np.union1d(instants, check.short)
     return None
 
