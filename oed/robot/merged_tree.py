@@ -70,6 +70,10 @@ class MergedTree:
             raise RobotError(f"there is no body {body!r}")
         return self._carrier[int(self._plant.GetBodyByName(body).index())][0]
 
+    def pose(self, body: RigidBody) -> tuple[int, RigidTransform]:
+        """Column of the active joint that carries a body, -1 for none, and its pose in that frame."""
+        return self._carrier[int(body.index())]
+
     def _place(self, joint: DrakeJoint, found: dict[int, Joint]) -> None:
         parent, X_CP = self._carrier[int(joint.parent_body().index())]
         X_CF = X_CP @ joint.frame_on_parent().GetFixedPoseInBodyFrame()

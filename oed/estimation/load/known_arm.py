@@ -1,0 +1,155 @@
+"""What is known of an arm before its load is weighed: a prior of beta and mu, with where it is from.
+
+Three ways lead to it: recordings of the bare arm, a model that was identified before, or no more than
+the inertials of the robot's file. The load is then estimated in one and the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.linalg import block_diag
+
+from oed.errors import NoUsableResult
+from oed.estimation.load.fit import Fit, fit
+from oed.estimation.load.loaded_model import ENTRIES, LoadedModel
+from oed.estimation.load.torque_equations import TorqueEquations
+from oed.estimation.prior import Prior
+from oed.experiment.processing import ProcessedRecording
+from oed.robot.inertia import pseudo_inertia
+from oed.robot.placeholder_inertia import placeholder_reasons
+
+Route = Literal["both logs", "model", "robot file"]
+
+# A parameter of which nothing is known may make this many times the torque that was recorded.
+WIDE = 10.0
+# Friction of a gear loses between a fifth and two fifths of what it transmits in harmonic drives
+# (Harmonic Drive AG, efficiency of 60 to 80 %), less in others.
+LOAD_FRICTION = 0.2
+# From one day to the next: warming from 30 to 50 degrees changes viscous friction by a fifth
+# (Bittencourt, Wernholt, Sander-Tavallaey and Brogardh 2010, figure 5).
+FRICTION_CHANGE = 0.2
+# Inertials of makers' files beside identified ones: a third, by link.
+FILE_DEVIATION = 0.3
+
+
+@dataclass(frozen=True)
+class KnownArm:
+    """A Gaussian prior of the bare arm's parameters.
+
+    Attributes:
+        model: Of the bare arm.
+        mean: (x,) of its parameters.
+        covariance: (x, x).
+        route: Where it is from.
+        words: The same in one sentence.
+        fit: Of the bare recordings, where there are any.
+    """
+
+    model: LoadedModel
+    mean: Float[ndarray, " x"]
+    covariance: Float[ndarray, "x x"]
+    route: Route
+    words: str
+    fit: Fit | None = None
+
+    @classmethod
+    def from_recordings(
+        cls, model: LoadedModel, recordings: Sequence[ProcessedRecording]
+    ) -> KnownArm:
+        """Estimated from recordings of the bare arm."""
+        equations = TorqueEquations.of(model, recordings)
+        found = fit(equations, _wide(equations))
+        words = (
+            f"both logs: rigid body common, friction common to {FRICTION_CHANGE:.0%}, "
+            "the load in one of them"
+        )
+        return cls(model, found.parameters, found.covariance, "both logs", words, found)
+
+    @classmethod
+    def from_file(cls, model: LoadedModel, recordings: Sequence[ProcessedRecording]) -> KnownArm:
+        """The inertials of the robot's file, give or take a third; nothing of its friction.
+
+        Args:
+            model: Of the bare arm.
+            recordings: Whose torque says how wide is wide.
+
+        Raises:
+            NoUsableResult: If the file's inertials are placeholders.
+        """
+        robot = model.arm.robot
+        reasons = placeholder_reasons(robot)
+        if reasons:
+            raise NoUsableResult(
+                f"the robot file's inertials are placeholders ({reasons[0]}), and cannot tell the arm "
+                "from its load: give a recording of the bare arm by --bare, or a model by --model"
+            )
+        equations = TorqueEquations.of(model, recordings)
+        wide = _wide(equations)
+        mean, variances = wide.mean.copy(), 1 / np.sum(wide.factor**2, axis=0)
+        inertial = ENTRIES * robot.n
+        full = np.zeros(model.base.regrouping.shape[1])
+        full[:inertial] = robot.parameters
+        own = model.base.regrouping[:, :inertial]
+        of_links = own @ block_diag(*map(_spread, robot.parameters.reshape(-1, ENTRIES))) @ own.T
+        count = len(model.base)
+        mean[:count] = model.base.from_standard(full)
+        covariance = np.diag(variances)
+        # Of what belongs to a link's body its file tells; drives and friction stay open.
+        open_too = [
+            bool(row[inertial:].any()) for row in model.base.regrouping
+        ]  # such as a rotor that turns with its joint's body
+        covariance[:count, :count] = np.where(
+            np.outer(open_too, open_too) & np.eye(count, dtype=bool),
+            of_links + np.diag(variances[:count]),
+            of_links,
+        )
+        words = (
+            f"the robot file's inertials as a prior, {FILE_DEVIATION:.0%} of each link's, as no "
+            "recording or model of the bare arm is given: wide"
+        )
+        return cls(model, mean, covariance, "robot file", words)
+
+    def prior(self, loaded: LoadedModel) -> Prior:
+        """Of the arm with a load, of which nothing is known.
+
+        Args:
+            loaded: The model of both.
+        """
+        arm, count = len(self.model.base), len(loaded.kept)
+        here = np.append(np.arange(arm), np.arange(arm, len(self.mean)) + count)
+        mean = np.zeros(len(loaded.names))
+        mean[here] = self.mean
+        covariance = np.diag(np.full(len(mean), HEAVIEST**2))
+        covariance[np.ix_(here, here)] = self.covariance
+        change = FRICTION_CHANGE * mean * loaded.is_friction
+        return Prior.gaussian(mean, covariance + np.diag(change**2))
+
+
+# [kg, kg m, kg m^2] of a load's parameters, so wide that nothing is said of them.
+HEAVIEST = 1e4
+
+
+def _wide(equations: TorqueEquations) -> Prior:
+    """Each parameter by itself makes at most `WIDE` times the torque; mu is that of a gear."""
+    model = equations.model
+    rows, torque = equations.linearised(np.zeros(len(model.names)))
+    largest = float(np.sqrt(np.mean(torque**2, axis=0)).max())
+    count = rows.shape[1] - (model.arm.robot.n if model.has_load_friction else 0)
+    sizes = np.sqrt(np.mean(rows[:, :count] ** 2, axis=0))
+    std = np.divide(WIDE * largest, sizes, out=np.full(count, WIDE * largest), where=sizes > 0)
+    mu = np.full(rows.shape[1] - count, LOAD_FRICTION)
+    return Prior.independent(np.zeros(rows.shape[1]), np.append(std, mu))
+
+
+def _spread(parameters: Float[ndarray, "10"]) -> Float[ndarray, "10 10"]:
+    """Covariance of a link's parameters: mass, mass times radius, mass times its square."""
+    mass = parameters[0]
+    radius = float(np.sqrt(np.trace(pseudo_inertia(parameters)[:3, :3]) / max(mass, 1e-9)))
+    units = mass * np.array([1.0, *(radius,) * 3, *(radius**2,) * 6])
+    return np.diag((FILE_DEVIATION * units) ** 2)
