@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from oed.commands.options import Count, OutFolder, Seed
+from oed.commands.options import Count, Folder, OutFolder, Seed
 
 ModelName = Literal["standard", "offset", "rotor"]
 Prior = Literal["auto", "file", "neutral"]
@@ -143,6 +143,40 @@ class Diagnose(Command):
             raise ValueError(
                 f"--max-effects {self.max_effects} must not be negative; 0 only tests the model"
             )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Payload(Command):
+    """Weigh what an arm carries: mass, centre of mass and inertia, with intervals.
+
+    The arm is known from recordings without the load (--bare), from a model that was identified
+    before (--model), or else from the robot's file, which is wide. Leaves payload.json, the load as
+    URDF, SDF, MJCF, ROS 2 message and URScript, and report.html.
+
+    Attributes:
+        loaded: Data set with the load.
+        bare: Data set of the same arm without it.
+        model: model.json of the arm without it.
+        out: Folder for the results.
+        frame: Link or frame of the robot's file about which the load is told; the flange, or the
+            last link, if not given.
+        joints: Names of the joints to use; all if not given.
+        cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
+        torque_model: Of the arm: as --model of oed identify.
+        sign_width: Velocity over which Coulomb friction turns [rad/s].
+        smoke: Do less, to see that it works.
+    """
+
+    loaded: Folder
+    bare: Folder | None = None
+    model: Path | None = None
+    out: OutFolder
+    frame: str = ""
+    joints: tuple[str, ...] = ()
+    cutoff: float | None = None
+    torque_model: ModelName = "rotor"
+    sign_width: float = SIGN_WIDTH
+    smoke: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

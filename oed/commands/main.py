@@ -21,6 +21,7 @@ COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
     "design": (configurations.Design, "design"),
     "identify": (configurations.Identify, "identify"),
     "feasible": (configurations.Feasible, "feasible"),
+    "payload": (configurations.Payload, "payload"),
     "diagnose": (configurations.Diagnose, "diagnose"),
     "demo": (configurations.Demo, "demo"),
     "cross-check": (configurations.CrossCheck, "cross_check"),

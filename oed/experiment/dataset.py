@@ -34,6 +34,7 @@ class DataSet:
             "current", or only "commanded".
         drive: What is known of the drives.
         recordings: In the order of the data set.
+        in_amperes: Whether what stands for torque are currents that no constant makes torques of.
 
     Raises:
         ValueError: If a recording's number of joints is not the robot's, or a name is used twice.
@@ -46,6 +47,7 @@ class DataSet:
     torque: TorqueKind
     drive: Drive = field(default_factory=Drive)
     recordings: tuple[Recording, ...] = ()
+    in_amperes: bool = False
 
     def __post_init__(self) -> None:
         if self.torque not in TORQUE_KINDS:
@@ -143,6 +145,11 @@ class DataSet:
             torque=torque,
             drive=drive or Drive(),
         )
+
+    @property
+    def torque_units(self) -> tuple[str, ...]:
+        """(n,) unit of what stands for each joint's torque."""
+        return tuple("A" if self.in_amperes else joint.unit("N m") for joint in self.robot.joints)
 
     @property
     def estimation(self) -> tuple[Recording, ...]:

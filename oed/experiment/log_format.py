@@ -14,7 +14,15 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.experiment.toml_table import TomlTable
-from oed.experiment.units import JOINT_QUANTITIES, KELVIN, TICKS, Quantity, factor_to_si, plain
+from oed.experiment.units import (
+    CURRENTS,
+    JOINT_QUANTITIES,
+    KELVIN,
+    TICKS,
+    Quantity,
+    factor_to_si,
+    plain,
+)
 from oed.robot import Robot
 
 TIME, REPETITION, TEMPERATURE = "t", "repetition", "temperature"
@@ -61,6 +69,11 @@ class LogFormat:
         """The unit that a quantity of a joint is logged in; "" where it is SI."""
         units = self.units.get(quantity, ("",))
         return units[joint if len(units) > 1 else 0]
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the unit of what stands for torque is one of currents."""
+        return any(plain(unit) in CURRENTS for unit in self.units.get("tau", ()))
 
     def factors(self, quantity: Quantity, robot: Robot) -> Float[ndarray, " joints"]:
         """(n,) factors of a joint quantity to SI, signs included."""

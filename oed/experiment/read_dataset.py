@@ -109,6 +109,7 @@ def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None
         torque=manifest.torque,
         drive=_select_drive(manifest.drive, kept),
         recordings=recordings,
+        in_amperes=manifest.drive.current_to_torque is None and manifest.log.is_current,
     )
 
 

@@ -31,6 +31,18 @@ FEASIBLE = ResultFiles(
         "report.html",
     ),
 )
+PAYLOAD = ResultFiles(
+    "payload",
+    (
+        "payload.json",
+        "load.script",
+        "load.sdf",
+        "load.urdf",
+        "load.xml",
+        "load_message.yaml",
+        "report.html",
+    ),
+)
 CLOSE_LOOP = ResultFiles(
     "close_loop",
     (

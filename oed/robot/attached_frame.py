@@ -10,10 +10,11 @@ from numpy import ndarray
 from pydrake.multibody.plant import MultibodyPlant
 
 from oed.errors import RobotError
+from oed.robot.arm_chain import find_arm
 from oed.robot.inertia import transform_parameters
 from oed.robot.merged_tree import MergedTree
 from oed.robot.robot import Joint, Robot
-from oed.robot.robot_file import load_plant
+from oed.robot.robot_file import load_plant, outward_names
 
 # What ROS-Industrial calls the place where a tool is mounted, the one to be preferred first
 # (REP 199, "Coordinate frames for serial industrial manipulators").
@@ -60,7 +61,7 @@ def find_frame(robot: Robot, name: str = "") -> AttachedFrame:
     tree = MergedTree(plant, robot.joint_names, robot.held)
     if name:
         return _of_file(robot, plant, tree, name)
-    last = _last_joint(robot)
+    last = _last_joint(robot, plant)
     for flange in FLANGES:
         if plant.HasFrameNamed(flange):
             found = _of_file(robot, plant, tree, flange)
@@ -77,16 +78,31 @@ def frame_names(robot: Robot) -> tuple[str, ...]:
     return tuple(sorted(MergedTree(plant, robot.joint_names, robot.held).carried))
 
 
-def _last_joint(robot: Robot) -> int:
-    parents = {joint.parent for joint in robot.joints}
-    ends = [i for i in range(robot.n) if i not in parents]
-    if len(ends) > 1:
-        names = ", ".join(robot.joints[i].link for i in ends)
+def _last_joint(robot: Robot, plant: MultibodyPlant | None = None) -> int:
+    """The last of the arm's joints, before a hand branches off."""
+    names, parents = robot.joint_names, [joint.parent for joint in robot.joints]
+    if plant is not None:
+        names = outward_names(plant)
+        parents = [joint.parent for joint in MergedTree(plant, names, {}).joints]
+    arm = [name for name in find_arm(names, parents).names if name in robot.joint_names]
+    last = robot.joint_names.index(arm[-1])
+    ends = [i for i in range(robot.n) if i not in {joint.parent for joint in robot.joints}]
+    others = [i for i in ends if last not in _way(robot, i)]
+    if others:
+        named = ", ".join(robot.joints[i].link for i in (last, *others))
         raise RobotError(
-            f"{robot.source or robot.name}: the arm has {len(ends)} ends ({names}); name the one "
-            "that holds the load by --frame"
+            f"{robot.source or robot.name}: the arm has {1 + len(others)} ends ({named}); name the "
+            "one that holds the load by --frame"
         )
-    return ends[0]
+    return last
+
+
+def _way(robot: Robot, joint: int) -> list[int]:
+    """Joints from the base to one."""
+    way = [joint]
+    while robot.joints[way[-1]].parent >= 0:
+        way.append(robot.joints[way[-1]].parent)
+    return way
 
 
 def _named_joint(robot: Robot, name: str) -> int:

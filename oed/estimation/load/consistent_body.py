@@ -15,6 +15,7 @@ from oed.estimation.feasible.feasible_set import MARGIN, Rows
 from oed.estimation.feasible.problem import FeasibleProblem
 from oed.estimation.feasible.regularisation import Regularisation
 from oed.estimation.feasible.solve import FeasibleSolution, solve_problem
+from oed.estimation.triangular import augment, triangularise
 from oed.robot.inertia import parameters_from_pseudo_inertia
 
 DENSITY = 1000.0  # [kg/m^3] of the ball: grippers and workpieces are metal with hollow spaces
@@ -60,14 +61,16 @@ def consistent_body(
     scale = np.sqrt(np.diag(covariance))
     lower = np.linalg.cholesky(covariance / np.outer(scale, scale))
     whitener = np.linalg.inv(lower) / scale
-    factor = whitener @ selection @ coordinates.to_parameters
+    triangle = triangularise(
+        augment(whitener @ selection @ coordinates.to_parameters, whitener @ parameters)
+    )
     none = Rows(np.zeros((0, coordinates.size)), np.zeros(0), ())
     problem = FeasibleProblem(
         coordinates=coordinates,
-        factor=factor,
-        target=whitener @ parameters,
-        constant=0.0,
-        rows=len(parameters),
+        factor=triangle[:-1, :-1],
+        target=triangle[:-1, -1],
+        constant=float(triangle[-1, -1] ** 2),
+        rows=1,
         margin=MARGIN,
         inequality=none,
         equality=none,

@@ -6,6 +6,7 @@ the inertials of the robot's file. The load is then estimated in one and the sam
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -15,12 +16,16 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import block_diag
 
+from oed.dynamics.effects import with_columns
+from oed.dynamics.effects.load import LoadFriction
+from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
 from oed.estimation.load.fit import Fit, fit
 from oed.estimation.load.loaded_model import ENTRIES, LoadedModel
 from oed.estimation.load.torque_equations import TorqueEquations
 from oed.estimation.prior import Prior
 from oed.experiment.processing import ProcessedRecording
+from oed.robot.attached_frame import AttachedFrame
 from oed.robot.inertia import pseudo_inertia
 from oed.robot.placeholder_inertia import placeholder_reasons
 
@@ -36,6 +41,44 @@ LOAD_FRICTION = 0.2
 FRICTION_CHANGE = 0.2
 # Inertials of makers' files beside identified ones: a third, by link.
 FILE_DEVIATION = 0.3
+
+
+@dataclass(frozen=True)
+class FoundArm:
+    """A torque model with numbers.
+
+    Attributes:
+        name: Of it, for the user.
+        torque_model: Of the bare arm.
+        parameters: (p,) of all its columns.
+        covariance: (p, p), zero where nothing was estimated.
+    """
+
+    name: str
+    torque_model: TorqueModel
+    parameters: Float[ndarray, " p"]
+    covariance: Float[ndarray, "p p"]
+
+    def without_load_friction(self) -> tuple[FoundArm, dict[int, tuple[float, float]]]:
+        """The same without friction under load, and by joint what that is: mu and its variance.
+
+        In such a model it is that of the bare arm's own torque; the load's is added to it.
+        """
+        kept, columns, mu = [], [], {}
+        for effect, place in with_columns(self.torque_model.effects):
+            if (
+                isinstance(effect, LoadFriction)
+                and len(effect.parameters) == 1
+                and not effect.share
+            ):
+                at = place.start
+                mu[effect.joint] = (float(self.parameters[at]), float(self.covariance[at, at]))
+            else:
+                kept.append(effect)
+                columns += range(place.start, place.stop)
+        model = dataclasses.replace(self.torque_model, effects=tuple(kept))
+        covariance = self.covariance[np.ix_(columns, columns)]
+        return FoundArm(self.name, model, self.parameters[columns], covariance), mu
 
 
 @dataclass(frozen=True)
@@ -115,6 +158,48 @@ class KnownArm:
         )
         return cls(model, mean, covariance, "robot file", words)
 
+    @classmethod
+    def from_model(
+        cls,
+        frame: AttachedFrame,
+        found: FoundArm,
+        recordings: Sequence[ProcessedRecording],
+        *,
+        has_load_friction: bool = True,
+    ) -> KnownArm:
+        """A model that was identified before, with its covariance.
+
+        Args:
+            frame: Where a load is held.
+            found: The model.
+            recordings: Whose torque says how wide is wide, where the model says nothing.
+            has_load_friction: Whether friction grows with what a gear carries.
+        """
+        arm, mu = found.without_load_friction()
+        model = LoadedModel.bare(arm.torque_model, frame, has_load_friction=has_load_friction)
+        wide = _wide(TorqueEquations.of(model, recordings))
+        mean, variances = wide.mean.copy(), 1 / np.sum(wide.factor**2, axis=0)
+        count = len(model.base)
+        mean[:count] = model.base.from_standard(arm.parameters)
+        own = model.base.regrouping @ arm.covariance @ model.base.regrouping.T
+        covariance = np.diag(variances)
+        covariance[:count, :count] = _filled(own, variances[:count])
+        if has_load_friction:
+            for joint, (value, variance) in mu.items():
+                mean[count + joint] = value
+                covariance[count + joint, count + joint] = variance
+        words = (
+            f"the model {found.name}, its covariance carried through, friction open to "
+            f"{FRICTION_CHANGE:.0%}"
+        )
+        return cls(model, mean, covariance, "model", words)
+
+    def relative_rms(self, recordings: Sequence[ProcessedRecording]) -> Float[ndarray, " joints"]:
+        """Residual over torque of each joint, where the arm holds nothing."""
+        rows, torque = TorqueEquations.of(self.model, recordings).linearised(self.mean)
+        residual = torque - (rows @ self.mean).reshape(torque.shape)
+        return np.sqrt(np.mean(residual**2, axis=0) / np.mean(torque**2, axis=0))
+
     def prior(self, loaded: LoadedModel) -> Prior:
         """Of the arm with a load, of which nothing is known.
 
@@ -131,8 +216,18 @@ class KnownArm:
         return Prior.gaussian(mean, covariance + np.diag(change**2))
 
 
+# Of wide variances: a direction that no estimate can know so well was left out of the estimate.
+SAYS_NOTHING = 1e-15
 # [kg, kg m, kg m^2] of a load's parameters, so wide that nothing is said of them.
 HEAVIEST = 1e4
+
+
+def _filled(covariance: Float[ndarray, "p p"], wide: Float[ndarray, " p"]) -> Float[ndarray, "p p"]:
+    """A covariance with the directions of which it says nothing made wide."""
+    scale = np.sqrt(wide)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    filled = np.where(values > SAYS_NOTHING, values, 1.0)
+    return (vectors * filled) @ vectors.T * np.outer(scale, scale)
 
 
 def _wide(equations: TorqueEquations) -> Prior:

@@ -84,7 +84,7 @@ class Payload:
 
     @property
     def mass(self) -> float:
-        """[kg]"""
+        """Mass [kg]."""
         return float(self.parameters[0])
 
     @property

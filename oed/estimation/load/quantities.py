@@ -79,10 +79,10 @@ def quantities(
     found = []
     for k, name in enumerate(NAMES):
         interval = _interval(linear, told, slopes[k], k)
+        narrow = interval is not None and interval[1] - interval[0] < 2 * size[k]
         if interval is not None:
             low, high = min(interval[0], values[k]), max(interval[1], values[k])
             interval = (max(low, 0.0), high) if k == 0 or k in MOMENTS else (low, high)
-        narrow = interval is not None and interval[1] - interval[0] < 2 * size[k]
         found.append(Quantity(name, UNITS[k], float(values[k]), interval, bool(narrow)))
     return tuple(found)
 

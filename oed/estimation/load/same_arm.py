@@ -14,6 +14,8 @@ from oed.robot import Robot
 
 # Files of one arm that were written by two programs differ by rounding: 0.1 mrad and 0.1 mm.
 SAME_PLACE = 1e-4
+SAME_GRAVITY = 0.02  # [m/s^2]: 9.80 and 9.81 are one
+SAME_POSTURE = 1e-3  # [rad or m] of joints that are held
 SAME_CONSTANT = 1e-6  # relative
 
 
@@ -35,18 +37,36 @@ def check_same_arm(bare: DataSet, loaded: DataSet) -> tuple[str, ...]:
         OtherArm: In one line that says what differs and what to do.
     """
     both = f"{bare.name} and {loaded.name}"
-    _check_joints(bare.robot, loaded.robot, both)
-    _check_places(bare.robot, loaded.robot, both)
-    if not np.allclose(bare.robot.gravity, loaded.robot.gravity, atol=1e-2):
+    notes = check_same_robot(bare.robot, loaded.robot, both)
+    _check_units(bare, loaded, both)
+    return notes
+
+
+def check_same_robot(bare: Robot, loaded: Robot, both: str) -> tuple[str, ...]:
+    """Refuse two robots of which one is not the other.
+
+    Args:
+        bare: The one.
+        loaded: The other.
+        both: What they are called, for the message.
+
+    Returns:
+        What differs and does no harm, a line each.
+
+    Raises:
+        OtherArm: In one line that says what differs and what to do.
+    """
+    _check_joints(bare, loaded, both)
+    _check_places(bare, loaded, both)
+    if not np.allclose(bare.gravity, loaded.gravity, atol=SAME_GRAVITY):
         raise OtherArm(
-            f"{both}: gravity is {_listed(bare.robot.gravity)} and {_listed(loaded.robot.gravity)} "
+            f"{both}: gravity is {_listed(bare.gravity)} and {_listed(loaded.gravity)} "
             "m/s^2: the arm was mounted in another way; record both in one, or correct `gravity`"
         )
-    _check_units(bare, loaded, both)
-    held = bare.robot.held
-    moved = [name for name, at in loaded.robot.held.items() if abs(held.get(name, at) - at) > 1e-3]
+    held = bare.held
+    moved = [n for n, at in loaded.held.items() if abs(held.get(n, at) - at) > SAME_POSTURE]
     return tuple(
-        f"joint {name!r} is held at {held[name]:.4g} without and {loaded.robot.held[name]:.4g} with "
+        f"joint {name!r} is held at {held[name]:.4g} without and {loaded.held[name]:.4g} with "
         "the load: what that moves counts as load"
         for name in moved
     )

@@ -53,7 +53,9 @@ def _remedy(payload: Payload, k: int) -> str:
     """Which joint feels the parameter of number k most, by what, and how much of that was used."""
     robot = payload.model.arm.robot
     if payload["mass"].interval is None or not payload.is_felt:
-        return "a load is not told from none: a heavier load, a longer recording or a quieter torque"
+        return (
+            "a load is not told from none: a heavier load, a longer recording or a quieter torque"
+        )
     possible = random_motion(robot, STATES, np.random.default_rng(0))
     noise = np.sqrt(payload.fit.variances)
     felt = _sizes(payload, possible, k) / noise

@@ -1,0 +1,130 @@
+"""`oed payload` as a user runs it, on a two-joint arm in a vertical plane."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from oed.dynamics.models import build_model
+from oed.dynamics.motion import Motion
+from oed.experiment.dataset import DataSet
+from oed.experiment.recording import Recording
+from oed.experiment.write_dataset import write_dataset
+from oed.robot import load_robot
+from tests.running import oed
+
+ROBOT = load_robot("builtin:imi_scara", gravity=(0.0, -9.81, 0.0))
+MODEL = build_model("standard", ROBOT, sign_width=0.02)
+FRICTION = (3.0, 1.6, 1.2, 0.6)
+MASS, CENTRE = 1.5, np.array([0.05, -0.02, 0.0])
+
+
+def data(rng, seconds, load, *, name):
+    t = np.arange(0.0, seconds, 0.008)
+    omega = 2 * np.pi * rng.uniform(0.15, 0.9, (2, 3))
+    a = np.array([[0.5], [0.6]]) * rng.uniform(0.5, 1.0, (2, 3))
+    phase = t[:, None, None] * omega + rng.uniform(0, 6, (2, 3))
+    q, dq, ddq = (
+        (a * np.sin(phase)).sum(2),
+        (a * omega * np.cos(phase)).sum(2),
+        -(a * omega**2 * np.sin(phase)).sum(2),
+    )
+    truth = np.concatenate([ROBOT.parameters, FRICTION])
+    truth[10:20] += load
+    tau = MODEL.torque(truth, Motion(t, q, dq, ddq)) + 0.05 * rng.standard_normal(q.shape)
+    recording = Recording(name, "estimation", t, q, tau)
+    return DataSet(name, "made by a test", "CC0", ROBOT, "measured", recordings=(recording,))
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    rng = np.random.default_rng(4)
+    shift = MASS * (CENTRE @ CENTRE * np.eye(3) - np.outer(CENTRE, CENTRE))
+    inertia = (0.004 * np.eye(3) + shift)[np.triu_indices(3)]
+    load = np.array([MASS, *(MASS * CENTRE), *inertia])
+    home = tmp_path_factory.mktemp("sets")
+    write_dataset(data(rng, 24.0, 0 * load, name="bare"), home / "bare")
+    write_dataset(data(rng, 12.0, load, name="loaded"), home / "loaded")
+    return home
+
+
+def weigh(folders, out, *more):
+    status = oed(
+        "payload", "--loaded", folders / "loaded", "--torque-model", "standard",
+        "--quiet", "--out", out, *more,
+    )  # fmt: skip
+    assert status == 0
+    return json.loads((out / "payload.json").read_text(encoding="utf-8"))
+
+
+def test_both_logs_weigh_the_load_and_leave_every_file(folders, tmp_path, capsys):
+    found = weigh(folders, tmp_path / "out", "--bare", folders / "bare")
+    assert found["route"] == "both logs"
+    (mass,) = (q for q in found["quantities"] if q["name"] == "mass")
+    assert mass["interval"][0] <= MASS <= mass["interval"][1]
+    assert found["mass"] == pytest.approx(MASS, rel=0.03)
+    assert found["centre_of_mass"][:2] == pytest.approx(CENTRE[:2], abs=0.01)
+    assert {each["name"] for each in found["not_told"]} >= {"z", "Ixx", "Ixy"}
+    assert sorted(p.name for p in (tmp_path / "out").iterdir() if p.is_file()) == [
+        "load.script", "load.sdf", "load.urdf", "load.xml", "load_message.yaml", "payload.json",
+        "report.html",
+    ]  # fmt: skip
+    told = capsys.readouterr().out
+    assert "both logs" in told
+    assert "without it the mass would be" in told
+
+
+def test_a_model_from_identify_weighs_it_too(folders, tmp_path):
+    identified = tmp_path / "identified"
+    assert (
+        oed("identify", folders / "bare", "--model", "standard", "--quiet", "--out", identified)
+        == 0
+    )
+    found = weigh(folders, tmp_path / "out", "--model", identified / "model.json")
+    assert found["route"] == "model"
+    assert found["mass"] == pytest.approx(MASS, rel=0.03)
+
+
+def test_placeholders_of_the_robot_file_are_no_arm(folders, tmp_path, capsys):
+    status = oed("payload", "--loaded", folders / "loaded", "--quiet", "--out", tmp_path / "out")
+    assert status == 3
+    assert "placeholders" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        (("[0.0, -9.81, 0.0]", "[0.0, 0.0, -9.81]"), "mounted"),
+        (('torque = "measured"', 'torque = "commanded"'), "commanded"),
+        (('joints = ["joint_1", "joint_2"]', 'joints = ["joint_2", "joint_1"]'), "joint"),
+        (('torque = "measured"', 'torque = "current"\nunits = {tau = "A"}'), "oed gains"),
+    ],
+)
+def test_folders_that_do_not_fit_are_refused_in_one_line(folders, tmp_path, change, line, capsys):
+    other = tmp_path / "other"
+    shutil.copytree(folders / "bare", other)
+    manifest = other / "dataset.toml"
+    text = " ".join(manifest.read_text(encoding="utf-8").replace(",\n]", "\n]").split("\n    "))
+    text = text.replace("[ ", "[").replace("\n]", "]")
+    assert change[0] in text
+    manifest.write_text(text.replace(*change), encoding="utf-8")
+    status = oed(
+        "payload", "--bare", other, "--loaded", folders / "loaded", "--quiet",
+        "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert status in (1, 2, 3)
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert line in said
+    assert not (tmp_path / "out" / "payload.json").exists()
+
+
+def test_a_model_of_another_robot_is_refused_in_one_line(folders, tmp_path, capsys):
+    wrong = tmp_path / "model.json"
+    wrong.write_text("{}", encoding="utf-8")
+    status = oed(
+        "payload", "--loaded", folders / "loaded", "--model", wrong, "--out", tmp_path / "o"
+    )
+    assert status != 0
+    assert "is no model.json" in capsys.readouterr().err
