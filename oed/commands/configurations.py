@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from oed.commands.options import Count, Folder, OutFolder, Seed
+from oed.commands.options import Count, OutFolder, Seed
 
 ModelName = Literal["standard", "offset", "rotor"]
 Prior = Literal["auto", "file", "neutral"]
@@ -167,8 +167,8 @@ class Payload(Command):
         smoke: Do less, to see that it works.
     """
 
-    loaded: Folder
-    bare: Folder | None = None
+    loaded: Path
+    bare: Path | None = None
     model: Path | None = None
     out: OutFolder
     frame: str = ""
