@@ -185,10 +185,14 @@ class ProcessedRecording:
         """
         columns = evaluate(self.fine)
         settings = self.settings
-        flat = lowpass(
-            columns.reshape(len(columns), -1), settings.fine_rate, settings.cutoff, settings.order
-        )
-        return flat[settings.kept(len(columns))].reshape(-1, *columns.shape[1:])
+        kept = settings.kept(len(columns))
+        found = np.empty((len(self), *columns.shape[1:]))
+        # Joint by joint: the filter works on several copies of what it is given.
+        for j in range(columns.shape[1]):
+            found[:, j] = lowpass(
+                columns[:, j], settings.fine_rate, settings.cutoff, settings.order
+            )[kept]
+        return found
 
 
 # Ten samples a cut-off period keep the band with a wide margin for the filter's slope.

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from oed.diagnosis_new.diagnose import Diagnosis
-from oed.diagnosis_new.inference.answer import FoundEffect
-from oed.diagnosis_new.inference.covariance import parameter_covariance
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.calibration import Calibration
-from oed.estimation.feasible.calibration import FeasibleCalibration
 from oed.export.model import Model, Origin, Ranges, ShapeEstimate
 from oed.report.provenance import Provenance
+
+if TYPE_CHECKING:  # what finds one kind of model need not load what finds the others
+    from oed.diagnosis_new.diagnose import Diagnosis
+    from oed.diagnosis_new.inference.answer import FoundEffect
+    from oed.estimation.feasible.calibration import FeasibleCalibration
 
 
 def of_calibration(calibration: Calibration, provenance: Provenance) -> Model:
@@ -54,6 +57,10 @@ def of_feasible(result: FeasibleCalibration, provenance: Provenance) -> Model:
 
 def of_diagnosis(found: Diagnosis, data: str, provenance: Provenance) -> Model:
     """The augmented model: base parameters, effects in their exact form, free forms."""
+    from oed.diagnosis_new.inference.covariance import (  # noqa: PLC0415
+        parameter_covariance,
+    )
+
     model = found.after.model
     covariance = parameter_covariance(found.selected.views.every)
     prepared = found.selected.views.every.problem.rows.prepared
