@@ -20,7 +20,7 @@ ORDER = (
     "export",
     "commands",
 )
-SHARED_BY_ALL = ("errors", "input_file", "parallel_map", "process_end")
+SHARED_BY_ALL = ("errors", "input_file", "parallel_map", "process_end", "progress")
 # Within the diagnosis the same holds; its settings serve all, and diagnosis.py stands above.
 DIAGNOSIS_ORDER = (
     "fit",

@@ -32,6 +32,7 @@ from oed.estimation.dissipation import LEAST_SHARE
 from oed.experiment.dataset import DataSet
 from oed.experiment.processing import ProcessedRecording
 from oed.experiment.recording import Role
+from oed.progress import told
 
 VERY_STRONG = 10.0  # 2 log of a likelihood ratio; Kass and Raftery 1995, section 3.2
 REPAIRED = 0.5  # of its error as logged, at most, that a repaired joint keeps
@@ -58,7 +59,7 @@ def find_repairs(
     """The suspicions that each alone repair the fit, the likeliest first."""
     tried = [
         Tried(suspicion, _laid_out(suspicion, model, recordings, data).outcome(suspicion.trial))
-        for suspicion in suspicions(dataset)
+        for suspicion in told(tuple(suspicions(dataset)), "causes looked into")
     ]
     tried += _more_signs(dataset, data, tried)
     best_error = np.min([t.outcome.relative for t in tried], axis=0)

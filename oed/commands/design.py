@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.commands.configurations import Design
-from oed.commands.telling import speak
+from oed.commands.telling import say, speak
 from oed.design.bound.efficiency import QUICK, DEfficiency, NoBound, d_efficiency
 from oed.design.clear_search import search_clear
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
@@ -148,6 +148,7 @@ def find(config: Design, robot: Robot) -> Result:
             f"stopped by --budget {config.budget:g} CPU s after {found.evaluations} of "
             f"{_evaluations(config)} evaluations: the same seed may give another motion"
         )
+    say(f"found after {found.evaluations} evaluations; proving what it keeps")
     problem = problem.slower(config.scale)
     design = FoundDesign.from_result(
         problem, found, optimiser=config.optimiser, seed=config.seed, others=posed.others
@@ -160,6 +161,7 @@ def find(config: Design, robot: Robot) -> Result:
         clearance = prove_clearance(surroundings, problem.trajectory, design.z)
     design = dataclasses.replace(design, status=_status(design, clearance, config))
     efficiency = None
+    say("bounding how much better any motion could be")
     try:
         efficiency = d_efficiency(design, rng, QUICK if config.smoke else None)
     except NoBound as error:

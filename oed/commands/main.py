@@ -49,8 +49,14 @@ def run(arguments: Sequence[str]) -> int:
     """
     config = configuration_of(arguments)
     name, module = next((n, m) for n, (kind, m) in COMMANDS.items() if type(config) is kind)
-    command = importlib.import_module(f"oed.commands.{module}").run
-    return exit_status(partial(command, config), f"oed {name}")
+    return exit_status(partial(_run, module, config), f"oed {name}")
+
+
+def _run(module: str, config: configurations.Command) -> int:
+    from oed.report.progress import shown  # noqa: PLC0415  # `--help` has nothing to show
+
+    with shown(quiet=config.quiet):
+        return importlib.import_module(f"oed.commands.{module}").run(config)
 
 
 def configuration_of(arguments: Sequence[str]) -> configurations.Command:

@@ -7,6 +7,7 @@ instants join and the last problem is solved again. Which solver does a stage is
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -151,8 +152,14 @@ class _Smooth:
         self, z: Float[ndarray, " size"], log: EvaluationLog, *, is_warm: bool
     ) -> tuple[Float[ndarray, " size"], bool]:
         iterations, seconds = _left(log)
+        asked = itertools.count(1)
+
+        def objective(point: Float[ndarray, " size"]) -> tuple[float, Float[ndarray, " size"]]:
+            log.tell(next(asked))
+            return self.cost_and_gradient(point)
+
         solution = self.settings.solver(
-            self.cost_and_gradient,
+            objective,
             LimitConstraints(
                 self.problem.trajectory,
                 self.problem.limits,

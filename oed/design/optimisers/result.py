@@ -10,6 +10,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.progress import tell
+
 
 @dataclass(frozen=True)
 class Budget:
@@ -99,6 +101,11 @@ class EvaluationLog:
     def count(self, evaluations: int = 1) -> None:
         """Record evaluations that are offered to no one."""
         self.evaluations += evaluations
+        self.tell()
+
+    def tell(self, under_way: int = 0) -> None:
+        """Tell how far the search is, evaluations included that are under way and not counted yet."""
+        tell("searching a motion", self.evaluations + under_way, self.budget.evaluations)
 
     def offer(self, z: Float[ndarray, " size"], cost: float) -> bool:
         """Keep a feasible point if it is the best so far; say whether it is."""

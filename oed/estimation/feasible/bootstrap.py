@@ -13,6 +13,7 @@ from oed.estimation.feasible.data_factor import DataFactor
 from oed.estimation.feasible.estimate import FeasibleEstimate
 from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.solve import SolverName, solve_problem
+from oed.progress import told
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def bootstrap(
     if len(blocks) < 2:
         raise ValueError(f"{len(blocks)} block cannot be resampled")
     found = []
-    for _ in range(resamples):
+    for _ in told(range(resamples), "intervals, by resampling"):
         drawn = rng.integers(len(blocks), size=len(blocks))
         problem = estimate.problem.with_data(DataFactor.join([blocks[k] for k in drawn]))
         try:

@@ -14,6 +14,7 @@ from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.problem import FeasibleProblem
 from oed.estimation.feasible.reweighting import log_rms, solve_reweighted
 from oed.estimation.feasible.solve import SolverName
+from oed.progress import tell
 
 FOLDS = 5
 WEIGHTS = tuple(float(w) for w in np.logspace(-7, 2, 10))
@@ -104,6 +105,7 @@ def cross_validate(
         free = np.linalg.lstsq(here.factor, here.target, rcond=1e-10)[0]
         least_squares[fold] = log_rms(held, problem.coordinates.parameters(free), variances)
         for w, weight in enumerate(weights):
+            tell("weight, by cross-validation", fold * len(weights) + w, folds * len(weights))
             try:
                 fit = solve_reweighted(
                     here.with_weight(weight), training, variances, solvers=solvers
