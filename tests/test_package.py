@@ -1,6 +1,7 @@
 """What an installer gets: requirements that hold, a wheel that is whole and works elsewhere."""
 
 import ast
+import json
 import re
 import subprocess
 import sys
@@ -10,11 +11,13 @@ import venv
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from packaging.requirements import Requirement
 from packaging.version import Version
 
 from oed import __version__
+from tests.docs.code_blocks import blocks
 from tests.experiment.tiny_dataset import tiny_files, write_files
 from tests.paths import REPO
 
@@ -130,28 +133,76 @@ print(len(dataset.recordings), len(build_model("standard", dataset.robot).effect
 """
 
 
-def test_the_wheel_works_in_an_environment_of_its_own(wheel, tmp_path):
-    """Outside the checkout; what it requires is lent by the environment of the tests."""
-    home = tmp_path / "env"
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory) -> Path:
+    """The Python of an environment that holds the wheel; what it requires is lent by the tests'."""
+    home = tmp_path_factory.mktemp("installed") / "env"
     venv.create(home, with_pip=False)
-    python = home / "bin" / "python"
     packages = next(home.glob("lib/python*/site-packages"))
     lent = sysconfig.get_path("purelib")
     (packages / "lent.pth").write_text(f"import site; site.addsitedir({lent!r})\n")
-    target = ["--no-deps", "--no-index", "--no-compile", "--quiet", "--target", str(packages)]
-    pip = [sys.executable, "-m", "pip", "install", *target, str(wheel)]
+    install(wheel, packages)
+    return home / "bin" / "python"
+
+
+def install(source: Path, packages: Path) -> None:
+    target = ["--no-deps", "--no-index", "--no-compile", "--quiet", "--no-build-isolation"]
+    pip = [sys.executable, "-m", "pip", "install", *target, "--target", str(packages), str(source)]
     subprocess.run(pip, check=True, capture_output=True)
+
+
+def run(python: Path, folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    """A Python process outside the checkout, with no word of the checkout in its environment."""
+    command = [str(python), *map(str, arguments)]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_the_wheel_works_in_an_environment_of_its_own(installed, tmp_path):
     folder = write_files(tmp_path / "set", tiny_files())
-    run = subprocess.run(
-        [str(python), "-c", USE, str(folder)],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert run.returncode == 0, run.stderr
-    assert run.stdout.split()[0] == "2"
-    command = [str(python), "-m", "oed", "identify", str(folder), "--out", "estimate", "--smoke"]
-    told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    used = run(installed, tmp_path, "-c", USE, folder)
+    assert used.returncode == 0, used.stderr
+    assert used.stdout.split()[0] == "2"
+    identify = ["-m", "oed", "identify", folder, "--out", "estimate", "--smoke"]
+    told = run(installed, tmp_path, *identify)
     assert told.returncode in (0, 2), told.stderr
     assert "Traceback" not in told.stderr
+
+
+# The modules of the how-to pages, as the entry points that these pages show name them.
+HOW_TO = {"log-reader": "read_arm", "optimiser": "local_steps", "trajectory": "slow_sines"}
+
+
+def test_an_installed_package_adds_reader_optimiser_and_trajectories(installed, tmp_path):
+    """What the how-to pages show, as a package that pip installs: plain commands know it."""
+    source = tmp_path / "source"
+    (source / "my_package").mkdir(parents=True)
+    points = []
+    for page, module in HOW_TO.items():
+        text = REPO / "docs" / "how-to" / f"{page}.md"
+        code = [block for block in blocks(text, "python") if "oed.commands.main" not in block]
+        (source / "my_package" / f"{module}.py").write_text("\n".join(code))
+        points += blocks(text, "toml")
+    about = '[project]\nname = "my-package"\nversion = "1"\n'
+    (source / "pyproject.toml").write_text("\n".join([about, *points]))
+    install(source, next(installed.parents[1].glob("lib/python*/site-packages")))
+    t = np.arange(0.0, 20.0, 0.02)
+    q = np.stack([0.5 * np.sin(1.3 * t) + 0.2 * np.sin(3 * t), 0.6 * np.sin(1.7 * t)], axis=1)
+    rows = np.column_stack([t, q, q * 3.0 + np.sin(5 * t)[:, None]])
+    rows.astype("<f8").tofile(tmp_path / "log.arm")
+    scara = ["--robot", "builtin:imi_scara", "--out"]
+    read = run(installed, tmp_path, "-m", "oed", "import", "log.arm", *scara, "mydata")
+    assert read.returncode == 0, read.stderr
+    wishes = ["--optimiser", "local_steps", "--trajectory", "slow_sines"]
+    design = ["-m", "oed", "design", *scara, "design", *wishes, "--no-clearance", "--smoke"]
+    told = run(installed, tmp_path, *design)
+    assert told.returncode == 0, told.stderr
+    record = json.loads((tmp_path / "design" / "design.json").read_text())
+    assert record["optimiser"] == "local_steps"
+    assert np.shape(record["coefficients"]["frequency"]) == (2, 2)
+
+
+def test_the_oldest_python_that_is_named_is_the_least_and_the_tests_run_with_it():
+    named = {c.rpartition(" ")[2] for c in PROJECT["classifiers"] if "Python :: 3." in c}
+    oldest = min(named, key=Version)
+    assert PROJECT["requires-python"] == f">={oldest}"
+    assert sys.version.startswith(f"{oldest}.")
