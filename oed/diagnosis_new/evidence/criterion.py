@@ -5,12 +5,12 @@ Everything that is chosen is chosen by `worth`: see METHOD.md for its derivation
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.linalg import cho_factor, cho_solve, eigh
 
 from oed.diagnosis_new.numbers import NULL_SHARE, SMOOTHNESS
 
@@ -46,12 +46,14 @@ class Worth:
         coefficients: (k,) posterior mean.
         precision: (k, k) of the prior, in the units of `information`.
         freedom: Effective degrees of freedom.
+        occam: What the width of the prior costs [nats].
     """
 
     nats: float
     coefficients: Float[ndarray, " columns"]
     precision: Float[ndarray, "columns columns"]
     freedom: float
+    occam: float
 
 
 def worth(
@@ -60,6 +62,7 @@ def worth(
     penalty: Float[ndarray, "columns columns"] | None = None,
     *,
     fixed: bool = False,
+    chosen: bool = False,
 ) -> Worth:
     """Log evidence of a term beside all else in its model: the one criterion.
 
@@ -74,47 +77,69 @@ def worth(
         price: -log of the prior probability of its place, name and shapes.
         penalty: Of a smoothing prior; None for unit information.
         fixed: Whether the coefficients are 1 by construction: a prior of no width.
+        chosen: Whether the penalty is the prior's precision itself, as a fit has it already.
     """
-    if fixed:
-        gained = moments.gained
-        if gained is None:
-            own = float(2 * moments.score.sum() - moments.information.sum())
-            gained = saturated(own, moments.rows) if own > 0 else own / 2
-        ones = np.ones(len(moments.score))
-        return Worth(
-            gained / moments.dilution - price, ones, np.zeros_like(moments.information), 0.0
-        )
     A, g = moments.information / moments.dilution, moments.score / moments.dilution
     rows = max(moments.rows / moments.dilution, 2.0)
-    size = np.sqrt(np.maximum(np.diag(A), NEW * np.trace(A) + 1e-300))
-    values, vectors = eigh(A / np.outer(size, size))
-    told = values > NEW * float(values.max())
-    A = (vectors * np.maximum(values, NEW * values.max())) @ vectors.T
-    g = vectors[:, told] @ (vectors[:, told].T @ (g / size))
-    if penalty is None:
-        options = [A / rows]
+    if fixed:
+        own = float(2 * g.sum() - A.sum())
+        found = Worth(0.0, np.ones(len(g)), np.zeros_like(A), 0.0, 0.0)
+        gained = saturated(own, rows) if own > 0 else own / 2
+    elif penalty is None:
+        found, gained = _by_unit_information(A, g, rows, moments.dilution)
     else:
-        scaled = penalty / np.outer(size, size)
-        scaled *= len(g) / max(np.trace(scaled), 1e-300)
-        flat = NULL_SHARE * np.eye(len(g))
-        options = [s * scaled + flat / rows for s in SMOOTHNESS]
-    best: tuple[float, ndarray, ndarray] | None = None
+        found, gained = _by_smoothness(A, g, rows, moments.dilution, penalty, chosen=chosen)
+    if moments.gained is not None:
+        gained = moments.gained / moments.dilution
+    return dataclasses.replace(found, nats=gained - found.occam - price)
+
+
+def _by_unit_information(
+    A: Float[ndarray, "columns columns"],
+    g: Float[ndarray, " columns"],
+    rows: float,
+    dilution: float,
+) -> tuple[Worth, float]:
+    """Posterior where P = A / rows, and its gain: all in closed form."""
+    size = np.sqrt(np.maximum(np.diag(A), NEW * np.trace(A) + 1e-300))
+    values, vectors = np.linalg.eigh(A / np.outer(size, size))
+    told = values > NEW * float(values[-1])
+    along = vectors[:, told].T @ (g / size)
+    shrunk = rows / (rows + 1)
+    mean = vectors[:, told] @ (along / values[told]) * shrunk / size
+    gained = saturated(float(np.sum(along**2 / values[told])) * shrunk, rows)
+    occam = 0.5 * len(g) * float(np.log1p(rows))
+    return Worth(0.0, mean, A * (dilution / rows), len(g) * shrunk, occam), gained
+
+
+def _by_smoothness(
+    A: Float[ndarray, "columns columns"],
+    g: Float[ndarray, " columns"],
+    rows: float,
+    dilution: float,
+    penalty: Float[ndarray, "columns columns"],
+    *,
+    chosen: bool,
+) -> tuple[Worth, float]:
+    """Posterior under the smoothness of largest evidence, or the one that is given."""
+    size = np.sqrt(np.maximum(np.diag(A), NEW * np.trace(A) + 1e-300))
+    unit = np.outer(size, size)
+    A, g, scaled = A / unit, g / size, penalty / unit
+    if chosen:
+        options = [scaled]
+    else:
+        scaled = scaled * (len(g) / max(np.trace(scaled), 1e-300))
+        options = [s * scaled + NULL_SHARE / rows * np.eye(len(g)) for s in SMOOTHNESS]
+    found: list[tuple[float, Worth, float]] = []
     for P in options:
-        factor = cho_factor(A + P, lower=True)
-        mean = cho_solve(factor, g)
-        gained = saturated(float(g @ mean), rows)
-        if moments.gained is not None:
-            gained = moments.gained / moments.dilution
-        occam = 2 * np.log(np.diag(factor[0])).sum() - np.linalg.slogdet(P)[1]
-        nats = gained - 0.5 * float(occam) - price
-        if best is None or nats > best[0]:
-            best = nats, mean, P
-    if best is None:
-        raise ValueError("a prior needs at least one precision")
-    nats, mean, P = best
-    freedom = float(np.trace(np.linalg.solve(A + P, A)))
-    unit = np.outer(size, size) * moments.dilution
-    return Worth(nats, mean / size, P * unit, freedom)
+        mean = np.linalg.solve(A + P, g)
+        gained = saturated(max(float(g @ mean), 0.0), rows)
+        occam = 0.5 * float(np.linalg.slogdet(A + P)[1] - np.linalg.slogdet(P)[1])
+        freedom = float(np.trace(np.linalg.solve(A + P, A)))
+        own = Worth(0.0, mean / size, P * unit * dilution, freedom, occam)
+        found.append((gained - occam, own, gained))
+    _, best, gained = max(found, key=lambda f: f[0])
+    return best, gained
 
 
 def saturated(quadratic: float, rows: float) -> float:
@@ -136,7 +161,7 @@ def score_dilution(
         leverage: Share of the blocks' own scores that the fit has taken, in degrees of freedom.
         information: A.
     """
-    values, vectors = eigh(information)
+    values, vectors = np.linalg.eigh(information)
     kept = values > NEW * max(float(values.max(initial=0.0)), 1e-300)
     white = scores @ (vectors[:, kept] / np.sqrt(values[kept]))
     freedom = int(kept.sum()) - leverage

@@ -112,23 +112,22 @@ class Beside:
     @cached_property
     def within(self) -> Float[ndarray, "rank columns"]:
         """Q' X of all joints."""
-        return np.sum(list(self.inside.values()), axis=0)
+        return sum(self.inside.values())
 
     @cached_property
     def information(self) -> Float[ndarray, "columns columns"]:
         """A = X' X less what lies in the span."""
-        return np.sum(list(self.squares.values()), axis=0) - self.within.T @ self.within
+        return sum(self.squares.values()) - self.within.T @ self.within
 
     @cached_property
     def score(self) -> Float[ndarray, " columns"]:
         """G = X' r."""
-        return np.sum(list(self.scores.values()), axis=0)
+        return sum(self.scores.values())
 
     def left_by(self, sizes: Float[ndarray, " columns"]) -> Float[ndarray, " joints"]:
         """(n,) sums of squares that are left of white rows with these coefficients, all else refitted."""
         moved = self.within @ sizes
-        result = self.span.squares + 2 * self.span.products @ moved
-        result = result + np.einsum("b,jbc,c->j", moved, self.span.grams, moved)
+        result = self.span.squares + (2 * self.span.products + self.span.grams @ moved) @ moved
         for j, X in self.squares.items():
             result[j] += sizes @ X @ sizes - 2 * sizes @ self.scores[j]
             result[j] -= 2 * moved @ (self.inside[j] @ sizes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -84,12 +85,12 @@ def weighed(
     rows = float(sum(counted[j] for j in beside.squares))
     cost = price(candidate, values, fitted, rows)
     penalty, fixed = candidate.precision(len(g)), candidate.unit_coefficient
-    first = worth(Moments(A, g, rows), cost, penalty, fixed=fixed)
+    own = worth(Moments(A, g, rows), cost, penalty, fixed=fixed)
     before = beside.span.squares / beside.span.weights**2
-    after = beside.left_by(first.coefficients)
-    tolerated = fitted.tolerated + FORMULA_ERROR**2 * beside.power(first.coefficients) / counted
+    after = beside.left_by(own.coefficients)
+    tolerated = fitted.tolerated + FORMULA_ERROR**2 * beside.power(own.coefficients) / counted
     gained = log_score(after, counted, tolerated) - log_score(before, counted, tolerated)
-    return worth(Moments(A, g, rows, gained=gained), cost, penalty, fixed=fixed)
+    return dataclasses.replace(own, nats=gained - own.occam - cost)
 
 
 def evaluate(candidate: Candidate, values: Values, fitted: Fitted) -> Scored | None:

@@ -150,8 +150,8 @@ def _worth(whole: Views, number: int, told: Moments) -> Worth:
     term = whole.terms[number]
     fitted = whole.showing(term.candidate)
     cost = price(term.candidate, term.values, fitted, told.rows / told.dilution)
-    penalty = term.candidate.precision(len(told.score))
-    return worth(told, cost, penalty, fixed=term.candidate.unit_coefficient)
+    fixed = term.candidate.unit_coefficient
+    return worth(told, cost, term.precision, fixed=fixed, chosen=term.precision is not None)
 
 
 def prune(views: Views, say: Say) -> tuple[Views, list[Judged]]:
