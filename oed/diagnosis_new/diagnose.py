@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -69,6 +70,7 @@ def diagnose(
     names: Sequence[str] | None = None,
     most: int | None = None,
     seed: int = 0,
+    budget: float | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Diagnosis:
     """Find what a torque model lacks, from a data set alone.
@@ -81,18 +83,21 @@ def diagnose(
         names: Of these, those that are tried; all if None.
         most: Terms that may be added; three a joint if None, at least six.
         seed: Of the bootstrap.
+        budget: CPU time after which nothing more is looked for [s]; what was found by then is judged
+            and reported.
         say: Receives lines of progress.
 
     Raises:
         ValueError: If there is no estimation recording, or one is too short.
         OedError: If a joint stands still, or friction drives every joint.
     """
+    end = time.process_time() + (np.inf if budget is None else budget)
     problem, sealed, notes = pose(
         dataset, model, catalogue=catalogue, names=names, most=most, say=say
     )
     for note in notes:
         say(f"note: {note}")
-    selected = search(problem, say)
+    selected = search(problem, say, lambda: time.process_time() > end)
     found = answer(selected)
     return report(sealed, selected, found, notes=notes, rng=np.random.default_rng(seed))
 

@@ -12,9 +12,10 @@ from numpy import ndarray
 
 from oed.diagnosis_new.candidates.candidate import SmoothCandidate
 from oed.diagnosis_new.candidates.smooth_terms import ALL_PAIRED, terms_alone, terms_together
+from oed.diagnosis_new.evidence.nuisances import nuisances
 from oed.diagnosis_new.noise.baseline import Baseline, find_baseline
 from oed.diagnosis_new.noise.linear_fit import LinearFit, fit_model
-from oed.diagnosis_new.numbers import EFFECTS_PER_JOINT, LEAST_EFFECTS, NOISE_LAGS
+from oed.diagnosis_new.numbers import EFFECTS_PER_JOINT, LEAST_EFFECTS
 from oed.diagnosis_new.problem import Problem, named_candidates
 from oed.diagnosis_new.rows.weighted_rows import weigh
 from oed.diagnosis_new.rows.white_rows import WhiteRows
@@ -23,12 +24,10 @@ from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import with_widths
 from oed.estimation.dissipation import check_dissipation, driven_joints
-from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.mean_repetition import mean_of_repetitions
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.preparation.prepared import Prepared
-from oed.experiment.signals.lowpass import lowpass
 
 
 @dataclass(frozen=True)
@@ -116,6 +115,7 @@ def pose(
     smooth = terms_alone(estimation, n)
     if n <= ALL_PAIRED:
         smooth += terms_together(estimation, n, range(n))
+    repeated = any(p.period is not None for p in rows.prepared)
     problem = Problem(
         rows,
         baseline.model,
@@ -126,52 +126,17 @@ def pose(
         named_candidates(catalogue, tuple(names or catalogue), context),
         tuple(SmoothCandidate(t) for t in smooth),
         max(EFFECTS_PER_JOINT * n, LEAST_EFFECTS) if most is None else most,
-        motion_noise(rows, context, dataset),
+        nuisances(rows, context, dataset.estimation, repeated=repeated),
     )
     pairs = [mean_of_repetitions(p) for p in (*estimation, *validation)]
     if any(count > 1 for _, count in pairs):
         mean = tuple(p for p, _ in pairs)
         scales = tuple(1 / float(np.sqrt(count)) for _, count in pairs)
         few = WhiteRows.of(weigh(mean, baseline.floor.noise, baseline.coulomb, scales))
-        none = np.zeros((n, few.torque.shape[1], 0))
-        means = dataclasses.replace(problem, rows=few, nuisances=none)
+        own = nuisances(few, context, dataset.estimation, repeated=True)
+        means = dataclasses.replace(problem, rows=few, nuisances=own)
         problem = dataclasses.replace(problem, means=means)
     return problem, Sealed(prepared, baseline), _sign_notes(first, estimation, dataset.name)
-
-
-def motion_noise(
-    rows: WhiteRows, context: Context, dataset: DataSet
-) -> Float[ndarray, "joints rows nuisances"]:
-    """White torque that motion beyond its own band makes, at several lags.
-
-    Noise that shakes the arm goes together with noise of the torque; a model that is moved in time
-    by a little would explain that. Where motions repeat, their differences show it instead.
-
-    Args:
-        rows: Not of repeated motions.
-        context: Gives the torque.
-        dataset: Gives the band of the motion.
-    """
-    joints = rows.joints
-    if any(p.period is not None for p in rows.prepared):
-        return np.zeros((joints, rows.torque.shape[1], 0))
-    rate = rows.prepared[0].band.rate
-    shortest = min(float(np.ptp(p.motion.t)) for p in rows.prepared)
-    edge = search_cutoff(dataset.estimation, rate, shortest).band_edge
-    fine = []
-    for p in rows.prepared:
-        slow = dataclasses.replace(p.motion, ddq=lowpass(p.motion.ddq, rate, edge))
-        beyond = (context.reference.parts(p.motion) - context.reference.parts(slow)).sum(axis=2)
-        step = max(1, round(rate / (NOISE_LAGS * p.band.cutoff)))
-        lags = [
-            np.roll(beyond, k * step, axis=0) for k in range(-NOISE_LAGS // 2, NOISE_LAGS // 2 + 1)
-        ]
-        fine.append(np.stack(lags, axis=2))
-    count = fine[0].shape[2]
-    result = np.zeros((joints, rows.torque.shape[1], count * joints))
-    for j in range(joints):
-        result[j, :, count * j : count * (j + 1)] = rows.whiten([f[:, j] for f in fine], j)
-    return result
 
 
 def _sign_notes(first: LinearFit, prepared: Sequence[Prepared], name: str) -> tuple[str, ...]:

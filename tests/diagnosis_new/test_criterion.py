@@ -35,6 +35,31 @@ def test_is_the_marginal_likelihood_under_unit_information():
     assert found.coefficients == pytest.approx(np.linalg.solve(A * (1 + 1 / ROWS), g))
 
 
+def test_a_smooth_term_is_worth_its_marginal_likelihood_under_the_prior_that_it_has():
+    X, y = _problem(columns=4, size=0.05)
+    A, g = X.T @ X, X.T @ y
+    P = 30.0 * np.eye(4) + 5.0
+    gained = 0.5 * g @ np.linalg.solve(A + P, g)
+    found = worth(Moments(A, g, ROWS, gained=gained), 0.0, P, chosen=True)
+    nothing = multivariate_normal(np.zeros(int(ROWS)), np.eye(int(ROWS))).logpdf(y)
+    assert found.nats == pytest.approx(_log_marginal(X, y, P) - nothing, abs=1e-6)
+    assert found.precision == pytest.approx(P)
+
+
+def test_smoothness_is_that_of_largest_evidence_and_paid_for():
+    X, y = _problem(columns=6, size=0.0)
+    y = y + X @ np.sin(np.arange(6.0))
+    bends = np.diff(np.eye(6), 2, axis=0)
+    A, g = X.T @ X, X.T @ y
+    found = worth(Moments(A, g, ROWS), 0.0, bends.T @ bends)
+    again = worth(Moments(A, g, ROWS), 0.0, found.precision, chosen=True)
+    assert again.nats == pytest.approx(found.nats)
+    assert again.coefficients == pytest.approx(found.coefficients)
+    for factor in (100.0, 0.01):
+        other = worth(Moments(A, g, ROWS), 0.0, factor * found.precision, chosen=True)
+        assert other.nats < found.nats
+
+
 def test_units_do_not_change_it():
     X, y = _problem()
     scale = np.array([1e-4, 1e3])

@@ -77,6 +77,16 @@ def test_covariance_is_the_textbooks_by_blocks(found_stribeck):
     assert np.diag(found)[np.diag(found) > 0] == pytest.approx(np.diag(expected), rel=1e-4)
 
 
+def test_nothing_is_looked_for_when_the_time_is_over():
+    said = []
+    found = _diagnose(
+        data_set(31, extra=stribeck(1.5, 0.15), repetitions=2), budget=0.0, say=said.append
+    )
+    assert found.effects == ()
+    assert not any(line.startswith("+") for line in said)
+    assert {e.role for e in found.errors} == {"estimation", "validation", "test"}
+
+
 def test_budget_adds_up_to_the_torque(found_stribeck):
     budget, errors = found_stribeck.budget, found_stribeck.errors
     held = next(e for e in errors if e.role == budget.role)

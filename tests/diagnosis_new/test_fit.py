@@ -26,6 +26,15 @@ def test_rows_are_of_estimation_and_validation_alone(problem):
     assert not np.any(problem.rows.fitted & problem.rows.held_out)
 
 
+def test_what_no_log_resolves_at_a_reversal_stands_beside_every_model(problem):
+    for own in (problem, problem.means):
+        assert own.nuisances.shape == (2, own.rows.torque.shape[1], 4)
+        assert np.all(own.nuisances[0, :, 2:] == 0)
+        assert np.all(own.nuisances[1, :, :2] == 0)
+        late = project(own.rows, own.nuisances, own.rows.fitted, np.ones(2))
+        assert late.basis.shape[2] == 4
+
+
 def test_residual_is_that_of_weighted_least_squares(problem):
     rows = problem.rows
     columns = white_model(problem.base, problem.columns, rows)

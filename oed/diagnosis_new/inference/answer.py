@@ -11,10 +11,11 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis_new.candidates.candidate import Candidate, NamedCandidate
-from oed.diagnosis_new.evidence.model import Fitted, fit
+from oed.diagnosis_new.evidence.model import Fitted
+from oed.diagnosis_new.evidence.views import Views
 from oed.diagnosis_new.inference.estimates import Estimated, estimates
 from oed.diagnosis_new.numbers import ALIKE, NAMED, OUTSIDE
-from oed.diagnosis_new.selection.search import Judged, Rival, Selected
+from oed.diagnosis_new.selection.search import Judged, Rival, Selected, held_out
 from oed.dynamics.effects.catalogue import EffectPage
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
@@ -109,7 +110,7 @@ def answer(selected: Selected) -> Answer:
     effects, unexplained = [], []
     for number, (own, rivals) in enumerate(zip(selected.judged, selected.rivals, strict=True)):
         term = whole.terms[number]
-        found = _named(whole, number, own, rivals) if term.candidate.is_named else None
+        found = _named(selected.views, number, own, rivals) if term.candidate.is_named else None
         if found is not None:
             effects.append(found)
         else:
@@ -118,8 +119,9 @@ def answer(selected: Selected) -> Answer:
     return Answer(tuple(effects), tuple(unexplained))
 
 
-def _named(whole: Fitted, number: int, own: Judged, rivals: Sequence[Rival]) -> FoundEffect | None:
+def _named(views: Views, number: int, own: Judged, rivals: Sequence[Rival]) -> FoundEffect | None:
     """The effect of a term, or None where its name is not certain enough."""
+    whole = views.every
     term = whole.terms[number]
     candidate = term.candidate
     if not isinstance(candidate, NamedCandidate):
@@ -145,9 +147,10 @@ def _named(whole: Fitted, number: int, own: Judged, rivals: Sequence[Rival]) -> 
             alternatives.append(
                 Alternative(other.label, _name(other), other.joint, p, same, p > (1 - NAMED) / 2)
             )
-    if named < NAMED:
+    foremost = max((a.probability for a in alternatives if not a.same), default=0.0)
+    if named < NAMED or probability < foremost:
         return None
-    gain = held_out_gain(whole, number)
+    gain = held_out_gain(views, number)
     if gain <= 0:
         return None
     parameters = estimates(whole, number, own.moments.dilution)
@@ -173,13 +176,10 @@ def _undetermined(whole: Fitted, number: int, parameters: Sequence[Estimated]) -
     return bool(sizes) and all(abs(p.value) < (p.std or 0.0) for p in sizes)
 
 
-def held_out_gain(whole: Fitted, number: int) -> float:
+def held_out_gain(views: Views, number: int) -> float:
     """What a term adds to the log score of rows that neither model was fitted to [nats]."""
-    rows = whole.problem.rows
-    others = tuple(t for k, t in enumerate(whole.terms) if k != number)
-    with_it = fit(whole.problem, whole.terms, rows.fitted, whole)
-    rest = fit(whole.problem, others, rows.fitted, whole)
-    return with_it.score(rows.held_out) - rest.score(rows.held_out)
+    others = tuple(t for k, t in enumerate(views.terms) if k != number)
+    return held_out(views, views.terms) - held_out(views, others)
 
 
 def _unnamed(whole: Fitted, number: int, rivals: Sequence[Rival]) -> Unexplained:

@@ -12,81 +12,28 @@ from oed.diagnosis_new.candidates.candidate import Candidate
 from oed.diagnosis_new.evidence.criterion import Moments, Worth, worth
 from oed.diagnosis_new.evidence.model import Term
 from oed.diagnosis_new.evidence.views import Views, chosen, moments
-from oed.diagnosis_new.numbers import EXCHANGES, POLISHED, PREDICTION_GAIN, RIVALS, SETTLING
+from oed.diagnosis_new.numbers import EXCHANGES, NAMED, PREDICTION_GAIN, RIVALS, SETTLING
 from oed.diagnosis_new.problem import Problem
 from oed.diagnosis_new.selection.screen import Scored, evaluate, polish, price
 from oed.diagnosis_new.selection.sharpen import sharpened
-from oed.diagnosis_new.selection.table import Table, lay_out, ranked
+from oed.diagnosis_new.selection.tables import Tables, as_term, few
 
 Say = Callable[[str], None]
+Over = Callable[[], bool]
 
 
-@dataclass(frozen=True, eq=False)
-class Tables:
-    """Score tests of what is alike in all repetitions, and of what is not."""
-
-    alike: Table
-    changing: Table
-
-    @classmethod
-    def of(cls, views: Views, candidates: Sequence[Candidate]) -> Tables:
-        """Lay out all candidates."""
-        return cls(
-            lay_out(views.means, [c for c in candidates if not c.changes]),
-            lay_out(views.every, [c for c in candidates if c.changes]),
-        )
-
-    def best(
-        self,
-        views: Views,
-        excluded: frozenset[str],
-        most: int = POLISHED,
-        keep: Callable[[Candidate], bool] = lambda _: True,
-    ) -> list[Scored]:
-        """The names and the smooth terms that are worth most beside a model, polished, best first."""
-        lines = ranked(self.alike, views.means, excluded) + ranked(
-            self.changing, views.every, excluded
-        )
-        lines = [own for own in lines if keep(own[0][1].candidate)]
-        lines.sort(key=lambda own: -own[0][0])
-        names = [own for own in lines if own[0][1].candidate.is_named][:most]
-        smooth = [own for own in lines if not own[0][1].candidate.is_named][: most // 2]
-        found = []
-        for own in (*names, *smooth):
-            candidate = own[0][1].candidate
-            fitted = views.showing(candidate)
-            starts = (evaluate(candidate, line.values, fitted) for _, line in own)
-            start = next((s for s in starts if s is not None), None)
-            if start is not None:
-                found.append(polish(start, fitted))
-        return sorted(found, key=lambda s: -s.nats)
-
-
-def as_term(scored: Scored) -> Term:
-    """A scored candidate as part of a model."""
-    own, found = scored.candidate, scored.worth
-    if own.acts_on_model:
-        return Term(own, scored.values, (tuple(found.coefficients.tolist()),))
-    penalty = own.precision(len(found.coefficients))
-    return Term(own, scored.values, (), None if penalty is None else found.precision)
-
-
-def look_ahead(tables: Tables, start: Views, say: Say) -> Views:
+def look_ahead(
+    tables: Tables, start: Views, say: Say, over: Over, refused: frozenset[str] = frozenset()
+) -> Views:
     """Add what is worth most, one after another, while it predicts rows that were not fitted."""
     current = start
-    while len(current.terms) < current.problem.most:
-        present = frozenset(t.label for t in current.terms)
-        options: list[tuple[float, Scored, Views]] = []
-        for scored in _few(tables.best(current, present)):
-            if scored.nats <= 0:
-                continue
-            grown = current.grown((*current.terms, as_term(scored)), "fitted")
-            ahead = grown.score("held_out") - current.score("held_out")
-            gain = grown.score("fitted") - current.score("fitted")
-            rows = grown.means.rows(chosen(grown.means.problem, "fitted")).mean()
-            occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
-            if ahead > PREDICTION_GAIN and gain > occam:
-                options.append((float(gain - occam), scored, grown))
+    while len(current.terms) < current.problem.most and not over():
+        present = refused | labels(current)
+        found = tables.best(current, present)
+        first = few(found)
+        options = _options(current, first)
+        if not options:  # what is worth most may stand for what predicts no better
+            options = _options(current, [s for s in found if s not in first])
         if not options:
             return current
         options.sort(key=lambda o: -o[0])
@@ -100,11 +47,29 @@ def look_ahead(tables: Tables, start: Views, say: Say) -> Views:
     return current
 
 
+def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Scored, Views]]:
+    """Those that predict held-out rows better, each with what it is worth when all is refitted."""
+    options = []
+    for scored in tried:
+        if scored.nats <= 0:
+            continue
+        grown = current.grown((*current.terms, as_term(scored)), "fitted")
+        ahead = grown.score("held_out") - current.score("held_out")
+        gain = grown.score("fitted") - current.score("fitted")
+        rows = grown.means.rows(chosen(grown.means.problem, "fitted")).mean()
+        occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
+        if ahead > PREDICTION_GAIN and gain > occam:
+            options.append((float(gain - occam), scored, grown))
+    return options
+
+
 def _refined(views: Views) -> Views:
     """The model with the shapes of each term, and of friction's sign, fitted again beside all else."""
     for _ in range(SETTLING):
         before = views.score("fitted")
         for number, term in enumerate(views.terms):
+            if len(views.terms) == 1:  # as it was profiled when it was added
+                break
             others = views.terms[:number] + views.terms[number + 1 :]
             rest = views.grown(others, "fitted").showing(term.candidate)
             start = evaluate(term.candidate, term.values, rest)
@@ -184,8 +149,16 @@ class Rival:
     whole: Views
 
 
+# Nats by which a rival is excluded, however many there are of like worth.
+CONTENDING = float(np.log(NAMED / (1 - NAMED))) + float(np.log(RIVALS))
+
+
 def rivals_of(tables: Tables, whole: Views, own: Judged) -> list[Rival]:
-    """What else could stand in the place of a term, best first; the term itself is among them."""
+    """What else could stand in the place of a term, best first; the term itself is among them.
+
+    Whatever could be preferred to the term has to predict held-out rows better than nothing does,
+    as the term had to when it was added.
+    """
     joint = own.term.candidate.joint
     excluded = frozenset(t.label for t in whole.terms)
 
@@ -193,13 +166,15 @@ def rivals_of(tables: Tables, whole: Views, own: Judged) -> list[Rival]:
         return joint is None or candidate.joint in (joint, None) or candidate.is_named
 
     found = [Rival(own.term, own.worth.nats, whole)]
-    others = own.rest.terms
-    for scored in _few(tables.best(own.rest, excluded, RIVALS, near)):
+    others, nothing = own.rest.terms, held_out(own.rest, own.rest.terms)
+    for scored in few(tables.best(own.rest, excluded, RIVALS, near)):
         grown = whole.grown((*others, as_term(scored)), "all", like=whole)
         grown = sharpened(grown, "all")
         # Rivals of one size are compared at the same, smaller dilution.
         told = moments(grown, len(others), own.rest, own.moments.dilution)
-        found.append(Rival(grown.terms[-1], _worth(grown, len(others), told).nats, grown))
+        rival = Rival(grown.terms[-1], _worth(grown, len(others), told).nats, grown)
+        if rival.nats < own.worth.nats - CONTENDING or held_out(grown, grown.terms) > nothing:
+            found.append(rival)
     return sorted(found, key=lambda r: -r.nats)
 
 
@@ -218,12 +193,13 @@ class Selected:
     rivals: tuple[tuple[Rival, ...], ...]
 
 
-def search(problem: Problem, say: Say = lambda _: None) -> Selected:
+def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: False) -> Selected:
     """Find what a base model lacks.
 
     Args:
         problem: Rows, base model and candidates; no test recording is among them.
         say: Receives lines of progress.
+        over: Whether the time for it is over: what was found so far is judged and returned.
     """
     start = Views.of(problem, (), "fitted")
     tables = Tables.of(start, problem.candidates)
@@ -231,9 +207,10 @@ def search(problem: Problem, say: Say = lambda _: None) -> Selected:
     say(
         f"{lines} shapes of {len(problem.candidates)} candidates, left {_short(start.left('fitted'))}"
     )
-    ahead = look_ahead(tables, start, say)
-    views, judged = prune(Views.of(ahead.problem, ahead.terms, "all", ahead), say)
+    views, judged = _ahead_and_back(tables, start, say, over)
     for _ in range(EXCHANGES):
+        if over():
+            break
         rivals = tuple(tuple(rivals_of(tables, views, own)) for own in judged)
         better = _better(views, judged, rivals)
         if better is None:
@@ -245,8 +222,30 @@ def search(problem: Problem, say: Say = lambda _: None) -> Selected:
     foretelling = _foretelling(views, say)
     if foretelling is not views:
         views, judged = prune(foretelling, say)
+    say(f"what else the {len(judged)} terms could be")
     rivals = tuple(tuple(rivals_of(tables, views, own)) for own in judged)
     return Selected(views, tuple(judged), rivals)
+
+
+def _ahead_and_back(
+    tables: Tables, start: Views, say: Say, over: Over
+) -> tuple[Views, list[Judged]]:
+    """Look ahead and judge backwards, again without what was dropped, until nothing is."""
+    current, refused = start, frozenset[str]()
+    while True:
+        ahead = look_ahead(tables, current, say, over, refused)
+        say(f"judging {len(ahead.terms)} terms by what all of them leave")
+        views, judged = prune(Views.of(ahead.problem, ahead.terms, "all", ahead), say)
+        dropped = labels(ahead) - labels(views)
+        if not dropped or over():
+            return views, judged
+        refused |= dropped
+        current = Views.of(views.problem, views.terms, "fitted", views)
+
+
+def labels(views: Views) -> frozenset[str]:
+    """Of a model's terms."""
+    return frozenset(t.label for t in views.terms)
 
 
 def held_out(views: Views, terms: tuple[Term, ...]) -> float:
@@ -281,12 +280,6 @@ def _better(
     pairs.sort(key=lambda pair: pair[0].worth.nats - pair[1].nats)
     now = held_out(views, views.terms) if pairs else 0.0
     return next((p for p in pairs if held_out(p[1].whole, p[1].whole.terms) >= now), None)
-
-
-def _few(scored: Sequence[Scored]) -> list[Scored]:
-    """The best names, and half as many smooth terms."""
-    names = [s for s in scored if s.candidate.is_named][:RIVALS]
-    return [*names, *[s for s in scored if not s.candidate.is_named][: RIVALS // 2]]
 
 
 def _short(values: Sequence[float] | ndarray) -> tuple[float, ...]:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
-
 from oed.diagnosis_new.evidence.views import Views, Which
 from oed.diagnosis_new.noise.sign_width import with_fitted_sign
 from oed.diagnosis_new.numbers import PREDICTION_GAIN
 from oed.diagnosis_new.problem import Problem
+from oed.dynamics.velocity_sign import signs_of, widths_of, with_signs, with_widths
 
 
 def sharpened(views: Views, which: Which) -> Views:
@@ -20,13 +19,12 @@ def sharpened(views: Views, which: Which) -> Views:
         which: Rows that are fitted.
     """
     problem, means = views.problem, views.means
-    if means.installed.measurement or means.installed.robot is not problem.base.robot:
-        return views
-    count = len(means.columns) + means.problem.nuisances.shape[2]
-    beside = np.concatenate(
-        [means.problem.nuisances, means.projection.columns[:, :, count:]], axis=2
-    )
-    base = with_fitted_sign(problem.sharpest, problem.columns, means.problem.rows.rows, beside)
+    count = len(means.columns)
+    beside = means.projection.columns[:, :, count:]
+    # A lag moves where friction turns: both are seen through what is installed.
+    start = with_widths(means.installed, widths_of(problem.sharpest))
+    found = with_fitted_sign(start, means.columns, means.problem.rows.rows, beside)
+    base = with_signs(problem.base, signs_of(found))
     if base == problem.base:
         return views
 
