@@ -18,6 +18,8 @@ from oed.report.joint_words import over_floor, place_words
 from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
 
+SMOKE_EFFECTS = 1
+
 
 def diagnose_by_evidence(config: Diagnose) -> Diagnosis:
     """Diagnose into a folder, and say in a few lines what was found."""
@@ -30,8 +32,9 @@ def diagnose_by_evidence(config: Diagnose) -> Diagnosis:
             dataset,
             build_model(config.model or _base_model(dataset), dataset.robot),
             names=config.candidates or tuple(CATALOGUE),
-            most=config.max_effects,
+            most=SMOKE_EFFECTS if config.smoke else config.max_effects,
             seed=config.seed,
+            budget=config.budget,
             say=say,
         )
         provenance = Provenance.collect(config, seed=config.seed)

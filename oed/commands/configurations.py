@@ -127,6 +127,7 @@ class Diagnose(Command):
         method: The diagnosis that the bench has measured (rules), or one criterion for every term
             with the test recordings sealed (evidence): new, and its rates of right and wrong names
             are not measured yet.
+        budget: CPU time after which the diagnosis by evidence looks for nothing more [s].
     """
 
     data: Annotated[Path, tyro.conf.Positional]
@@ -137,12 +138,15 @@ class Diagnose(Command):
     smoke: bool = False
     seed: Seed = 0
     method: Literal["rules", "evidence"] = "rules"
+    budget: float | None = None
 
     def __post_init__(self) -> None:
         if self.max_effects is not None and self.max_effects < 0:
             raise ValueError(
                 f"--max-effects {self.max_effects} must not be negative; 0 only tests the model"
             )
+        if self.budget is not None and not self.budget >= 0:
+            raise ValueError(f"--budget {self.budget:g} must not be negative: seconds of CPU time")
 
 
 @dataclass(frozen=True, kw_only=True)

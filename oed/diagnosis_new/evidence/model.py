@@ -62,7 +62,7 @@ class Fitted:
         tolerated: (n,) phi.
         context: The same as the problem's with what was fitted.
         columns: (b,) of the installed model that are estimated.
-        base_columns: White columns of the installed model, with what they were made for.
+        base_columns: White columns of the installed model and the nuisances, with what they were made for.
     """
 
     problem: Problem
@@ -75,7 +75,7 @@ class Fitted:
     tolerated: Float[ndarray, " joints"]
     context: Context
     columns: Int[ndarray, " base"]
-    base_columns: tuple[tuple, Int[ndarray, " base"], Float[ndarray, "joints rows base"]]
+    base_columns: tuple[tuple, Int[ndarray, " base"], Float[ndarray, "joints rows beside"]]
 
     @property
     def coefficients(self) -> list[Float[ndarray, " columns"]]:
