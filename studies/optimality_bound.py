@@ -128,8 +128,7 @@ def _design_row(
     rng = np.random.default_rng(config.seed)
     result = OPTIMISERS[optimiser](problem, Budget(cpu_seconds=config.cpu_seconds), rng)
     J_d = log10_det(problem.continuous_information(result.z))
-    is_periodic = isinstance(problem.trajectory, FourierClass)
-    horizon = None if is_periodic else problem.trajectory.horizon
+    horizon = None if problem.trajectory.is_periodic else problem.trajectory.horizon
     return {
         "optimiser": optimiser,
         "J_d": -result.cost,

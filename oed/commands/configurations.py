@@ -218,8 +218,9 @@ class Design(Command):
         rate: Set points a second [Hz].
         evaluations: Of the criterion; the same number and seed give the same motion.
         budget: CPU time after which the optimiser stops in any case [s].
-        trajectory: Class of motions, by name: fourier (a series), harmonic (sines of free
-            frequencies, as the paper's), or one that was registered from outside.
+        trajectory: Class of motions, by name: fourier (a series), collocation (piecewise-linear
+            acceleration), spline (of degree 5), harmonic (sines of free frequencies, as the
+            paper's), or one that was registered from outside.
         optimiser: By name: interior_point, slsqp, hopping, evolution (CMA-ES), genetic (the paper's),
             random_search, or one that was registered from outside.
         smoke: Do less, to see that it works.

@@ -35,7 +35,6 @@ from oed.design.prior_experiments import prior_information
 from oed.design.problem import DesignProblem
 from oed.design.status import DesignStatus, LimitStatus
 from oed.design.still_joints import hold_still_joints
-from oed.design.trajectories import FourierClass
 from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError, RobotError
 from oed.experiment.read_dataset import read_robot
@@ -139,7 +138,7 @@ def find(config: Design, robot: Robot) -> Result:
     if config.prior:
         problem = _with_prior(problem, config.prior)
     kept = _kept(surroundings, robot, config)
-    _check_class(problem, kept, config)
+    slowed = _slowed(problem, config)
     budget = Budget(_evaluations(config), config.budget)
     search = search_clear(problem, kept, budget, rng, optimise)
     found = search.found
@@ -149,7 +148,7 @@ def find(config: Design, robot: Robot) -> Result:
             f"{_evaluations(config)} evaluations: the same seed may give another motion"
         )
     say(f"found after {found.evaluations} evaluations; proving what it keeps")
-    problem = problem.slower(config.scale)
+    problem = slowed
     design = FoundDesign.from_result(
         problem, found, optimiser=config.optimiser, seed=config.seed, others=posed.others
     )
@@ -223,16 +222,12 @@ def _check_information(design: FoundDesign) -> None:
         )
 
 
-def _check_class(problem: DesignProblem, kept: Surroundings | None, config: Design) -> None:
-    """Refuse what only Fourier series can do."""
-    if isinstance(problem.trajectory, FourierClass):
-        return
-    for option, is_asked in (
-        ("keeping clear (leave it out by --no-clearance, and no --box)", kept is not None),
-        ("--scale", config.scale != 1.0),
-    ):
-        if is_asked:
-            raise ValueError(f"--trajectory {config.trajectory}: {option} needs a Fourier series")
+def _slowed(problem: DesignProblem, config: Design) -> DesignProblem:
+    """The problem at the speed that is asked for, before the search for its answer."""
+    try:
+        return problem.slower(config.scale)
+    except ValueError as error:
+        raise ValueError(f"--trajectory {config.trajectory} with --scale: {error}") from error
 
 
 def _problem(config: Design) -> ProblemSettings:

@@ -49,7 +49,7 @@ def search_clear(
     too few it would not be clear. Half of the CPU seconds go to each.
 
     Args:
-        problem: Of a Fourier class.
+        problem: As for `find_clear_motion`.
         surroundings: What the motion must keep clear of; None for nothing.
         budget: In evaluations, CPU seconds or both.
         rng: Of the starts.

@@ -141,7 +141,7 @@ def find_clear_motion(
     hits; it leaves the narrower range again.
 
     Args:
-        problem: Of a Fourier class.
+        problem: Any; of a class without an offset, without a second beginning.
         z: A motion within its limits, such as the best one without distances to keep.
         surroundings: What may be hit.
         budget: Of the search for another beginning; the others keep to its CPU seconds and to
@@ -177,10 +177,11 @@ def _beginnings(
         seen = Distances.at(problem.trajectory, start, surroundings)
         return problem.cost(start) + seen.price(start, PRICE)[0]
 
-    if Distances.at(problem.trajectory, z, surroundings).spare >= ENOUGH:
+    is_clear = Distances.at(problem.trajectory, z, surroundings).spare >= ENOUGH
+    if is_clear or not problem.trajectory.has_offset:  # which fits no range but its own
         return [z]
     room = clear_limits(problem.limits, surroundings, rng)
-    trajectory = dataclasses.replace(problem.trajectory, limits=room.limits)
+    trajectory = problem.trajectory.with_limits(room.limits)
     narrow = dataclasses.replace(problem, trajectory=trajectory, limits=room.limits)
     return sorted((z, optimise(narrow, budget, rng).z), key=toll)
 

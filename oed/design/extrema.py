@@ -3,6 +3,7 @@
 On an interval of half width h about m, a function f with |f''| <= M everywhere obeys
 |f(t) - f(m)| <= |f'(m)| h + M h^2 / 2. Intervals that this bound cannot rule out are split
 until bound and largest value found agree; what is returned is the bound, never the sample.
+Piecewise polynomials are bounded by their coefficients instead.
 """
 
 from __future__ import annotations
@@ -14,11 +15,13 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.joint_sums import JointSums
+from oed.design.piecewise_extrema import bernstein_range
 from oed.design.trajectories import TrajectoryClass
 
 TOLERANCE = 1e-7  # of a joint's own scale, between proven bound and attained value
 FIRST_INTERVALS = 128
 QUICK_INTERVALS = 512  # of the one sweep of `quick_range`
+QUICK_TOLERANCE = 1e-4  # of `quick_range` where there are pieces, as `TOLERANCE`
 SPLIT = 4
 # Rounding of a sum of sines, relative to the sum of their magnitudes: a thousand times the unit.
 ROUNDING = 1e-13
@@ -44,8 +47,11 @@ def proven_range(
     Returns:
         (n, 2) lower bound on the minimum and upper bound on the maximum.
     """
-    curvature = trajectory.derivative_bound(z, order + 2)
     scale = trajectory.derivative_bound(z, order)
+    pieces = trajectory.bernstein(z, order)
+    if pieces is not None:
+        return _range_of_pieces(pieces, scale, tolerance)
+    curvature = trajectory.derivative_bound(z, order + 2)
     middle, half = first_intervals(trajectory)
     attained = np.stack([np.full(len(scale), np.inf), np.full(len(scale), -np.inf)])
     proven = attained.copy()
@@ -78,6 +84,9 @@ def quick_range(
     At an extremum inside the horizon the next derivative is zero, so a sample within h of it
     lies within M h^2 / 2 of the extreme value; the ends are samples themselves.
     """
+    pieces = trajectory.bernstein(z, order)
+    if pieces is not None:
+        return _range_of_pieces(pieces, trajectory.derivative_bound(z, order), QUICK_TOLERANCE)
     ends = trajectory.breakpoints
     nodes = [np.linspace(a, b, QUICK_INTERVALS + 1) for a, b in itertools.pairwise(ends)]
     half = np.diff(ends).max() / QUICK_INTERVALS / 2
@@ -87,10 +96,24 @@ def quick_range(
     return np.stack([values.min(axis=0) - slack, values.max(axis=0) + slack], axis=1)
 
 
+def _range_of_pieces(
+    pieces: Float[ndarray, "pieces coefficients joints"],
+    scale: Float[ndarray, " joints"],
+    tolerance: float,
+) -> Float[ndarray, "joints 2"]:
+    proven = bernstein_range(pieces, tolerance * scale)
+    slack = ROUNDING * (scale + np.abs(pieces).max(axis=(0, 1)))
+    return np.stack([proven[:, 0] - slack, proven[:, 1] + slack], axis=1)
+
+
 def first_intervals(trajectory: TrajectoryClass | JointSums) -> tuple[ndarray, ndarray]:
     """Middles and half widths of intervals that no breakpoint lies within."""
-    ends = trajectory.breakpoints
-    edges = [np.linspace(a, b, FIRST_INTERVALS + 1) for a, b in itertools.pairwise(ends)]
+    ends = np.asarray(trajectory.breakpoints)
+    counts = np.ceil(FIRST_INTERVALS * np.diff(ends) / (ends[-1] - ends[0])).astype(int)
+    edges = [
+        np.linspace(a, b, count + 1)
+        for (a, b), count in zip(itertools.pairwise(ends), counts, strict=True)
+    ]
     middle = np.concatenate([(edge[1:] + edge[:-1]) / 2 for edge in edges])
     half = np.concatenate([np.diff(edge) / 2 for edge in edges])
     return middle, half

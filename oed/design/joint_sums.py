@@ -40,6 +40,13 @@ class JointSums:
         """An upper bound on |`derivative`| at all t; for order 0 on |sum - centre|."""
         return np.abs(self.factors) @ self.trajectory.derivative_bound(z, order)
 
+    def bernstein(
+        self, z: Float[ndarray, " size"], order: int
+    ) -> Float[ndarray, "pieces coefficients sums"] | None:
+        """`derivative` as polynomials between breakpoints, where joints are."""
+        pieces = self.trajectory.bernstein(z, order)
+        return None if pieces is None else pieces @ self.factors.T
+
     def centre(self, z: Float[ndarray, " size"]) -> Float[ndarray, " sums"]:
         """Value about which each sum moves."""
         return self.factors @ self.trajectory.centre(z)

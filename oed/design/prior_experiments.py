@@ -11,14 +11,13 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.problem import DesignProblem
-from oed.design.trajectories import FourierClass
+from oed.design.trajectories.registry import restore_motion
 from oed.dynamics.motion import Motion
 from oed.errors import OedError, one_line
 from oed.input_file import UnreadableFile, read_json
 
 # A design has hundreds and five; beyond these, what is kept of every instant fills the memory.
 MOST_INSTANTS = 100_000
-MOST_HARMONICS = 200
 RECORDED = "recorded"  # class of a file that holds a recorded motion, sample by sample
 
 
@@ -32,7 +31,7 @@ def prior_information(
     """What the experiments of earlier design files tell about a problem's base parameters.
 
     Args:
-        files: `design.json` of Fourier motions of the same joints, or motions that `check` leaves.
+        files: `design.json` of motions of the same joints, or motions that `check` leaves.
         problem: Its model and noise; the instants are those of each file.
 
     Raises:
@@ -58,9 +57,6 @@ def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base 
         raise ValueError(f"{file}: {error}") from error
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{file}: not a design file: {one_line(repr(error))}") from error
-    if name != FourierClass.name:
-        what = one_line(repr(name))
-        raise ValueError(f"{file}: a motion of class {what}, not {FourierClass.name!r}")
     if joints != list(robot.joint_names):
         what = one_line(repr(joints))
         raise ValueError(f"{file}: it moves {what}, not {list(robot.joint_names)}")
@@ -69,22 +65,13 @@ def _information_of(file: Path, problem: DesignProblem) -> Float[ndarray, "base 
             f"{file}: {horizon=} and {count} instants: both must be positive, and the instants at "
             f"most {MOST_INSTANTS}"
         )
-    parts = [given.get(part, np.empty(0)) for part in ("offset", "sine", "cosine")]
-    shapes = [part.shape for part in parts]
-    harmonics = shapes[1][1] if parts[1].ndim == 2 else 0
-    if harmonics > MOST_HARMONICS:
-        raise ValueError(f"{file}: {harmonics} harmonics are more than {MOST_HARMONICS}")
-    if shapes != [(robot.n,), (robot.n, harmonics), (robot.n, harmonics)] or not harmonics:
-        raise ValueError(
-            f"{file}: offset, sine and cosine have shapes {shapes}, "
-            f"not those of a series of {robot.n} joints"
-        )
-    parts[0] = parts[0][:, None]
-    z = np.concatenate(parts, axis=1).reshape(-1)
+    try:
+        trajectory, z = restore_motion(name, horizon, problem.limits, given)
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from error
     if not np.isfinite(z).all():
         raise ValueError(f"{file}: a coefficient is not a finite number")
-    series = FourierClass(horizon, problem.limits, harmonics)
-    return problem.fast.information(series.motion(z, series.instants(count)))
+    return problem.fast.information(trajectory.motion(z, trajectory.instants(count)))
 
 
 def _recorded(record: dict[str, Any], problem: DesignProblem) -> Motion:

@@ -25,7 +25,7 @@ from oed.design.limits import (
 )
 from oed.design.nominal_torque import NominalTorque, largest_factor
 from oed.design.torque_range import proven_torque_range
-from oed.design.trajectories import FourierClass, TrajectoryClass
+from oed.design.trajectories import TrajectoryClass
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.compiled import CompiledRegressor, compile_regressor
 from oed.dynamics.torque_model import TorqueModel
@@ -88,13 +88,11 @@ class DesignProblem:
         """The problem whose z is the same way through space at `scale` times the speed.
 
         Raises:
-            TypeError: If the class has no period that can be stretched.
+            ValueError: If the class has no such z.
         """
         if scale == 1.0:
             return self
-        if not isinstance(self.trajectory, FourierClass):
-            raise TypeError(f"motions of class {self.trajectory.name} cannot be slowed down")
-        trajectory = dataclasses.replace(self.trajectory, horizon=self.trajectory.horizon / scale)
+        trajectory = self.trajectory.slower(scale)
         return dataclasses.replace(self, trajectory=trajectory, instants=self.instants / scale)
 
     @property

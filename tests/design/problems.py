@@ -8,7 +8,7 @@ import numpy as np
 
 from oed.design.criteria import Criterion
 from oed.design.problem import DesignProblem
-from oed.design.trajectories import FourierClass, HarmonicClass, TrajectoryClass
+from oed.design.trajectories import FourierClass, HarmonicClass, SplineClass, TrajectoryClass
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
@@ -43,6 +43,8 @@ def classes(limits: JointLimits) -> dict[str, TrajectoryClass]:
         "ramped": HarmonicClass.exact(limits, HORIZON, ramp=1.0),
         "fourier": FourierClass(HORIZON, limits),
         "fourier_at_rest": FourierClass(HORIZON, limits, at_rest=True),
+        "collocation": SplineClass(HORIZON, limits, segments=13),
+        "spline_at_rest": SplineClass(HORIZON, limits, segments=17, degree=5, at_rest=True),
     }
 
 

@@ -14,11 +14,13 @@ from oed.design.design_file import design_record
 from oed.design.optimisers.result import OptimiserResult
 from oed.design.prior_experiments import prior_information
 from oed.design.problem import DesignProblem
-from oed.design.trajectories import FourierClass, HarmonicClass
+from oed.design.trajectories import FourierClass
+from oed.design.trajectories.registry import restore_motion
 from oed.report.json_file import write_json
-from tests.design.problems import HORIZON, paper_problem, scara
+from tests.design.problems import HORIZON, classes, paper_problem, scara
 
 ROBOT, MODEL, BASE = scara()
+CLASSES = classes(ROBOT.limits)
 
 
 def design(problem: DesignProblem, seed: int) -> Design:
@@ -147,11 +149,42 @@ def test_another_robots_motion_is_refused(tmp_path: Path) -> None:
     assert ROBOT.joint_names[0] in message
 
 
-def test_another_class_of_motion_is_refused(tmp_path: Path) -> None:
-    trajectory = HarmonicClass.exact(ROBOT.limits, HORIZON)
-    file = written(design(paper_problem(trajectory), 0), tmp_path / "harmonic.json")
-    with pytest.raises(ValueError, match="a motion of class"):
-        prior_information([file], next_problem())
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_motion_of_any_class_is_read_back(name: str, tmp_path: Path) -> None:
+    trajectory = CLASSES[name]
+    found = design(paper_problem(trajectory), 0)
+    record = json.loads(written(found, tmp_path / "design.json").read_text())
+    given = {key: np.array(x) for key, x in record["coefficients"].items()}
+    restored, z = restore_motion(record["class"], record["horizon"], ROBOT.limits, given)
+    t = np.linspace(0.0, HORIZON, 77)
+    for order in range(4):
+        before = trajectory.derivative(found.z, t, order)
+        after = restored.derivative(z, t, order)
+        np.testing.assert_allclose(after, before, atol=1e-10 * max(1.0, np.abs(before).max()))
+    prior = prior_information([tmp_path / "design.json"], next_problem())
+    np.testing.assert_allclose(prior, found.information, rtol=1e-8, atol=1e-8 * prior.max())
+
+
+def test_a_class_that_nobody_registered_is_refused(tmp_path: Path) -> None:
+    _, file = earlier(tmp_path)
+    record = json.loads(file.read_text()) | {"class": "zigzag"}
+    assert "a motion of class 'zigzag'; known are fourier" in refused(json.dumps(record), tmp_path)
+
+
+@pytest.mark.parametrize(
+    "coefficients",
+    [
+        {},
+        {"control_points": [[0.0] * 20] * 3, "degree": 3},
+        {"control_points": [[0.0] * 20] * 2, "degree": 99},
+        {"control_points": [[0.0] * 5] * 2, "degree": 3},
+        {"control_points": [[0.0] * 20] * 2, "degree": [3, 3]},
+    ],
+)
+def test_misshapen_splines_are_refused(coefficients: dict, tmp_path: Path) -> None:
+    _, file = earlier(tmp_path)
+    record = json.loads(file.read_text()) | {"class": "spline", "coefficients": coefficients}
+    refused(json.dumps(record), tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,8 @@ from oed.design.optimisers.hopping import HoppingSettings, optimise
 from oed.design.optimisers.result import Budget
 from oed.design.optimisers.sequential_quadratic import solve_quadratic
 from oed.design.optimisers.starts import structured_start
-from oed.design.trajectories import FourierClass, HarmonicClass
+from oed.design.trajectories import FourierClass, HarmonicClass, term_moves
+from oed.design.trajectories.term_moves import overtone, renew_term, split_term
 from oed.robot import JointLimits
 from tests.design.problems import classes, paper_problem, scara
 
@@ -18,27 +19,37 @@ ROBOT, *_ = scara()
 CLASSES = classes(ROBOT.limits)
 
 
-@pytest.mark.parametrize("move", [*moves.GENERAL, *moves.OF_TERMS])
-def test_a_move_moves_one_joint_or_a_few_variables(move) -> None:
+def of_terms(move):
+    """A move of single terms, as one of a problem."""
+    return lambda problem, z, rng: move(problem.trajectory, z, rng)
+
+
+MOVES = {move.__name__: move for move in moves.GENERAL} | {
+    move.__name__: of_terms(move) for move in (renew_term, split_term, overtone)
+}
+
+
+@pytest.mark.parametrize("name", MOVES)
+def test_a_move_moves_one_joint_or_a_few_variables(name) -> None:
     problem = paper_problem(CLASSES["harmonic"])
     rng = np.random.default_rng(0)
     z = problem.random_start(rng)
-    changed = [move(problem, z.copy(), rng) != z for _ in range(20)]
+    changed = [MOVES[name](problem, z.copy(), rng) != z for _ in range(20)]
     assert any(c.any() for c in changed)
-    if move is not moves.shift:
+    if name != "shift":
         joint = problem.trajectory.variables
         assert all(min(c[own].sum() for own in joint) == 0 for c in changed)
 
 
 def test_a_split_at_one_frequency_is_the_same_motion(monkeypatch) -> None:
-    monkeypatch.setattr(moves, "RELATIVE_SPLIT", 0.0)
+    monkeypatch.setattr(term_moves, "RELATIVE_SPLIT", 0.0)
     problem = paper_problem(CLASSES["harmonic"])
     trajectory, t = problem.trajectory, problem.instants
     assert isinstance(trajectory, HarmonicClass)
     z = problem.random_start(np.random.default_rng(0))
     z[trajectory.variables[:, 0]] = 0.0  # the first term of each joint does nothing
     for seed in range(20):
-        split = moves.split_term(problem, z.copy(), np.random.default_rng(seed))
+        split = split_term(trajectory, z.copy(), np.random.default_rng(seed))
         if (split != z)[trajectory.variables[:, trajectory.terms]].any():
             np.testing.assert_allclose(
                 trajectory.derivative(split, t, 2), trajectory.derivative(z, t, 2), atol=1e-12
@@ -47,7 +58,7 @@ def test_a_split_at_one_frequency_is_the_same_motion(monkeypatch) -> None:
     pytest.fail("no split used an idle term")
 
 
-@pytest.mark.parametrize("name", ["harmonic", "ramped", "fourier"])
+@pytest.mark.parametrize("name", ["harmonic", "ramped", "fourier", "collocation"])
 def test_a_neighbour_keeps_the_limits(name) -> None:
     problem = paper_problem(CLASSES[name])
     rng = np.random.default_rng(1)

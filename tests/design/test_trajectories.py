@@ -83,7 +83,7 @@ def test_shrinking_scales_the_distance_from_the_centre(case) -> None:
     np.testing.assert_allclose(after, before * [0.5, 0.1], atol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["ramped", "fourier_at_rest"])
+@pytest.mark.parametrize("name", ["ramped", "fourier_at_rest", "spline_at_rest"])
 def test_starts_and_ends_at_rest(name) -> None:
     trajectory = CLASSES[name]
     z = trajectory.draw(np.random.default_rng(1))

@@ -13,7 +13,6 @@ from oed.design.bound.information_bound import BoundSettings, InformationBound, 
 from oed.design.bound.weights import WeightsNotFound
 from oed.design.design import Design
 from oed.design.problem import DesignProblem
-from oed.design.trajectories import FourierClass
 from oed.errors import OedError
 
 CERTIFIED_JOINTS = 2  # branch and bound over the states of more joints takes hours
@@ -94,7 +93,7 @@ def d_efficiency(
     except (OedError, ValueError, ArithmeticError) as error:
         raise NoBound(f"no bound was found: {error}") from error
     instants = len(problem.instants)
-    horizon = None if isinstance(problem.trajectory, FourierClass) else design.horizon
+    horizon = None if problem.trajectory.is_periodic else design.horizon
     value = bound.efficiency(design.J_d_continuous, instants, horizon)
     if not np.isfinite(value):
         raise NoBound("no bound was found: the information is singular to rounding")

@@ -78,7 +78,7 @@ def solve_locally(
     Returns:
         A feasible point, and whether the solver converged in the last round.
     """
-    instants = np.linspace(0.0, problem.trajectory.horizon, settings.constraint_instants)
+    instants = problem.trajectory.limit_instants(settings.constraint_instants)
     z, is_converged = start, False
     stages = settings.stages[-settings.warm_stages :] if is_warm else settings.stages
     for number, stage in enumerate(stages):
@@ -120,7 +120,7 @@ def solve_near(
     Returns:
         A point that may violate limits between the instants.
     """
-    instants = np.linspace(0.0, problem.trajectory.horizon, settings.constraint_instants)
+    instants = problem.trajectory.limit_instants(settings.constraint_instants)
     instants = np.union1d(instants, peaks)
     smooth = _Smooth(problem, settings.stages[-1], instants, settings, trust, penalty)
     return smooth.solve(start, log, is_warm=True)[0]

@@ -101,7 +101,7 @@ def _descend(
         if not log.is_spent:
             log.evaluate(problem.cost, problem.quick_repair(lower + x * span))
 
-    instants = np.linspace(0.0, problem.trajectory.horizon, settings.instants)
+    instants = problem.trajectory.limit_instants(settings.instants)
     limits = LimitConstraints(problem.trajectory, problem.limits, instants)
     result = scipy.optimize.minimize(
         cost,

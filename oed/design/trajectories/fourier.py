@@ -5,22 +5,25 @@ Swevers et al. 1997, "Optimal robot excitation and identification".
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy.linalg
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.trajectories.trajectory import TrajectoryClass
+from oed.design.trajectories.linear import LinearClass
 from oed.robot import JointLimits
 
 BASES_KEPT = 32  # the criterion, the limits and the reports each have their instants
+MOST_HARMONICS = 200  # of a series that is read; a design has five, or twenty
 
 
 @dataclass(frozen=True)
-class FourierClass(TrajectoryClass):
+class FourierClass(LinearClass):
     """q_j(t) = offset_j + sum_k s_jk sin(k w t) + c_jk cos(k w t), w = 2 pi / horizon.
 
     Each joint's own variables are the offset, the W sine and the W cosine coefficients; with
@@ -39,19 +42,13 @@ class FourierClass(TrajectoryClass):
     harmonics: int = 5
     at_rest: bool = False
     name = "fourier"
-    is_linear = True
-    has_offset = True
+    is_periodic = True
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.limits.position).all():
             raise ValueError("a Fourier class needs finite position limits of every joint")
         if self.at_rest and self.harmonics < 2:
             raise ValueError(f"{self.harmonics=} harmonic cannot start and end at rest")
-
-    @property
-    def joints(self) -> int:
-        """Number of joints n."""
-        return len(self.limits.position)
 
     @property
     def fundamental(self) -> float:
@@ -77,27 +74,10 @@ class FourierClass(TrajectoryClass):
         upper = np.concatenate([limits.position[:, 1:], largest], axis=1)
         return np.stack([lower.reshape(-1), upper.reshape(-1)], axis=1)
 
-    @cached_property
-    def variables(self) -> Int[ndarray, "joints own"]:  # pyright: ignore[reportIncompatibleMethodOverride]  # a property too, and cached
-        """Joint after joint."""
-        own = self._subspace.shape[1]
-        return np.arange(self.joints * own).reshape(self.joints, own)
-
-    def derivative(
-        self, z: Float[ndarray, " size"], t: Float[ndarray, " samples"], order: int
-    ) -> Float[ndarray, "samples joints"]:
-        """Exact time derivative of position."""
-        return self.basis(t, order) @ np.asarray(z, dtype=float).reshape(self.joints, -1).T
-
-    def sensitivity(
-        self,
-        z: Float[ndarray, " size"],  # noqa: ARG002  # the same for every z
-        t: Float[ndarray, " samples"],
-        order: int,
-    ) -> Float[ndarray, "samples joints own"]:
-        """The basis, the same for every joint and z."""
-        basis = self.basis(t, order)
-        return np.broadcast_to(basis[:, None, :], (len(t), self.joints, basis.shape[1]))
+    @property
+    def own(self) -> int:
+        """Number of each joint's own variables."""
+        return self._subspace.shape[1]
 
     def basis(self, t: Float[ndarray, " samples"], order: int) -> Float[ndarray, "samples own"]:
         """Derivative of position by a joint's own variables."""
@@ -106,47 +86,54 @@ class FourierClass(TrajectoryClass):
         )
         return series @ self._subspace if self.at_rest else series
 
-    def pull_back(
-        self,
-        z: Float[ndarray, " size"],  # noqa: ARG002  # the same for every z
-        t: Float[ndarray, " samples"],
-        adjoints: tuple[Float[ndarray, "samples joints"], ...],
-    ) -> Float[ndarray, " size"]:
-        """Gradient by z, one matrix product an order."""
-        parts = [adjoint.T @ self.basis(t, order) for order, adjoint in enumerate(adjoints)]
-        return sum(parts[1:], parts[0]).reshape(-1)
-
     def derivative_bound(self, z: Float[ndarray, " size"], order: int) -> Float[ndarray, " joints"]:
         """sum_k of the harmonics' magnitudes times (k w)^order."""
         _, sines, cosines = self._parts(z)
         orders = np.arange(1, self.harmonics + 1) * self.fundamental
         return np.hypot(sines, cosines) @ orders**order
 
-    def centre(self, z: Float[ndarray, " size"]) -> Float[ndarray, " joints"]:
-        """The offsets."""
-        return np.asarray(z, dtype=float).reshape(self.joints, -1)[:, 0]
-
-    def shrink(
-        self, z: Float[ndarray, " size"], factors: Float[ndarray, " joints"]
-    ) -> Float[ndarray, " size"]:
-        """All but the offsets multiplied."""
-        own = np.array(z, dtype=float).reshape(self.joints, -1)
-        own[:, 1:] *= factors[:, None]
+    def swing(
+        self,
+        middle: Float[ndarray, " joints"],
+        amplitude: Float[ndarray, " joints"],
+        rate: Float[ndarray, " joints"],
+    ) -> Float[ndarray, " size"] | None:
+        """The sine of the nearest harmonic; a series at rest at its ends holds no single sine."""
+        if self.at_rest:
+            return None
+        own = np.zeros((self.joints, self.own))
+        own[:, 0] = middle
+        cycles = np.clip(np.round(rate / self.fundamental), 1, self.harmonics)
+        own[np.arange(self.joints), cycles.astype(int)] = amplitude
         return own.reshape(-1)
 
-    def shift(
-        self, z: Float[ndarray, " size"], distance: Float[ndarray, " joints"]
-    ) -> Float[ndarray, " size"]:
-        """Offsets moved."""
-        own = np.array(z, dtype=float).reshape(self.joints, -1)
-        own[:, 0] += distance
-        return own.reshape(-1)
+    def slower(self, scale: float) -> FourierClass:
+        """The same series over a longer period."""
+        return dataclasses.replace(self, horizon=self.horizon / scale)
 
     def describe(self, z: Float[ndarray, " size"]) -> dict[str, ndarray]:
         """Offset (n,), sine and cosine coefficients (n, W)."""
         offset, sines, cosines = self._parts(z)
         fundamental = np.array(self.fundamental)
         return {"offset": offset, "sine": sines, "cosine": cosines, "fundamental": fundamental}
+
+    @classmethod
+    def restore(
+        cls, horizon: float, limits: JointLimits, coefficients: Mapping[str, ndarray]
+    ) -> tuple[FourierClass, Float[ndarray, " size"]]:
+        """The series of these coefficients, whether or not it is at rest at its ends."""
+        parts = [coefficients.get(part, np.empty(0)) for part in ("offset", "sine", "cosine")]
+        shapes, joints = [part.shape for part in parts], len(limits.position)
+        harmonics = shapes[1][1] if parts[1].ndim == 2 else 0
+        if harmonics > MOST_HARMONICS:
+            raise ValueError(f"{harmonics} harmonics are more than {MOST_HARMONICS}")
+        if shapes != [(joints,), (joints, harmonics), (joints, harmonics)] or not harmonics:
+            raise ValueError(
+                f"offset, sine and cosine have shapes {shapes}, not those of a series of "
+                f"{joints} joints"
+            )
+        z = np.concatenate([parts[0][:, None], *parts[1:]], axis=1).reshape(-1)
+        return cls(horizon, limits, harmonics), z
 
     def _parts(self, z: Float[ndarray, " size"]) -> tuple[ndarray, ndarray, ndarray]:
         full = np.asarray(z, dtype=float).reshape(self.joints, -1) @ self._subspace.T

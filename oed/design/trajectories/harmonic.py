@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from math import comb
 
 import numpy as np
@@ -12,7 +12,8 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.design.trajectories.ramp import Ramp
-from oed.design.trajectories.trajectory import TrajectoryClass
+from oed.design.trajectories.term_moves import overtone, renew_term, split_term
+from oed.design.trajectories.trajectory import Move, TrajectoryClass
 from oed.robot import JointLimits
 
 AMPLITUDE_BOUND = 4.0  # [rad or m] of each term, where sums may cancel under exact limits
@@ -21,6 +22,13 @@ AMPLITUDE_BOUND = 4.0  # [rad or m] of each term, where sums may cancel under ex
 FREQUENCY_MULTIPLE = 4.0
 # Share of that box from which random motions take their frequencies.
 DRAWN_FREQUENCIES = 0.4
+# The D-optimal motion of one joint between position and acceleration limits is close to
+# A (sin wt + sin(3 wt) / 54): the third harmonic flattens the acceleration.
+THIRD_HARMONIC = 1 / 54
+# Largest value of sin x + THIRD_HARMONIC sin 3x, at 90 degrees, and of sin x + 9 THIRD_HARMONIC
+# sin 3x, at 60 degrees: what the third harmonic leaves of position and acceleration.
+POSITION_CREST = 1 - THIRD_HARMONIC
+ACCELERATION_CREST = np.sqrt(3) / 2
 
 
 @dataclass(frozen=True)
@@ -171,6 +179,30 @@ class HarmonicClass(TrajectoryClass):
         """Unchanged: the class has no offset."""
         return z
 
+    def swing(
+        self,
+        middle: Float[ndarray, " joints"],  # noqa: ARG002  # the class has its own
+        amplitude: Float[ndarray, " joints"],
+        rate: Float[ndarray, " joints"],
+    ) -> Float[ndarray, " size"] | None:
+        """One sine a joint, with a little of its third harmonic where limits leave room for it."""
+        if self.terms > 1 and not self.box_keeps_limits:
+            amplitude = amplitude / POSITION_CREST
+            rate = rate * np.sqrt(POSITION_CREST / ACCELERATION_CREST)
+        a = np.zeros((self.joints, self.terms))
+        omega = np.tile(rate[:, None], (1, self.terms))
+        a[:, 0] = amplitude
+        if self.terms > 1:
+            a[:, 1] = amplitude * THIRD_HARMONIC
+            omega[:, 1] = 3 * rate
+        return np.concatenate([a.reshape(-1), omega.reshape(-1)])
+
+    @property
+    def moves(self) -> tuple[Move, ...]:
+        """Of single terms, where there are several."""
+        of_terms = (renew_term, split_term, overtone) if self.terms > 1 else ()
+        return tuple(partial(move, self) for move in of_terms)
+
     def describe(self, z: Float[ndarray, " size"]) -> dict[str, ndarray]:
         """Centre, amplitudes and frequencies, (n, W) each."""
         a, omega = self._parts(z)
@@ -180,6 +212,27 @@ class HarmonicClass(TrajectoryClass):
             "frequency": omega,
             "ramp": np.array(self.ramp),
         }
+
+    @classmethod
+    def restore(
+        cls,
+        horizon: float,
+        limits: JointLimits,
+        coefficients: Mapping[str, ndarray],
+    ) -> tuple[HarmonicClass, Float[ndarray, " size"]]:
+        """The sums of these terms, in the least box that holds them."""
+        names = ("centre", "amplitude", "frequency", "ramp")
+        centre, a, omega, ramp = (coefficients.get(name, np.empty(0)) for name in names)
+        shapes, joints = [x.shape for x in (centre, a, omega, ramp)], len(limits.position)
+        terms = a.shape[1] if a.ndim == 2 else 0
+        if shapes != [(joints,), (joints, terms), (joints, terms), ()] or not terms:
+            raise ValueError(
+                f"centre, amplitude, frequency and ramp have shapes {shapes}, not those of sums "
+                f"of sines of {joints} joints"
+            )
+        box = (np.abs(a).max(axis=1), np.abs(omega).max(axis=1))
+        restored = cls(horizon, centre, terms, *box, ramp=float(ramp))
+        return restored, np.concatenate([a.reshape(-1), omega.reshape(-1)])
 
     def _parts(self, z: Float[ndarray, " size"]) -> tuple[ndarray, ndarray]:
         a, omega = np.asarray(z, dtype=float).reshape(2, self.joints, self.terms)
