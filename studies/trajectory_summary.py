@@ -68,24 +68,24 @@ def _classes(rows: Rows) -> list[str]:
 
 def _values(rows: Rows, name: str) -> dict[str, float]:
     """Value of a class by seed."""
-    return {row["seed"]: number_of(row["value"]) for row in rows if row["trajectory"] == name}
+    return {row["seed"]: float(row["value"]) for row in rows if row["trajectory"] == name}
 
 
 def _cells(rows: Rows) -> list[Row]:
     cells: list[Row] = []
     for name in _classes(rows):
         own = [row for row in rows if row["trajectory"] == name]
-        values = np.array([number_of(row["value"]) for row in own])
+        values = np.array([float(row["value"]) for row in own])
         cells.append(
             {
                 "problem": own[0]["problem"],
                 "class": name,
-                "variables": int(number_of(own[0]["variables"])),
+                "variables": int(float(own[0]["variables"])),
                 "designs": len(own),
                 "mean value": round(float(values.mean()), 3),
                 "least": round(float(values.min()), 3),
                 "greatest": round(float(values.max()), 3),
-                "evaluations": int(np.mean([number_of(row["evaluations"]) for row in own])),
+                "evaluations": int(np.mean([float(row["evaluations"]) for row in own])),
             }
         )
     return cells
@@ -95,7 +95,7 @@ def _verdicts(rows: Rows) -> list[Row]:
     """Each class that is no Fourier series against the best that is."""
     series = [name for name in _classes(rows) if name.startswith(RIVALS)]
     best = max(series, key=lambda name: np.mean(list(_values(rows, name).values())))
-    rival, base = _values(rows, best), number_of(rows[0]["base"])
+    rival, base = _values(rows, best), float(rows[0]["base"])
     verdicts: list[Row] = []
     for name in (name for name in _classes(rows) if name not in series):
         own = _values(rows, name)
@@ -138,18 +138,18 @@ def _mark(rows: Rows, name: str) -> Row:
     own = [row for row in rows if row["trajectory"] == name]
     is_condition = "J_k" in own[0]["problem"]
     key = "J_k" if is_condition else "J_d_continuous"
-    values = [number_of(row[key]) for row in own]
+    values = [float(row[key]) for row in own]
     best = min(values) if is_condition else max(values)
     efficiency: float | str = ""
     if not is_condition and BOUNDS.is_file():
         bounds = read_csv(BOUNDS)
         least = min(number_of(row["J_d_bound"]) for row in bounds)
-        efficiency = round(10 ** ((best - least) / number_of(own[0]["base"])), 4)
+        efficiency = round(10 ** ((best - least) / float(own[0]["base"])), 4)
     return {
         "problem": own[0]["problem"],
         "class": name,
         "best of seeds": round(best, 3),
         "median": round(float(np.median(values)), 3),
         "D-efficiency of the best": efficiency,
-        "worst violation": max(number_of(row["certified_violation"]) for row in own),
+        "worst violation": max(float(row["certified_violation"]) for row in own),
     }
