@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
 from oed.design.extrema import FIRST_INTERVALS, proven_range, quick_range
 from oed.design.limits import KINEMATIC, certify, check_limits, fill, repair
@@ -68,8 +69,26 @@ def test_sees_a_wave_that_has_its_troughs_at_every_first_sample(multiple: int) -
     assert upper == pytest.approx(1.0, abs=1e-6)
 
 
-def test_the_quick_range_holds_the_proven_one() -> None:
-    trajectory = CLASSES["ramped"]
+def test_a_cubic_splines_extrema_are_those_of_its_polynomials() -> None:
+    trajectory = CLASSES["collocation"]
+    z = trajectory.draw(np.random.default_rng(4))
+    knots = np.array(trajectory.breakpoints)
+    values, slopes = (trajectory.derivative(z, knots, order) for order in (0, 1))
+    for joint in range(2):
+        cubic = CubicHermiteSpline(knots, values[:, joint], slopes[:, joint])
+        for order in range(3):
+            part = cubic.derivative(order)
+            turning = cubic.derivative(order + 1).roots(extrapolate=False)
+            seen = part(np.concatenate([knots, turning[np.isfinite(turning)]]))
+            proven = proven_range(trajectory, z, order)[joint]
+            scale = 1e-6 * np.abs(seen).max()
+            assert proven[0] <= seen.min() <= proven[0] + scale
+            assert proven[1] - scale <= seen.max() <= proven[1]
+
+
+@pytest.mark.parametrize("name", ["ramped", "collocation", "spline_at_rest"])
+def test_the_quick_range_holds_the_proven_one(name) -> None:
+    trajectory = CLASSES[name]
     z = trajectory.draw(np.random.default_rng(5))
     for order in range(4):
         quick, proven = quick_range(trajectory, z, order), proven_range(trajectory, z, order)
@@ -78,11 +97,13 @@ def test_the_quick_range_holds_the_proven_one() -> None:
         assert (quick[:, 1] >= proven[:, 1] - slack).all()
 
 
-def test_torque_is_proven_too() -> None:
+@pytest.mark.parametrize("name", ["fourier", "collocation"])
+def test_torque_is_proven_too(name) -> None:
     robot, model, _ = scara()
-    trajectory = classes(robot.limits)["fourier"]
+    trajectory = classes(robot.limits)[name]
     z = fill(trajectory, trajectory.draw(np.random.default_rng(0)), robot.limits)
-    parameters = np.concatenate([robot.parameters, [2.61, 7.343, 1.46, 0.787]])
+    friction = [2.61, 7.343, 1.46, 0.787]  # Calafiore 2001, section 5
+    parameters = np.concatenate([robot.parameters, friction])
     proven = proven_torque_range(model, parameters, trajectory, z)
     torque = model.torque(parameters, trajectory.motion(z, DENSE))
     seen = np.stack([torque.min(axis=0), torque.max(axis=0)], axis=1)

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
-from oed.design.trajectories import FourierClass, HarmonicClass
+from oed.design.extrema import proven_range
+from oed.design.trajectories import FourierClass, HarmonicClass, LinearClass, SplineClass
 from tests.design.problems import HORIZON, classes, lopsided, scara
 
 LIMITS = lopsided()
@@ -90,6 +92,89 @@ def test_starts_and_ends_at_rest(name) -> None:
     ends = np.array([0.0, HORIZON])
     for order in (1, 2):
         assert np.abs(trajectory.derivative(z, ends, order)).max() < 1e-10
+
+
+@pytest.mark.parametrize("name", ["collocation", "spline_at_rest"])
+def test_splines_return_smoothly(name) -> None:
+    trajectory = CLASSES[name]
+    z = trajectory.draw(np.random.default_rng(2))
+    for order in range(trajectory.degree):
+        start, end = trajectory.derivative(z, np.array([0.0, HORIZON]), order)
+        np.testing.assert_allclose(start, end, atol=1e-10)
+
+
+def test_acceleration_of_collocation_is_piecewise_linear_and_integrates_to_position() -> None:
+    trajectory = CLASSES["collocation"]
+    z = trajectory.draw(np.random.default_rng(2))
+    knots = np.array(trajectory.breakpoints)
+    at_knots = trajectory.derivative(z, knots, 2)
+    t = np.linspace(0.0, HORIZON, 200_001)
+    ddq = np.stack([np.interp(t, knots, at_knots[:, j]) for j in range(2)], axis=1)
+    start = trajectory.motion(z, np.zeros(1))
+    dq = start.dq + cumulative_trapezoid(ddq, t, axis=0, initial=0)
+    q = start.q + cumulative_trapezoid(dq, t, axis=0, initial=0)
+    np.testing.assert_allclose(trajectory.derivative(z, t, 0), q, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", ["fourier", "collocation", "spline_at_rest"])
+def test_at_half_the_speed_the_same_way_takes_twice_as_long(name) -> None:
+    trajectory = CLASSES[name]
+    z = trajectory.draw(np.random.default_rng(2))
+    slow = trajectory.slower(0.5)
+    for order in range(3):
+        np.testing.assert_allclose(
+            slow.derivative(z, 2 * T, order),
+            trajectory.derivative(z, T, order) / 2**order,
+            atol=1e-9,
+        )
+
+
+@pytest.mark.parametrize("name", ["fourier", "collocation", "spline_at_rest"])
+def test_a_swing_is_near_the_sine(name) -> None:
+    trajectory = CLASSES[name]
+    middle, amplitude = np.array([0.5, -1.0]), np.array([0.7, 0.3])
+    rate = 2 * np.pi / HORIZON * np.array([1.0, 2.0])
+    z = trajectory.swing(middle, amplitude, rate)
+    t = np.linspace(2.0, 8.0, 100)
+    sine = middle + amplitude * np.sin(t[:, None] * rate)
+    allowed = 0.3 if trajectory.at_rest else 0.01
+    assert (np.abs(trajectory.derivative(z, t, 0) - sine) < allowed * amplitude).all()
+
+
+@pytest.mark.parametrize("name", ["collocation", "spline_at_rest"])
+def test_the_box_of_splines_holds_admissible_motions(name) -> None:
+    trajectory = CLASSES[name]
+    lower, upper = (side.reshape(2, -1) for side in trajectory.bounds.T)
+    knots = np.array(trajectory.breakpoints[:-1])
+    closest = []
+    for mode in range(1, trajectory.own):
+        # Acceleration that switches with the mode has most of it; then as large as limits allow.
+        acceleration = trajectory.basis(knots, 2)
+        own, *_ = np.linalg.lstsq(acceleration[:, 1:], np.sign(acceleration[:, mode]), rcond=None)
+        z = np.tile(np.append(0.0, own), 2)
+        swing = [np.abs(proven_range(trajectory, z, order)).max(axis=1) for order in range(3)]
+        most = [np.ptp(LIMITS.position, axis=1) / 2] + [
+            np.abs(limit).max(axis=1) for limit in (LIMITS.velocity, LIMITS.acceleration)
+        ]
+        z = trajectory.shrink(z, np.min([m / s for m, s in zip(most, swing, strict=True)], axis=0))
+        inside = np.abs(z.reshape(2, -1)[:, mode]) / upper[:, mode]
+        assert (inside <= 1.0).all()
+        assert (lower[:, mode] == -upper[:, mode]).all()
+        closest.append(inside.max())
+    assert max(closest) > 0.5
+
+
+def test_the_general_box_is_that_of_the_series() -> None:
+    # For a series 4 / pi is the norm of a harmonic's coefficient: the general route finds it.
+    series = CLASSES["fourier"]
+    general = LinearClass.bounds.func(series)  # type: ignore[attr-defined]  # a cached property
+    np.testing.assert_allclose(general, series.bounds, rtol=2e-3)
+
+
+@pytest.mark.parametrize("wrong", [{"degree": 2}, {"degree": 8}, {"segments": 6}])
+def test_refuses_splines_that_are_none(wrong) -> None:
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        SplineClass(HORIZON, LIMITS, **wrong)
 
 
 def test_harmonic_motion_is_the_papers_sum_of_sines() -> None:

@@ -13,14 +13,15 @@ from numpy import ndarray
 from oed.design.trajectories.trajectory import TrajectoryClass
 from oed.robot import JointLimits
 
-FITTED = 1000  # instants at which a sine is fitted
+FITTED = 2000  # instants at which a sine is fitted, and the box is found
 
 
 class LinearClass(TrajectoryClass):
     """q_j(t) = offset_j + sum_k z_jk b_k(t); z holds joint after joint, the offset first.
 
-    A subclass says what the basis is, in which box the variables lie, and how far a motion can
-    go; all else follows. It is a frozen dataclass with the fields `horizon` and `limits`.
+    A subclass says what the basis is and how far a motion can go; all else follows. It is a
+    frozen dataclass with the fields `horizon` and `limits`. No b_k may be a polynomial of degree
+    1 or less, so that acceleration determines all variables but the offset.
 
     Attributes:
         limits: Position, velocity and acceleration limits give the box.
@@ -44,6 +45,27 @@ class LinearClass(TrajectoryClass):
     def joints(self) -> int:
         """Number of joints n."""
         return len(self.limits.position)
+
+    @cached_property
+    def bounds(self) -> Float[ndarray, "size 2"]:  # pyright: ignore[reportIncompatibleMethodOverride]  # a property too, and cached
+        """A box that cuts off no admissible motion.
+
+        Each variable is a weighted sum of the position at many instants, and also one of the
+        velocity and of the acceleration: the pseudo-inverse of the basis holds the weights. It is
+        at most the sum of their magnitudes times the limit.
+        """
+        limits, t = self.limits, np.arange(FITTED) * (self.horizon / FITTED)
+        reach = np.diff(limits.position, axis=1)[:, 0] / 2
+        most = [reach, *(np.abs(x).max(axis=1) for x in (limits.velocity, limits.acceleration))]
+        weights = [np.linalg.pinv(self.basis(t, order)) for order in range(3)]
+        sides = [
+            np.outer(limit, np.abs(weight[1:]).sum(axis=1))
+            for limit, weight in zip(most, weights, strict=True)
+        ]
+        largest = np.min(sides, axis=0)
+        lower = np.concatenate([limits.position[:, :1], -largest], axis=1)
+        upper = np.concatenate([limits.position[:, 1:], largest], axis=1)
+        return np.stack([lower.reshape(-1), upper.reshape(-1)], axis=1)
 
     @cached_property
     def variables(self) -> Int[ndarray, "joints own"]:  # pyright: ignore[reportIncompatibleMethodOverride]  # a property too, and cached

@@ -26,7 +26,7 @@ from oed.robot import JointLimits
 
 BASES_KEPT = 32  # the criterion, the limits and the reports each have their instants
 LOWEST_DEGREE, HIGHEST_DEGREE = 3, 7  # acceleration is continuous from 3 on
-MOST_SEGMENTS = 1000  # a hundred a second of a motion of ten
+MOST_SEGMENTS = 400  # forty a second of a motion of ten
 # Share of its modes that a random motion uses. The others are too fast for the range of
 # positions: of 40 segments the slow quarter bends as five harmonics do.
 DRAWN_MODES = 0.25
@@ -82,33 +82,6 @@ class SplineClass(LinearClass):
     def own(self) -> int:
         """Number of each joint's own variables."""
         return self._control.shape[1]
-
-    @cached_property
-    def bounds(self) -> Float[ndarray, "size 2"]:  # pyright: ignore[reportIncompatibleMethodOverride]  # a property too, and cached
-        """A box that cuts off no admissible motion.
-
-        The control points of a derivative within +-M are at most `largest_control_point` M; a
-        mode's amplitude is a weighted sum of any of them.
-        """
-        limits, differences = self.limits, _differences(self.segments)
-        modes = differences @ differences @ self._control[:, 1:]
-        of_speed, of_position = differences.T @ modes, differences.T @ differences.T @ modes
-        reach = np.diff(limits.position, axis=1)[:, 0] / 2
-        speed, acceleration = (
-            np.abs(x).max(axis=1) for x in (limits.velocity, limits.acceleration)
-        )
-        sides = [
-            np.outer(largest_control_point(self.degree - order) * most, np.abs(part).sum(axis=0))
-            for order, most, part in (
-                (0, reach, of_position),
-                (1, speed * self.step, of_speed),
-                (2, acceleration * self.step**2, modes),
-            )
-        ]
-        largest = np.min(sides, axis=0)
-        lower = np.concatenate([limits.position[:, :1], -largest], axis=1)
-        upper = np.concatenate([limits.position[:, 1:], largest], axis=1)
-        return np.stack([lower.reshape(-1), upper.reshape(-1)], axis=1)
 
     def basis(self, t: Float[ndarray, " samples"], order: int) -> Float[ndarray, "samples own"]:
         """Derivative of position by a joint's own variables."""
@@ -191,17 +164,6 @@ class SplineClass(LinearClass):
         slow_first = np.argsort(sizes)
         by_mode = balanced @ (modes.T / sizes)[:, slow_first]
         return np.concatenate([np.ones((count, 1)), by_mode], axis=1)
-
-
-def largest_control_point(degree: int) -> float:
-    """How large a control point of a spline within +-1 can be: a bound.
-
-    On one segment the spline is a polynomial, whose values at `degree` + 1 points determine the
-    control points that act there; each acts on as many segments, of which the best counts.
-    """
-    points = (1 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2
-    inverse = np.linalg.inv(_acting(points, degree))
-    return float(np.abs(inverse).sum(axis=1).min())
 
 
 def _differences(count: int) -> Float[ndarray, "count count"]:
