@@ -104,13 +104,14 @@ class Config:
     problems: tuple[str, ...] = tuple(QUESTIONS)
 
     def cases(self) -> list[Case]:
-        """Seed by seed, so that a study that is interrupted has pairs."""
-        return [
+        """Arms before the paper; seed by seed, so that a study that is interrupted has pairs."""
+        by_seed = [
             Case(problem, trajectory, seed, self.seconds)
             for seed in range(self.seeds)
             for problem in self.problems
             for trajectory in (ON_PAPER if QUESTIONS[problem].arm == "paper" else ON_ARMS)
         ]
+        return sorted(by_seed, key=lambda case: QUESTIONS[case.problem].arm == "paper")
 
 
 @dataclass(frozen=True)
