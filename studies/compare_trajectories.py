@@ -85,7 +85,7 @@ QUESTIONS = {
     "paper, J_d": Question("paper", "J_d", 10.0, J_D_INSTANTS),
 }
 # The series of twenty harmonics was the paper's best so far, that of five is the default.
-ON_ARMS = ("fourier 5", "fourier 20", "spline 40", "collocation 40")
+ON_ARMS = ("fourier 5", "fourier 20", "collocation 40")
 ON_PAPER = ("fourier 20", "collocation 60")
 
 
@@ -181,8 +181,7 @@ def motions_of(name: str, limits: JointLimits, horizon: float, *, at_rest: bool)
     family, count = name.split()
     if family == "fourier":
         return FourierClass(horizon, limits, int(count), at_rest)
-    degree = {"collocation": 3, "spline": 5}[family]
-    return SplineClass(horizon, limits, int(count), degree, at_rest)
+    return SplineClass(horizon, limits, int(count), at_rest=at_rest)
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ def summarise(rows: Rows, seconds: float) -> str:
 
 {len(good)} designs, {failed} more without a proof that limits are kept, {seconds:g} CPU seconds each by the interior-point
 optimiser, one a seed and class. `fourier N` has N harmonics, `collocation N` piecewise-linear acceleration of N
-segments, `spline N` N segments of degree 5. `value` is J_k for the problems named so, else J_d = log10 det Lambda at
+segments. `value` is J_k for the problems named so, else J_d = log10 det Lambda at
 the problem's instants; all limits are proven for all t. Motions of the arms start and end at rest; the default has
 5 harmonics.
 

@@ -245,6 +245,9 @@ class _Hessian(_Callback):
     def __init__(self, scaled: _Scaled) -> None:
         self._scaled = scaled
         self._matrix = DampedBfgs(scaled.size)
+        self._upper = np.triu_indices(scaled.size)
+        # CasADi wants columns one after the other: the transpose of row order.
+        self._order = np.lexsort(self._upper)
         inputs = [_dense(scaled.size), _dense(0), _dense(1), _dense(scaled.constraints.count)]
         super().__init__("hessian", inputs, casadi.Sparsity.upper(scaled.size))
 
@@ -261,11 +264,8 @@ class _Hessian(_Callback):
                 )
 
             self._matrix.update(u, scaled.objective(u)[1], curved)
-        upper = np.triu_indices(scaled.size)
-        # CasADi wants columns one after the other: the transpose of row order below.
-        values = (self._matrix.matrix * weight)[upper[1], upper[0]]
-        order = np.lexsort((upper[0], upper[1]))
-        return [casadi.DM(casadi.Sparsity.upper(scaled.size), values[order])]
+        values = (self._matrix.matrix * weight)[self._upper][self._order]
+        return [casadi.DM(casadi.Sparsity.upper(scaled.size), values)]
 
 
 def _dense(rows: int) -> casadi.Sparsity:

@@ -101,11 +101,7 @@ class EvaluationLog:
     def count(self, evaluations: int = 1) -> None:
         """Record evaluations that are offered to no one."""
         self.evaluations += evaluations
-        self.tell()
-
-    def tell(self, under_way: int = 0) -> None:
-        """Tell how far the search is, evaluations included that are under way and not counted yet."""
-        tell("searching a motion", self.evaluations + under_way, self.budget.evaluations)
+        tell("searching a motion", self.evaluations, self.budget.evaluations)
 
     def offer(self, z: Float[ndarray, " size"], cost: float) -> bool:
         """Keep a feasible point if it is the best so far; say whether it is."""
