@@ -148,3 +148,14 @@ def test_even_no_budget_gives_a_proven_design() -> None:
     problem = paper_problem(CLASSES["harmonic"], "J_k")
     found = optimise(problem, Budget(evaluations=1), np.random.default_rng(0))
     assert Design.from_result(problem, found).certificate.is_feasible
+
+
+def test_a_search_that_is_cut_short_is_worth_what_it_had_come_to() -> None:
+    problem = paper_problem(CLASSES["collocation"])
+    found = optimise(problem, Budget(evaluations=90), np.random.default_rng(0))
+    on_the_way = [point for point in found.history if 1 < point.evaluations < 90]
+    assert on_the_way
+    assert on_the_way[0].cost < found.history[0].cost
+    assert [p.evaluations for p in found.history] == sorted(p.evaluations for p in found.history)
+    assert found.cost == problem.cost(found.z)
+    assert problem.certificate(found.z).is_feasible
