@@ -128,6 +128,25 @@ def magnitude(a: Scalar) -> Scalar:
     return casadi.fabs(a) if isinstance(a, casadi.SX) else np.abs(a)
 
 
+def asinh(a: Scalar) -> Scalar:
+    """Inverse hyperbolic sine of any kind of scalar."""
+    return casadi.asinh(a) if isinstance(a, casadi.SX) else np.arcsinh(a)
+
+
+def within(a: Scalar, lower: float, upper: float) -> Scalar:
+    """Any kind of scalar, brought to the nearer bound where it is outside."""
+    if isinstance(a, casadi.SX):
+        return casadi.fmin(casadi.fmax(a, lower), upper)
+    return np.clip(a, lower, upper)
+
+
+def at_least(a: Scalar, bound: float) -> Scalar:
+    """1 where any kind of scalar is no less than a bound, else 0."""
+    if isinstance(a, casadi.SX):
+        return casadi.if_else(a >= bound, 1.0, 0.0)
+    return np.asarray(a >= bound, dtype=float)[()]
+
+
 def sign(a: Scalar) -> Scalar:
     """Sign of any kind of scalar, with sign(0) = 0."""
     return casadi.sign(a) if isinstance(a, casadi.SX) else np.sign(a)

@@ -13,6 +13,7 @@ from tests.dynamics.effects.arms import context_of, smooth_motion, vertical_arm
 from tests.dynamics.effects.test_catalogue import USUAL
 
 EFFECTS = (*(name for name in USUAL), "payload_change")
+STEP = 3e-3  # [s]: the delay that a search begins with is a whole number of these
 ORIGIN = Origin("a test", "none", "by hand", "2026-01-01", None, 0, {})
 
 
@@ -62,7 +63,7 @@ def free_forms(joints=2):
 def model_with(*names, robot=None, forms=False, duration=4.0):
     """A model as a diagnosis hands it on, and a motion to try it on."""
     robot = vertical_arm() if robot is None else robot
-    motion = smooth_motion(robot, duration, 5e-3)
+    motion = smooth_motion(robot, duration, STEP)
     torque_model, parameters = augmented(context_of(robot, motion), names)
     if forms:
         added, sizes = free_forms()

@@ -27,8 +27,8 @@ from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects import MeasurementEffect
 from oed.dynamics.effects.catalogue import CATALOGUE, Context, Drives
 from oed.dynamics.effects.delay import TimeDelay
+from oed.dynamics.effects.on_reference import OnReference
 from oed.dynamics.effects.payload import PickUp
-from oed.dynamics.effects.reference import OnReference
 from oed.dynamics.effects.torque_change import TorqueChange
 from oed.dynamics.effects.transmission import TransmissionChange
 from oed.dynamics.torque_model import TorqueModel

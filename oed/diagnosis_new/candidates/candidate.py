@@ -13,7 +13,8 @@ from numpy import ndarray
 
 from oed.dynamics.effects.catalogue import CatalogueEntry, Context, Shape, Target
 from oed.dynamics.effects.effect import Effect
-from oed.dynamics.effects.reference import OnReference, ReferenceTorque
+from oed.dynamics.effects.on_reference import OnReference
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.torque_model import TorqueModel
 

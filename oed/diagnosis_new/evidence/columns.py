@@ -9,7 +9,8 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis_new.rows.white_rows import WhiteRows
-from oed.dynamics.effects.effect import Effect, MeasurementEffect, State
+from oed.dynamics.effects.effect import Effect, State
+from oed.dynamics.effects.measurement_effect import MeasurementEffect
 from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar
 from oed.dynamics.torque_model import TorqueModel

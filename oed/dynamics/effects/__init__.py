@@ -5,12 +5,12 @@ An effect is a few columns of the torque regressor, given its nonlinear paramete
 
 from oed.dynamics.effects.effect import (
     Effect,
-    MeasurementEffect,
     Parameter,
     State,
     with_columns,
 )
 from oed.dynamics.effects.friction import Coulomb, Viscous
+from oed.dynamics.effects.measurement_effect import MeasurementEffect
 from oed.dynamics.effects.motor import MotorCoupling, RotorInertia
 from oed.dynamics.effects.offset import TorqueOffset
 from oed.dynamics.effects.rigid_body import RigidBody

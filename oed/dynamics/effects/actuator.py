@@ -9,14 +9,16 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
+from oed.dynamics.effects.effect import Parameter, State
+from oed.dynamics.effects.measurement_effect import Instants, MeasurementEffect
+from oed.dynamics.effects.on_reference import FollowsTorque
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
-from oed.dynamics.scalars import Scalar, magnitude
+from oed.dynamics.scalars import Scalar, magnitude, mul, sign
 
 
 @dataclass(frozen=True)
-class GainError(Effect):
+class GainError(FollowsTorque):
     """epsilon (H theta)_j: a torque scaled by 1 + epsilon, to first order exact in epsilon.
 
     Only parameters that joint j shares with others tell it from a change of parameters
@@ -78,6 +80,25 @@ class TorqueGain(MeasurementEffect):
         result = np.array(columns(motion))
         result[:, self.joint] *= self._gain(motion)[:, None]
         return result
+
+    def after(self, inner: Instants, joints: int, step: float) -> Instants:  # noqa: ARG002
+        """The joint's torque scaled; the sign is that of the torque as modelled."""
+        own = self.reference
+        remembered = len(own.keeps) if self.by_sign != 0 else 0
+
+        def begin(state: State) -> list[Scalar]:
+            return [*(own.begin(state) if remembered else ()), *inner.begin(state)]
+
+        def recall(state: State, memory: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+            torque, kept = inner.recall(state, memory[remembered:])
+            gain, following = self.gain, []
+            if self.by_sign != 0:
+                now, following = own.recall(state, memory[:remembered], step)
+                gain = gain + self.by_sign * sign(now.total(state)[self.joint])
+            torque[self.joint] = mul(gain, torque[self.joint])
+            return torque, [*following, *kept]
+
+        return Instants(own.keeps[:remembered], begin, recall)
 
     def _gain(self, motion: Motion) -> Float[ndarray, " samples"]:
         gain = np.full(len(motion), self.gain)

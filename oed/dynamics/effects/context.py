@@ -15,8 +15,9 @@ from numpy import ndarray
 from oed.dynamics.effects.effect import Effect, with_columns
 from oed.dynamics.effects.friction import Coulomb, Viscous
 from oed.dynamics.effects.offset import TorqueOffset
+from oed.dynamics.effects.on_reference import with_ends
 from oed.dynamics.effects.payload import PickUp
-from oed.dynamics.effects.reference import ReferenceTorque, with_references
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.transmission import TransmissionChange
 from oed.dynamics.motion import Motion, follow_one_another
 from oed.dynamics.torque_model import TorqueModel
@@ -212,9 +213,7 @@ class Context:
 def _reference(
     model: TorqueModel, parameters: Float[ndarray, " parameters"], beside: Known
 ) -> ReferenceTorque:
-    # A reference to a reference to a reference would have no end.
-    ends = (with_references(effect.leaving, lambda own: own.end) for effect, _ in beside)
-    effects = (*model.effects, *ends)
+    effects = (*model.effects, *with_ends([effect for effect, _ in beside]))
     values = np.concatenate([parameters, *(coefficients for _, coefficients in beside)])
     return ReferenceTorque.of(model.robot, effects, values)
 

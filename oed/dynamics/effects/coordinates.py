@@ -8,6 +8,7 @@ which a function of something else acts, and inertia that changes with position.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,16 +17,41 @@ from numpy import ndarray
 from scipy.interpolate import BSpline
 
 from oed.dynamics.effects import State
-from oed.dynamics.effects.hysteresis import maxwell_elements
+from oed.dynamics.effects.hysteresis import (
+    maxwell_elements,
+    moved_elements,
+    remembered_elements,
+)
 from oed.dynamics.effects.reference import ReferenceTorque
+from oed.dynamics.effects.splines import spline_values
 from oed.dynamics.effects.thermal import since
+from oed.dynamics.scalars import Scalar, add, asinh, at_least, mul, power, sub, within
 
 DEGREE = 3
 CROWDING = 0.1  # of a coordinate's largest value, about which crowded pieces crowd
 
 
+class Argument:
+    """What a free-form term is a function of, one instant after another; most keep nothing."""
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """What it keeps from one instant to the next, by name."""
+        return ()
+
+    def begin(self, state: State) -> Sequence[Scalar]:  # noqa: ARG002  # of those that remember
+        """What it keeps at the first instant."""
+        return ()
+
+    def recall(
+        self, state: State, memory: Sequence[Scalar], step: float
+    ) -> tuple[list[Scalar], Sequence[Scalar]]:
+        """Basis functions at one instant, and the memory at the next; as of `Effect.recall`."""
+        raise NotImplementedError
+
+
 @dataclass(frozen=True)
-class Coordinate:
+class Coordinate(Argument):
     """A coordinate that a free-form term may depend on.
 
     Attributes:
@@ -80,6 +106,34 @@ class Coordinate:
         # None lies beyond the knots; to have that checked takes longer than all else.
         return BSpline.design_matrix(stretched, self._knots, DEGREE, extrapolate=True).toarray()
 
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """Time since the start [s], where it is one."""
+        return ("time",) if self.kind == "time" else ()
+
+    def begin(self, state: State) -> Sequence[Scalar]:  # noqa: ARG002  # whatever it is
+        """No time has gone by."""
+        return (0.0,) * len(self.keeps)
+
+    def recall(
+        self, state: State, memory: Sequence[Scalar], step: float
+    ) -> tuple[list[Scalar], Sequence[Scalar]]:
+        """B-splines, as `basis` has them."""
+        is_time = self.kind == "time"
+        value = memory[0] if is_time else getattr(state, self.kind)[self.joint]
+        splines = self.spline_values(value)
+        if self.from_rest:
+            at_rest = self._splines(np.zeros(1))[0].tolist()
+            splines = [sub(own, rest) for own, rest in zip(splines, at_rest, strict=True)]
+        return splines, (value + step,) if is_time else ()
+
+    def spline_values(self, value: Scalar, *, derivative: int = 0) -> list[Scalar]:
+        """B-splines, even ones with their derivatives, at one value; as at the edge beyond it."""
+        inside = within(value, self.lower, self.upper)
+        if self.crowding is not None:
+            inside = asinh(inside * (1 / self.crowding))
+        return spline_values(self._knots, DEGREE, inside, derivative=derivative)
+
     def slopes(self, state: State) -> Float[ndarray, "samples functions"]:
         """Derivatives of the B-splines, even ones; zero beyond the covered range."""
         values = self.values(state)
@@ -116,7 +170,7 @@ class Coordinate:
 
 
 @dataclass(frozen=True)
-class Loop:
+class Loop(Argument):
     """What a joint's position drags: torque that lags behind each reversal over some distance.
 
     Elastic sliders (stop operators) of many break-away distances add up to any loop of
@@ -159,9 +213,30 @@ class Loop:
         distances = np.geomspace(self.shortest, self.longest, self.functions)
         return np.stack([maxwell_elements(q, np.array([d])) for d in distances], axis=1)
 
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """Where the joint was, and the deflection of each slider."""
+        return remembered_elements(self.joint, self.functions)
+
+    def begin(self, state: State) -> Sequence[Scalar]:
+        """All of them relaxed."""
+        return (state.q[self.joint], *[0.0] * self.functions)
+
+    def recall(
+        self,
+        state: State,
+        memory: Sequence[Scalar],
+        step: float,  # noqa: ARG002  # the way counts, not the time
+    ) -> tuple[list[Scalar], Sequence[Scalar]]:
+        """Deflection of each slider."""
+        q = state.q[self.joint]
+        distances = np.geomspace(self.shortest, self.longest, self.functions)
+        z = moved_elements(q - memory[0], memory[1:], distances)
+        return z, (q, *z)
+
 
 @dataclass(frozen=True)
-class Factor:
+class Factor(Argument):
     """A signal in proportion to which a function of something else acts.
 
     With it a term is linear in this signal, its coefficient varying (Hastie and Tibshirani
@@ -196,9 +271,18 @@ class Factor:
         values = np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
         return values[:, None]
 
+    def recall(
+        self,
+        state: State,
+        memory: Sequence[Scalar],  # noqa: ARG002  # it keeps nothing
+        step: float,  # noqa: ARG002
+    ) -> tuple[list[Scalar], Sequence[Scalar]]:
+        """The signal."""
+        return [getattr(state, self.kind)[self.joint]], ()
+
 
 @dataclass(frozen=True)
-class OtherTorque:
+class OtherTorque(Argument):
     """A share of another joint's torque: a sensor that feels it, an axis that is not straight.
 
     Attributes:
@@ -232,9 +316,25 @@ class OtherTorque:
         torque = np.asarray(self.reference.total(state)[self.joint], dtype=float)
         return torque[:, None] ** self.exponent
 
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """What the torque does."""
+        return self.reference.keeps
+
+    def begin(self, state: State) -> Sequence[Scalar]:
+        """What it keeps at the first instant."""
+        return self.reference.begin(state)
+
+    def recall(
+        self, state: State, memory: Sequence[Scalar], step: float
+    ) -> tuple[list[Scalar], Sequence[Scalar]]:
+        """The torque to its exponent."""
+        now, following = self.reference.recall(state, memory, step)
+        return [power(now.total(state)[self.joint], self.exponent)], following
+
 
 @dataclass(frozen=True)
-class VaryingInertia:
+class VaryingInertia(Argument):
     """Inertia that changes with a joint's position: J(q) ddq + J'(q) dq^2 / 2.
 
     A crank, a linkage or a cam carries what its motor turns in this way. Both parts follow from
@@ -275,3 +375,17 @@ class VaryingInertia:
         )
         slope = self.position.slopes(state)
         return self.position.basis(state) * ddq + slope * dq**2 / 2
+
+    def recall(
+        self,
+        state: State,
+        memory: Sequence[Scalar],  # noqa: ARG002  # it keeps nothing
+        step: float,  # noqa: ARG002
+    ) -> tuple[list[Scalar], Sequence[Scalar]]:
+        """Torque of each spline's inertia."""
+        own = self.position
+        q, dq, ddq = (x[own.joint] for x in (state.q, state.dq, state.ddq))
+        covered = sub(at_least(q, own.lower), at_least(q, np.nextafter(own.upper, np.inf)))
+        half = mul(covered, dq * dq * 0.5)
+        pairs = zip(own.spline_values(q), own.spline_values(q, derivative=1), strict=True)
+        return [add(mul(value, ddq), mul(slope, half)) for value, slope in pairs], ()

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 from scipy.interpolate import make_interp_spline
+from scipy.signal import lfilter_zi
 
-from oed.dynamics.effects.effect import MeasurementEffect
-from oed.dynamics.effects.linear_filter import respond
+from oed.dynamics.effects.effect import State
+from oed.dynamics.effects.linear_filter import discrete, respond
+from oed.dynamics.effects.measurement_effect import Instants, MeasurementEffect
 from oed.dynamics.motion import Motion
+from oed.dynamics.scalars import Scalar, add, mul, sub
+
+WHOLE = 1e-9  # of a step: a delay that near to whole steps has no rest
 
 
 class Late(MeasurementEffect):
@@ -51,6 +56,44 @@ class TimeDelay(Late):
         if motion.averaged:
             return self.moved(make_interp_spline(motion.t, columns(motion), k=3), motion)
         return columns(delayed(motion, self.delay))
+
+    @property
+    def offline(self) -> str:
+        """A torque that comes before its motion."""
+        if self.delay >= 0:
+            return ""
+        return "the torque is recorded before the motion that it makes, which nobody knows by then"
+
+    def after(self, inner: Instants, joints: int, step: float) -> Instants:
+        """The torque of the state as it was.
+
+        Between instants position and velocity are cubic with the slopes that they have, and
+        acceleration is straight.
+        """
+        if self.offline:
+            raise ValueError(f"{self.name}: {self.offline}")
+        steps = self.delay / step
+        whole = round(steps) if abs(steps - round(steps)) < WHOLE else int(steps)
+        share = max(steps - whole, 0.0) if abs(steps - round(steps)) >= WHOLE else 0.0
+        count, width = whole + (share > 0), 3 * joints
+
+        def begin(state: State) -> list[Scalar]:
+            return [*(x for _ in range(count) for x in _flat(state)), *inner.begin(state)]
+
+        def recall(state: State, memory: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+            past = [list(memory[k * width : (k + 1) * width]) for k in range(count)]
+            instants = [_flat(state), *past]
+            then = instants[whole]
+            if share > 0:
+                then = _between(instants[whole + 1], then, 1 - share, step)
+            parts = (then[k * joints : (k + 1) * joints] for k in range(3))
+            torque, kept = inner.recall(State(state.t, *parts), memory[count * width :])
+            recent = [x for instant in instants[:count] for x in instant]
+            return torque, [*recent, *kept]
+
+        signals = [f"{x}_{j + 1}" for x in ("q", "dq", "ddq") for j in range(joints)]
+        names = tuple(f"{x} {k + 1} steps ago" for k in range(count) for x in signals)
+        return Instants(names, begin, recall)
 
     def moved(
         self, torque: Callable[[Float[ndarray, " samples"]], ndarray], motion: Motion
@@ -98,9 +141,41 @@ class FilterLag(Late):
         motion: Motion,
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns through the filter."""
+        return respond(motion.t, columns(motion), *self._transfer)
+
+    def after(self, inner: Instants, joints: int, step: float) -> Instants:
+        """The torque through the filter, settled at the first instant."""
+        b, a = discrete(step, *self._transfer)
+        settled = lfilter_zi(b, a).tolist()
+        order = len(settled)
+
+        def begin(state: State) -> list[Scalar]:
+            own = inner.begin(state)
+            torque, _ = inner.recall(state, own)
+            return [*(mul(z, x) for x in torque for z in settled), *own]
+
+        def recall(state: State, memory: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+            torque, kept = inner.recall(state, memory[order * joints :])
+            seen, following = [], []
+            for j, x in enumerate(torque):
+                z = [*memory[j * order : (j + 1) * order], 0.0]
+                y = add(mul(float(b[0]), x), z[0])
+                seen.append(y)
+                following += [
+                    add(sub(mul(float(b[k]), x), mul(float(a[k]), y)), z[k])
+                    for k in range(1, order + 1)
+                ]
+            return seen, [*following, *kept]
+
+        names = (f"filter {k + 1} of tau_{j + 1}" for j in range(joints) for k in range(order))
+        return Instants(tuple(names), begin, recall)
+
+    @property
+    def _transfer(self) -> tuple[list[float], list[float]]:
+        """Numerator and denominator."""
         T = self.time_constant
         second_order = [self.curvature * T**2] if self.curvature > 0 else []
-        return respond(motion.t, columns(motion), [1.0], [*second_order, T, 1.0])
+        return [1.0], [*second_order, T, 1.0]
 
     def response(
         self, frequency: Float[ndarray, " frequencies"]
@@ -125,3 +200,26 @@ def delayed(motion: Motion, delay: float) -> Motion:
 def earlier(motion: Motion, delay: float) -> Float[ndarray, " samples"]:
     """Instants of a motion some seconds before each of its samples, none outside of it [s]."""
     return np.clip(motion.t - delay, motion.t[0], motion.t[-1])
+
+
+def _flat(state: State) -> list[Scalar]:
+    return [*state.q, *state.dq, *state.ddq]
+
+
+def _between(
+    old: Sequence[Scalar], new: Sequence[Scalar], share: float, step: float
+) -> list[Scalar]:
+    """q, dq and ddq between two instants, at a share of the way from the old one."""
+    joints = len(old) // 3
+    s = share
+    ends = ((1 + 2 * s) * (1 - s) ** 2, s**2 * (3 - 2 * s))
+    slopes = (step * s * (1 - s) ** 2, step * s**2 * (s - 1))
+    found = [
+        add(
+            add(mul(ends[0], old[k]), mul(ends[1], new[k])),
+            add(mul(slopes[0], old[k + joints]), mul(slopes[1], new[k + joints])),
+        )
+        for k in range(2 * joints)
+    ]
+    line = range(2 * joints, 3 * joints)
+    return [*found, *(add(mul(1 - s, old[k]), mul(s, new[k])) for k in line)]

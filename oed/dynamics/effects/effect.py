@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -19,6 +19,10 @@ REMEMBERED = 32  # signs of a motion's velocities, each with some width
 # What a robot file and its readers know of a joint besides its bodies: dry friction, viscous
 # friction, inertia of a rotor.
 JointTerm = Literal["friction", "damping", "armature"]
+# What a controller compensates: torque of bodies, what depends on position alone, what brakes or
+# drives, inertia beside the bodies'.
+Part = Literal["body", "position", "friction", "inertia"]
+Columns = Sequence[Mapping[int, Scalar]]
 
 
 @dataclass(frozen=True)
@@ -140,11 +144,15 @@ class Effect(ABC):
         made_of: Dataclasses that fields may hold, beside numbers, text, arrays, robots and
             reference torques: so a file that has them can be read.
         joint_term: What of a robot file's joint its one parameter is; None if it is none.
+        part: Of the torque, whose its columns are; see `parts`.
+        offline: Why it cannot be worked out one instant after another, in words; empty if it can.
     """
 
     name: ClassVar[str]
     made_of: ClassVar[tuple[type, ...]] = ()
     joint_term: ClassVar[JointTerm | None] = None
+    part: ClassVar[Part] = "friction"
+    offline: ClassVar[str] = ""
 
     @property
     @abstractmethod
@@ -170,15 +178,60 @@ class Effect(ABC):
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Torque per unit of each parameter: for each column, joint -> entry."""
 
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Of which part of the torque each column is."""
+        return (self.part,) * len(self.parameters)
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """What it keeps from one instant to the next, by name; most effects keep nothing."""
+        return ()
+
+    def begin(self, state: State) -> Sequence[Scalar]:  # noqa: ARG002  # of those that remember
+        """What it keeps at the first instant of a motion."""
+        return ()
+
+    def recall(
+        self,
+        state: State,
+        memory: Sequence[Scalar],  # noqa: ARG002
+        step: float,  # noqa: ARG002
+    ) -> tuple[Columns, Sequence[Scalar]]:
+        """Its columns at one instant after others, and what it keeps at the next.
+
+        Args:
+            state: Of one instant, symbolic or in numbers.
+            memory: As `begin`, or the instant before, left it.
+            step: To the next instant [s].
+        """
+        return self.entries(state), ()
+
     def torque(
         self, state: State, coefficients: Float[ndarray, " columns"]
     ) -> Mapping[int, Scalar]:
         """Torque with these parameters, one a column: joint -> torque."""
-        result: dict[int, Scalar] = {}
-        for size, entry in zip(coefficients.tolist(), self.entries(state), strict=True):
-            for joint, column in entry.items():
-                result[joint] = add(result.get(joint, 0.0), mul(size, column))
-        return result
+        return combined(self.entries(state), coefficients)
+
+    def recall_torque(
+        self,
+        state: State,
+        memory: Sequence[Scalar],
+        step: float,
+        coefficients: Float[ndarray, " columns"],
+    ) -> tuple[Mapping[int, Scalar], Sequence[Scalar]]:
+        """The same one instant after others; arguments as of `recall`."""
+        columns, following = self.recall(state, memory, step)
+        return combined(columns, coefficients), following
+
+
+def combined(columns: Columns, coefficients: Float[ndarray, " columns"]) -> dict[int, Scalar]:
+    """Torque of some columns with their parameters: joint -> torque."""
+    result: dict[int, Scalar] = {}
+    for size, entry in zip(coefficients.tolist(), columns, strict=True):
+        for joint, column in entry.items():
+            result[joint] = add(result.get(joint, 0.0), mul(size, column))
+    return result
 
 
 def with_columns(effects: Iterable[Effect]) -> Iterator[tuple[Effect, slice]]:
@@ -190,29 +243,30 @@ def with_columns(effects: Iterable[Effect]) -> Iterator[tuple[Effect, slice]]:
         start = stop
 
 
-class MeasurementEffect(ABC):
-    """What measurement does to the whole model, such as a delay: it adds no column.
+def recall_effects(
+    effects: Sequence[Effect],
+    coefficients: Float[ndarray, " columns"],
+    state: State,
+    memory: Sequence[Scalar],
+    step: float,
+) -> tuple[dict[int, Scalar], list[Scalar]]:
+    """Torque of several effects at one instant after others, and what they remember at the next.
 
-    `through` receives the function that evaluates all columns of the model, and may
-    change the motion before or the columns after.
-
-    Attributes:
-        name: Of the effect, for people.
-        made_of: As of an `Effect`.
+    Args:
+        effects: One after another, in columns and in memory.
+        coefficients: Of all their columns.
+        state: As of `Effect.recall`, and so are the next two.
+        memory: Of all of them.
+        step: To the next instant [s].
     """
-
-    name: ClassVar[str]
-    made_of: ClassVar[tuple[type, ...]] = ()
-
-    @property
-    def leaving(self) -> MeasurementEffect:
-        """The effect as it is written to a file: without what only saves time."""
-        return self
-
-    @abstractmethod
-    def through(
-        self,
-        columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
-        motion: Motion,
-    ) -> Float[ndarray, "samples joints columns"]:
-        """The columns as this effect lets them be seen."""
+    result: dict[int, Scalar] = {}
+    following: list[Scalar] = []
+    start = 0
+    for effect, place in with_columns(effects):
+        stop = start + len(effect.keeps)
+        own, kept = effect.recall_torque(state, memory[start:stop], step, coefficients[place])
+        for joint, torque in own.items():
+            result[joint] = add(result.get(joint, 0.0), torque)
+        following += kept
+        start = stop
+    return result, following

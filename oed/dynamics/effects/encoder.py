@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
+from oed.dynamics.effects.effect import Parameter, State
+from oed.dynamics.effects.measurement_effect import Instants, MeasurementEffect
+from oed.dynamics.effects.on_reference import FollowsTorque
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, with_joint
 from oed.dynamics.scalars import Scalar, add, cos, mul, sin, total
@@ -31,6 +33,7 @@ class EncoderEccentricity(MeasurementEffect):
     waves: tuple[float, ...]
     harmonics: tuple[float, ...] = (1.0,)
     name = "encoder_eccentricity"
+    not_simulated = "the encoder is wrong, and a simulation moves the true angle"
 
     def through(
         self,
@@ -41,6 +44,19 @@ class EncoderEccentricity(MeasurementEffect):
         states = [getattr(motion, x)[:, self.joint] for x in ("q", "dq", "ddq")]
         true = self.corrected(*states)
         return columns(with_joint(motion, self.joint, true))
+
+    def after(self, inner: Instants, joints: int, step: float) -> Instants:  # noqa: ARG002  # nothing lasts
+        """The torque of the true state."""
+
+        def true(state: State) -> State:
+            j = self.joint
+            return state.with_joint(j, *self.corrected(state.q[j], state.dq[j], state.ddq[j]))
+
+        return Instants(
+            (),
+            lambda state: inner.begin(true(state)),
+            lambda state, memory: inner.recall(true(state), memory),
+        )
 
     def corrected(self, q: Scalar, dq: Scalar, ddq: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """True position, velocity and acceleration of the joint."""
@@ -55,7 +71,7 @@ class EncoderEccentricity(MeasurementEffect):
 
 
 @dataclass(frozen=True)
-class EccentricityColumns(Effect):
+class EccentricityColumns(FollowsTorque):
     """Change of the predicted torque per unit of each a and b, for parameters known so far."""
 
     joint: int

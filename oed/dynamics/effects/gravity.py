@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.effect import Parameter, State
+from oed.dynamics.effects.on_reference import FollowsTorque
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.newton_euler import inverse_dynamics
 from oed.dynamics.scalars import Scalar
@@ -20,7 +21,7 @@ LEVEL = 1e-9  # [m/s^2] declared gravity below which the arm is declared weightl
 
 
 @dataclass(frozen=True)
-class GravityDirection(Effect):
+class GravityDirection(FollowsTorque):
     """Torque of a small change of the gravity vector, for the parameters known so far.
 
     Gravity torque is linear in the gravity vector (it is an acceleration of the base: Luh,
@@ -40,6 +41,7 @@ class GravityDirection(Effect):
     magnitude: float = STANDARD_GRAVITY
     unseen: tuple[int, ...] = ()
     name = "gravity_direction"
+    part = "body"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -11,9 +11,9 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import gammainc, gammaincinv
 
-from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.effect import Columns, Effect, Parameter, State
 from oed.dynamics.kernel import kernel
-from oed.dynamics.scalars import Scalar
+from oed.dynamics.scalars import Scalar, total, within
 
 ELEMENTS = 12  # Dahl's curve within 1 %
 SINGLE = 0.02  # below this roundness the elements differ by less than their number resolves
@@ -78,6 +78,40 @@ class PreslidingHysteresis(Effect):
         q = state.motion(self.name).q[:, self.joint]
         z = maxwell_elements(np.ascontiguousarray(q), self.distances)
         return [{self.joint: z - state.sign(state.dq[self.joint], self.width)}]
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """Where the joint was, and the deflection of each element."""
+        return remembered_elements(self.joint, len(self.distances))
+
+    def begin(self, state: State) -> Sequence[Scalar]:
+        """All elements relaxed."""
+        return (state.q[self.joint], *[0.0] * len(self.distances))
+
+    def recall(
+        self,
+        state: State,
+        memory: Sequence[Scalar],
+        step: float,  # noqa: ARG002  # the way counts, not the time
+    ) -> tuple[Columns, Sequence[Scalar]]:
+        """The deflection z less s."""
+        q, dq = state.q[self.joint], state.dq[self.joint]
+        z = moved_elements(q - memory[0], memory[1:], self.distances)
+        mean = total(z) * (1 / len(z))
+        return [{self.joint: mean - state.sign(dq, self.width)}], (q, *z)
+
+
+def remembered_elements(joint: int, count: int) -> tuple[str, ...]:
+    """Names of what Maxwell elements of a joint keep."""
+    return (f"last q_{joint + 1}", *(f"z{k + 1} of q_{joint + 1}" for k in range(count)))
+
+
+def moved_elements(
+    way: Scalar, z: Sequence[Scalar], distances: Float[ndarray, " elements"]
+) -> list[Scalar]:
+    """Deflections after a way [rad], each element sliding at its own distance."""
+    pairs = zip(z, distances.tolist(), strict=True)
+    return [within(own + way * (1 / distance), -1.0, 1.0) for own, distance in pairs]
 
 
 @kernel

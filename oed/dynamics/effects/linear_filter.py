@@ -49,6 +49,25 @@ def _respond_evenly(
     numerator: Sequence[float],
     denominator: Sequence[float],
 ) -> Float[ndarray, "samples joints columns"]:
+    b, a = discrete(step, numerator, denominator)
+    settled = lfilter_zi(b, a)[:, None, None] * u[:1]
+    answer, _ = lfilter(b, a, u, axis=0, zi=settled)
+    return answer
+
+
+def discrete(
+    step: float, numerator: Sequence[float], denominator: Sequence[float]
+) -> tuple[Float[ndarray, " order"], Float[ndarray, " order"]]:
+    """Coefficients of a filter whose input is straight between evenly spaced samples.
+
+    Args:
+        step: Between two samples [s].
+        numerator: As of `respond`.
+        denominator: Likewise.
+
+    Returns:
+        Those of the input, and of the output.
+    """
     # Time in steps: coefficients of s^k in seconds^k can span ten orders of magnitude.
     scaled = [
         [c / step ** (len(poly) - 1 - k) for k, c in enumerate(poly)]
@@ -57,8 +76,5 @@ def _respond_evenly(
     denominators = scaled[1]
     while len(denominators) > 2 and denominators[0] < INSTANT * denominators[1]:
         denominators.pop(0)
-    discrete = TransferFunction(*scaled).to_discrete(1.0, method="foh")
-    b, a = discrete.num, discrete.den
-    settled = lfilter_zi(b, a)[:, None, None] * u[:1]
-    answer, _ = lfilter(b, a, u, axis=0, zi=settled)
-    return answer
+    found = TransferFunction(*scaled).to_discrete(1.0, method="foh")
+    return found.num, found.den

@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.effect import Parameter, State
+from oed.dynamics.effects.on_reference import FollowsTorque
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.scalars import Scalar, add, is_zero, magnitude, mul, power, sign
 
 
 @dataclass(frozen=True)
-class LoadFriction(Effect):
+class LoadFriction(FollowsTorque):
     """mu |tau_load| sgn(dq_j), friction of gears and bearings under load, to second order if asked.
 
     Gogoussis and Donath 1988; Hamon, Gautier and Garrec 2010; Bittencourt and Gunnarsson
@@ -86,7 +87,7 @@ class LoadFriction(Effect):
 
 
 @dataclass(frozen=True)
-class TorqueSaturation(Effect):
+class TorqueSaturation(FollowsTorque):
     """-tau_s |tau/tau_peak|^m sgn(tau): torque constant that falls at high current.
 
     Iron saturates: the torque constant falls with the square of current, which is m = 3

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.effect import Effect, Parameter, Part, State
+from oed.dynamics.effects.on_reference import FollowsTorque
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.scalars import Scalar, mul, total
 
@@ -21,6 +22,7 @@ class RotorInertia(Effect):
     joint: int
     name = "rotor_inertia"
     joint_term = "armature"
+    part = "inertia"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -68,6 +70,11 @@ class MotorCoupling(Effect):
         tag = "".join(str(joint + 1) for joint in self.joints)
         named = (("Ia", "kg m^2"), ("Fv", "N m s/rad"), ("Fc", "N m"))
         return tuple(Parameter(f"{symbol}_m{tag}", unit, self.joints[-1]) for symbol, unit in named)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """An inertia, and friction."""
+        return ("inertia", "friction", "friction")
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -124,6 +131,11 @@ class CrossCoupling(Effect):
         return tuple(Parameter(f"{symbol}_{tag}", unit, self.joint) for symbol, unit in named)
 
     @property
+    def parts(self) -> tuple[Part, ...]:
+        """An inertia, and friction."""
+        return ("inertia", "friction", "friction")
+
+    @property
     def depends_on(self) -> tuple[str, ...]:
         """Velocity of the other joint, accelerations of both."""
         j, i = self.joint + 1, self.other + 1
@@ -138,7 +150,7 @@ class CrossCoupling(Effect):
 
 
 @dataclass(frozen=True)
-class MixedTorque(Effect):
+class MixedTorque(FollowsTorque):
     """s tau_i on joint j: motors' torques that stand for the joints' without their coupling undone.
 
     Where motor i turns with dq_i + r dq_j, as in a wrist, virtual work gives motor j the torque

@@ -19,6 +19,7 @@ class TorqueOffset(Effect):
 
     joint: int
     name = "torque_offset"
+    part = "position"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

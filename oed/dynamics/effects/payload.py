@@ -7,13 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
 
-from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.effect import Columns, Effect, Parameter, State
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.thermal import since
-from oed.dynamics.scalars import Scalar, mul
+from oed.dynamics.scalars import Scalar, at_least, mul
 from oed.robot import Robot
 
 
@@ -65,6 +63,7 @@ class PayloadChange(Effect):
     held_for: float = np.inf
     name = "payload_change"
     made_of = (PickUp,)
+    part = "body"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -81,13 +80,31 @@ class PayloadChange(Effect):
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """The link's columns where the load is held, zero before."""
-        held = self.held(state.t)
-        gate = float(held) if held.ndim == 0 else held
+        gate = self.held(state.t)
+        if isinstance(gate, np.generic):  # NumPy's scalars do not meet symbols
+            gate = float(gate)
         memory = self.memory or ReferenceTorque(self.robot)
         columns = memory.link_columns(state, self.link)
         return [{joint: mul(gate, entry) for joint, entry in columns[k].items()} for k in self.kept]
 
-    def held(self, t: Scalar) -> Float[ndarray, "*samples"]:
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """Time since the start [s]."""
+        return ("time of payload_change",)
+
+    def begin(self, state: State) -> Sequence[Scalar]:  # noqa: ARG002  # whatever it is
+        """None has gone by."""
+        return (0.0,)
+
+    def recall(
+        self, state: State, memory: Sequence[Scalar], step: float
+    ) -> tuple[Columns, Sequence[Scalar]]:
+        """The link's columns, if the load is held at that time."""
+        since_then = dataclasses.replace(self, start=0.0, pickups=(), memory=None)
+        now = dataclasses.replace(state, t=memory[0])
+        return since_then.entries(now), (memory[0] + step,)
+
+    def held(self, t: Scalar) -> Scalar:
         """1 while the load is held, 0 before and after.
 
         Args:
@@ -99,8 +116,8 @@ class PayloadChange(Effect):
                 if own.first <= first <= own.last:
                     return np.asarray((t >= own.moment) & (t < own.release), dtype=float)
         along = since(t, self.start) - self.moment
-        for_good = np.isinf(self.held_for)
-        return np.asarray((along >= 0) & (for_good | (along < self.held_for)), dtype=float)
+        taken_up = at_least(along, 0.0)
+        return taken_up if np.isinf(self.held_for) else taken_up - at_least(along, self.held_for)
 
     def throughout(self) -> PayloadChange:
         """The same, held all the time."""

@@ -27,6 +27,7 @@ class TorqueRipple(Effect):
     joint: int
     harmonics: tuple[float, ...]
     name = "torque_ripple"
+    part = "position"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -103,6 +104,7 @@ class JointSpring(Effect):
     order: int = LINEAR
     bends: tuple[float, ...] = ()
     name = "joint_spring"
+    part = "position"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -12,14 +12,13 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.interpolate import make_interp_spline
 
-from oed.dynamics.effects.effect import Effect, State, with_columns
+from oed.dynamics.effects.effect import Effect, State, recall_effects, with_columns
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.wiener import expected
 from oed.dynamics.motion import Curve, Motion
@@ -29,18 +28,7 @@ from oed.robot import Robot
 
 STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
 SHORTEST = 100  # samples whose spectrum tells anything
-PartT = TypeVar("PartT")
 REMEMBERED = 96  # torques of a few recordings: a scan asks for the same ones at each trial value
-
-
-@runtime_checkable
-class OnReference(Protocol):
-    """What is evaluated on a torque as modelled so far."""
-
-    @property
-    def reference(self) -> ReferenceTorque | None:
-        """That torque."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -91,19 +79,6 @@ class ReferenceTorque:
                 others.append(effect)
                 coefficients += [float(value) for value in values]
         return cls(robot.with_parameters(standard), tuple(others), tuple(coefficients))
-
-    @cached_property
-    def end(self) -> ReferenceTorque:
-        """The same without effects that follow a torque themselves."""
-        pairs = [
-            (effect, self.coefficients[place])
-            for effect, place in with_columns(self.others)
-            if not holds_reference(effect)
-        ]
-        if len(pairs) == len(self.others):
-            return self
-        sizes = tuple(size for _, own in pairs for size in own)
-        return ReferenceTorque(self.robot, tuple(effect for effect, _ in pairs), sizes)
 
     def rigid(self, state: State) -> list[Scalar]:
         """Rigid-body torque of every joint [N m]."""
@@ -191,6 +166,30 @@ class ReferenceTorque:
         """Torque of every joint [N m]."""
         pairs = zip(self.rigid(state), self.beside_rigid(state), strict=True)
         return [add(rigid, other) for rigid, other in pairs]
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """What its other effects keep from one instant to the next."""
+        return tuple(name for effect in self.others for name in effect.keeps)
+
+    def begin(self, state: State) -> list[Scalar]:
+        """What they remember at the first instant of a motion."""
+        return [value for effect in self.others for value in effect.begin(state)]
+
+    def recall(
+        self, state: State, memory: Sequence[Scalar], step: float
+    ) -> tuple[ReferenceAt, list[Scalar]]:
+        """The torque at one instant after others, and what is remembered at the next.
+
+        Args:
+            state: Of that instant, symbolic or in numbers.
+            memory: As `begin`, or the instant before, left it.
+            step: To the next instant [s].
+        """
+        sizes = np.array(self.coefficients)
+        found = recall_effects(self.others, sizes, state, memory, step)
+        beside = tuple(found[0].get(joint, 0.0) for joint in range(self.robot.n))
+        return ReferenceAt(self.robot, self.others, self.coefficients, beside), found[1]
 
     def parts(self, motion: Motion) -> Float[ndarray, "samples joints 2"]:
         """Rigid-body torque and the rest over a motion [N m]."""
@@ -294,27 +293,18 @@ class ReferenceTorque:
         return self._memory[key]
 
 
-def holds_reference(value: object) -> bool:
-    """Whether an effect, or a part of it, changes with the torque as modelled so far."""
-    if isinstance(value, ReferenceTorque):
-        return True
-    return any(holds_reference(getattr(value, name)) for name in _parts(value))
+@dataclass(frozen=True)
+class ReferenceAt(ReferenceTorque):
+    """A reference torque at one instant after others, what it keeps being worked out.
 
+    Attributes:
+        beside: (n,) torque of all other effects at that instant.
+    """
 
-def with_references(value: PartT, change: Callable[[ReferenceTorque], ReferenceTorque]) -> PartT:
-    """An effect with each reference torque that it or a part of it holds put through `change`."""
-    if isinstance(value, ReferenceTorque):
-        return change(value)
-    own = {name: getattr(value, name) for name in _parts(value)}
-    new = {name: with_references(part, change) for name, part in own.items() if part is not None}
-    new = {name: part for name, part in new.items() if part is not own[name]}
-    return dataclasses.replace(value, **new) if new else value  # pyright: ignore[reportArgumentType]
+    beside: tuple[Scalar, ...] = ()
 
-
-def _parts(value: object) -> tuple[str, ...]:
-    """Fields of a dataclass; of anything else none."""
-    is_whole = isinstance(value, type) or not dataclasses.is_dataclass(value)
-    return () if is_whole else tuple(f.name for f in dataclasses.fields(value) if f.init)
+    def _beside_rigid(self, state: State) -> list[Scalar]:  # noqa: ARG002  # of that instant alone
+        return list(self.beside)
 
 
 def _slope(

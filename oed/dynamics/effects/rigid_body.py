@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from jaxtyping import Float
+from numpy import ndarray
+
 from oed.dynamics.effects.effect import Effect, Parameter, State
-from oed.dynamics.newton_euler import regressor_entries
+from oed.dynamics.newton_euler import inverse_dynamics, regressor_entries
 from oed.dynamics.scalars import Scalar
 from oed.robot import Robot
 
@@ -17,6 +20,7 @@ class RigidBody(Effect):
 
     robot: Robot
     name = "rigid_body"
+    part = "body"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -37,3 +41,14 @@ class RigidBody(Effect):
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """The Newton-Euler regressor."""
         return regressor_entries(self.robot, state.q, state.dq, state.ddq)
+
+    def recall_torque(
+        self,
+        state: State,
+        memory: Sequence[Scalar],  # noqa: ARG002  # a body keeps nothing
+        step: float,  # noqa: ARG002
+        coefficients: Float[ndarray, " columns"],
+    ) -> tuple[Mapping[int, Scalar], Sequence[Scalar]]:
+        """By the recursion, which takes a tenth of the regressor's operations."""
+        known = self.robot.with_parameters(coefficients)
+        return dict(enumerate(inverse_dynamics(known, state.q, state.dq, state.ddq))), ()

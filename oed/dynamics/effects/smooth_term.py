@@ -15,8 +15,9 @@ from numpy import ndarray
 
 from oed.dynamics.effects import Effect, Parameter, State
 from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
+from oed.dynamics.effects.effect import Columns, Part
 from oed.dynamics.effects.visited import Visited
-from oed.dynamics.scalars import Scalar
+from oed.dynamics.scalars import Scalar, dot, mul
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,48 @@ class FreeForm(Effect):
         for other in reversed(others):
             total = np.sum(total.reshape(-1, *other.shape) * other, axis=1)
         return {self.joint: self._directed(total, state)[0]}
+
+    @property
+    def offline(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """A table of where motions have been has no formula."""
+        return "" if self.visited is None else "it ends where no recording has been, by a table"
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """By what it depends on."""
+        kinds = {name.split("_")[0] for name in self.depends_on}
+        part: Part = "inertia" if "ddq" in kinds else "position" if kinds <= {"q"} else "friction"
+        return (part,) * len(self.parameters)
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """What its coordinates keep."""
+        return tuple(name for c in self.coordinates for name in c.keeps)
+
+    def begin(self, state: State) -> Sequence[Scalar]:
+        """What these remember at the first instant."""
+        return [value for c in self.coordinates for value in c.begin(state)]
+
+    def recall(
+        self, state: State, memory: Sequence[Scalar], step: float
+    ) -> tuple[Columns, Sequence[Scalar]]:
+        """Products of the coordinates' basis functions at one instant."""
+        product: list[Scalar] = [1.0]
+        following: list[Scalar] = []
+        start = 0
+        for c in self.coordinates:
+            stop = start + len(c.keeps)
+            basis, kept = c.recall(state, memory[start:stop], step)
+            product = [mul(one, other) for one in product for other in basis]
+            following += kept
+            start = stop
+        if self.mixing is not None:
+            columns = self.mixing.T.tolist()
+            product = [dot(column, product) for column in columns]
+        if self.direction is not None:
+            turn = state.sign(state.dq[self.direction])
+            product = [mul(column, turn) for column in product]
+        return [{self.joint: column} for column in product], following
 
     def _bases(self, state: State) -> list[Float[ndarray, "functions samples"]]:
         """Basis functions of each coordinate, each contiguous: all else is done to one of them."""

@@ -10,8 +10,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from oed.dynamics.effects.effect import Effect, Parameter, State
-from oed.dynamics.scalars import Scalar, exp, mul
+from oed.dynamics.effects.effect import Columns, Effect, Parameter, State
+from oed.dynamics.scalars import Scalar, at_least, exp, mul
 
 
 class ChangingFriction(Effect):
@@ -35,6 +35,23 @@ class ChangingFriction(Effect):
         """Time and the joint's velocity."""
         return ("time", f"dq_{self.joint + 1}")
 
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """Time since the start [s]."""
+        return (f"time of {self.name} {self.joint + 1}",)
+
+    def begin(self, state: State) -> Sequence[Scalar]:  # noqa: ARG002  # whatever it is
+        """None has gone by."""
+        return (0.0,)
+
+    def recall(
+        self, state: State, memory: Sequence[Scalar], step: float
+    ) -> tuple[Columns, Sequence[Scalar]]:
+        """The share of dq_j and of sgn(dq_j) at that time."""
+        since_then = dataclasses.replace(self, start=0.0)  # pyright: ignore[reportArgumentType]
+        now = dataclasses.replace(state, t=memory[0])
+        return since_then.entries(now), (memory[0] + step,)
+
     @abstractmethod
     def share(self, state: State) -> Scalar:
         """The share at a time or a temperature."""
@@ -42,7 +59,8 @@ class ChangingFriction(Effect):
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """The share of dq_j and of sgn(dq_j)."""
         dq, share = state.dq[self.joint], self.share(state)
-        share = share if np.ndim(share) else float(share)  # NumPy's scalars do not meet symbols
+        if isinstance(share, np.generic):  # NumPy's scalars do not meet symbols
+            share = float(share)
         return [
             {self.joint: mul(share, dq)},
             {self.joint: mul(share, state.sign(dq, self.width))},
@@ -120,6 +138,27 @@ class WarmFriction(ChangingFriction):
             return 0.0
         return state.temperature[:, self.joint] - self.reference
 
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """The temperature [degrees Celsius], which whoever measures it writes there."""
+        return (f"temperature_{self.joint + 1}",)
+
+    def begin(self, state: State) -> Sequence[Scalar]:  # noqa: ARG002
+        """That of the base model."""
+        return (self.reference,)
+
+    def recall(
+        self,
+        state: State,
+        memory: Sequence[Scalar],
+        step: float,  # noqa: ARG002  # warmth comes from outside
+    ) -> tuple[Columns, Sequence[Scalar]]:
+        """The columns at that temperature."""
+        (temperature,) = memory
+        dq, share = state.dq[self.joint], temperature - self.reference
+        both = (dq, state.sign(dq, self.width))
+        return [{self.joint: mul(share, x)} for x in both], (temperature,)
+
 
 @dataclass(frozen=True)
 class FrictionJump(ChangingFriction):
@@ -141,7 +180,7 @@ class FrictionJump(ChangingFriction):
 
     def share(self, state: State) -> Scalar:
         """0 before the moment, 1 from it on."""
-        return np.asarray(since(state.t, self.start) >= self.moment, dtype=float)
+        return at_least(since(state.t, self.start), self.moment)
 
 
 def since(t: Scalar, start: float | None) -> Scalar:

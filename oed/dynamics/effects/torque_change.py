@@ -10,7 +10,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.effects.delay import TimeDelay
-from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.measurement_effect import MeasurementEffect
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar
@@ -32,6 +33,7 @@ class TorqueChange(Effect):
     measurement: MeasurementEffect
     reference: ReferenceTorque
     name = "torque_change"
+    offline = "it is worked out along whole recordings"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -10,7 +10,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.effects.deflection import deflect
-from oed.dynamics.effects.effect import Effect, MeasurementEffect, Parameter, State
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.measurement_effect import MeasurementEffect
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, with_joint
 from oed.dynamics.scalars import Scalar
@@ -100,6 +101,7 @@ class Transmission(MeasurementEffect):
     stiffening: float = 0.0
     name = "transmission"
     made_of = (Rubbing,)
+    not_simulated = "the links behind the gear move on their own, and need a joint of their own"
 
     def __post_init__(self) -> None:
         if self.frequency <= 0 or self.damping <= 0:
@@ -130,6 +132,11 @@ class Transmission(MeasurementEffect):
         for joint, moved in enumerate(self.reference.rotor_inertia(state, self.joint)):
             result[:, joint, rigid] += (bend.ddd * moved)[:, None] * rotor
         return result
+
+    @property
+    def offline(self) -> str:
+        """What its links do is solved along whole recordings."""
+        return "how far the gear gives way is solved along a whole recording"
 
     def bend(self, state: State) -> Bend:
         """Deflection along a sampled motion, settled at its start.
@@ -209,6 +216,7 @@ class TransmissionChange(Effect):
 
     gear: Transmission
     made_of = (Rubbing,)
+    offline = "it is worked out along whole recordings"
 
     @property
     def name(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]  # one for each gear

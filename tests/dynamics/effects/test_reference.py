@@ -8,7 +8,8 @@ import pytest
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.effect import State
 from oed.dynamics.effects.entry import evaluate
-from oed.dynamics.effects.reference import ReferenceTorque, holds_reference
+from oed.dynamics.effects.on_reference import holds_reference
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion, random_motion, with_joint
 from oed.dynamics.scalars import mean_sign
 from oed.robot import imi_scara
