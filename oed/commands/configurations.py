@@ -298,6 +298,33 @@ class Design(Command):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Export(Command):
+    """Write a found model as something that runs: a predictor, a robot file, a simulation.
+
+    Leaves the files of each form and export.json, and says which effects a form cannot have and why.
+
+    Attributes:
+        model: A model.json, or the folder that holds it.
+        to: Forms: numpy, casadi or c (torque of a motion, for a controller), urdf, sdf or mjcf (robot
+            files), mujoco or drake (simulations with all effects), ros2 (parameters), or one that
+            was registered from outside.
+        out: Folder for the files.
+        rate: At which a controller or a simulation asks for torque [Hz].
+    """
+
+    model: Annotated[Path, tyro.conf.Positional]
+    to: tuple[str, ...]
+    out: OutFolder
+    rate: float = 1000.0
+
+    def __post_init__(self) -> None:
+        if not self.to:
+            raise ValueError("--to: name at least one form, such as mujoco")
+        if not (self.rate > 0 and isfinite(self.rate)):
+            raise ValueError(f"--rate {self.rate:g} is not a positive number")
+
+
+@dataclass(frozen=True, kw_only=True)
 class ImportLog(Command):
     """Make a data set of log files: ROS 2 bags, CSV, Parquet, .mat, .npz, HDF5.
 

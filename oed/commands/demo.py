@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from oed.commands import design, diagnose, feasible, identify
-from oed.commands.configurations import Demo, Design, Diagnose, Feasible, Identify
+from oed.commands import design, diagnose, export, feasible, identify
+from oed.commands.configurations import Demo, Design, Diagnose, Export, Feasible, Identify
 from oed.commands.telling import say, speak
 from oed.dynamics.motion import Motion
 from oed.experiment.dataset import DataSet
@@ -24,12 +24,18 @@ ARM = "builtin:imi_scara"
 MODEL = "standard"  # direct drives: the arm has no rotors behind gears
 REPETITIONS, FEW = 6, 2
 EVALUATIONS, FEW_EVALUATIONS = 300, 60  # enough for two joints: half a minute of four in all
+FORMS = ("c", "mujoco")  # to which the demo exports its model
 ROLES: tuple[Role, ...] = ("estimation", "validation", "test")
 PAGES = (
     ("The motion", "design/report.html", "designed for this arm; proven to keep its limits"),
     ("The parameters", "identify/report.html", "with 95 % intervals, and their errors held out"),
     ("What the model lacks", "diagnosis/report.html", "the effect found, and what it gains"),
     ("A model for a simulator", "feasible/report.html", "bodies that exist; URDF, SDF, MJCF"),
+    (
+        "The model as code",
+        "export/oed_model.h",
+        "C for a controller; beside it a MuJoCo simulation",
+    ),
 )
 
 
@@ -70,6 +76,12 @@ def _steps(config: Demo) -> tuple[tuple[str, Callable[[], int]], ...]:
         (
             "making a model for a simulator",
             lambda: feasible.run(Feasible(**given, out=out / "feasible", model=MODEL, seed=seed)),
+        ),
+        (
+            "writing it as code and as a simulation",
+            lambda: export.run(
+                Export(model=out / "feasible", to=FORMS, out=out / "export", quiet=quiet)
+            ),
         ),
     )
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects import Coulomb, RigidBody, RotorInertia, Viscous, with_columns
+from oed.dynamics.effects import RigidBody, with_columns
+from oed.dynamics.effects.effect import JointTerm
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
@@ -46,17 +48,17 @@ class CalibratedRobot:
                 "the first effect of the model must be its rigid body"
             )
         n = model.robot.n
-        held: dict[type, np.ndarray] = {
-            kind: np.zeros(n) for kind in (Coulomb, Viscous, RotorInertia)
-        }
+        held = {term: np.zeros(n) for term in get_args(JointTerm)}
         left_out: list[str] = []
         for effect, place in list(with_columns(model.effects))[1:]:
-            if isinstance(effect, Coulomb | Viscous | RotorInertia):
-                held[type(effect)][effect.joint] += parameters[place.start]
-            else:
+            if effect.joint_term is None:
                 left_out += [parameter.name for parameter in effect.parameters]
+                continue
+            (parameter,) = effect.parameters
+            held[effect.joint_term][parameter.joint] += parameters[place.start]
         robot = model.robot.with_parameters(parameters[: 10 * n])
-        return cls(robot, held[Coulomb], held[Viscous], held[RotorInertia], tuple(left_out))
+        terms = (held[term] for term in ("friction", "damping", "armature"))
+        return cls(robot, *terms, tuple(left_out))
 
     def smooth_torque(self, motion: Motion) -> Float[ndarray, "samples joints"]:
         """Torque without Coulomb friction, whose sign each simulator rounds in its own way."""

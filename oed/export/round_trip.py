@@ -12,12 +12,14 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces
 
 from oed.dynamics.drake_plant import coordinate_order
-from oed.dynamics.motion import Motion
+from oed.dynamics.motion import Motion, random_motion
 from oed.errors import OedError
 from oed.export.calibrated_robot import CalibratedRobot
+from oed.robot import Robot
 from oed.robot.robot_file import load_plant
 
 AGREEMENT = 1e-9  # of the largest torque
+STATES = 50  # at which a written file is asked for its torques
 
 
 class ExportMismatch(OedError):
@@ -48,6 +50,11 @@ def require_round_trip(calibrated: CalibratedRobot, path: str | Path, motion: Mo
             disagreement,
         )
     return disagreement
+
+
+def some_states(robot: Robot) -> Motion:
+    """Random states within a robot's limits, the same each time."""
+    return random_motion(robot, STATES, np.random.default_rng(0))
 
 
 def torque_by_drake(

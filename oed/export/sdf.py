@@ -10,17 +10,22 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.export.calibrated_robot import CalibratedRobot, link_inertial
+from oed.export.own_name import own_name
+from oed.export.shapes import MESHES, Shapes
 from oed.export.xml_text import number, numbers, quaternion, write_xml
 
 DRAKE = "https://drake.mit.edu/"
+NO_SHAPES = Shapes()
+WHOLE = {"box": "size", "ellipsoid": "radii"}  # shapes whose sizes stand in one element
 
 
-def write_sdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
-    """Write a robot as SDF, without visuals.
+def write_sdf(calibrated: CalibratedRobot, path: str | Path, *, shapes: Shapes = NO_SHAPES) -> Path:
+    """Write a robot as SDF.
 
     Args:
         calibrated: To write.
         path: Of the new file.
+        shapes: Of its bodies.
 
     Returns:
         The path.
@@ -28,11 +33,11 @@ def write_sdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
     robot = calibrated.robot
     ElementTree.register_namespace("drake", DRAKE)
     root = ElementTree.Element("sdf", version="1.9")
-    model = ElementTree.SubElement(root, "model", name=robot.name)
+    model = ElementTree.SubElement(root, "model", name=own_name(robot))
     base = ElementTree.SubElement(model, "joint", name="base_weld", type="fixed")
     _add_text(base, "parent", "world")
     _add_text(base, "child", "base")
-    ElementTree.SubElement(model, "link", name="base")
+    _add_shapes(ElementTree.SubElement(model, "link", name="base"), shapes, -1)
     for i in robot.outward:
         joint = robot.joints[i]
         parent = "base" if joint.parent == -1 else robot.joints[joint.parent].link
@@ -40,6 +45,7 @@ def write_sdf(calibrated: CalibratedRobot, path: str | Path) -> Path:
         link = ElementTree.SubElement(model, "link", name=joint.link)
         _add_text(link, "pose", "0 0 0 0 0 0").set("relative_to", joint.name)
         _add_inertial(link, calibrated, i)
+        _add_shapes(link, shapes, i)
     path = Path(path)
     write_xml(path, root)
     return path
@@ -83,6 +89,26 @@ def _add_inertial(link: ElementTree.Element, calibrated: CalibratedRobot, i: int
     names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     for name, value in zip(names, body.inertia[np.triu_indices(3)], strict=True):
         _add_text(inertia, name, number(value))
+
+
+def _add_shapes(link: ElementTree.Element, shapes: Shapes, joint: int) -> None:
+    for shape in shapes.of(joint):
+        kind = "collision" if shape.is_collision else "visual"
+        element = ElementTree.SubElement(link, kind, name=shape.name)
+        _add_text(element, "pose", _pose(shape.R, shape.p)).set("rotation_format", "quat_xyzw")
+        geometry = ElementTree.SubElement(element, "geometry")
+        form = ElementTree.SubElement(geometry, shape.kind)
+        if shape.kind == "mesh":
+            _add_text(form, "uri", f"{MESHES}/{shape.mesh}")
+            _add_text(form, "scale", numbers(shape.size))
+        elif shape.kind in WHOLE:
+            _add_text(form, WHOLE[shape.kind], numbers(shape.size))
+        else:
+            for name, value in zip(("radius", "length"), shape.size, strict=False):
+                _add_text(form, name, number(value))
+        if shape.colour is not None and not shape.is_collision:
+            material = ElementTree.SubElement(element, "material")
+            _add_text(material, "diffuse", numbers(shape.colour))
 
 
 def _pose(rotation: Float[ndarray, "3 3"], origin: Float[ndarray, "3"]) -> str:

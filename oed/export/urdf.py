@@ -11,6 +11,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from oed.export.calibrated_robot import CalibratedRobot, link_inertial
+from oed.export.own_name import own_name
+from oed.export.shapes import MESHES, Shapes
 from oed.export.xml_text import number, numbers, roll_pitch_yaw, write_xml
 from oed.robot.description import RobotDescription
 from oed.robot.xml_tree import parse_xml
@@ -18,9 +20,16 @@ from oed.robot.xml_tree import parse_xml
 DRAKE = "https://drake.mit.edu/"
 # Drake reads no actuator, and so no rotor inertia, where a joint may not push at all.
 ANY_EFFORT = 1e9  # [N m or N]
+NO_SHAPES = Shapes()
 
 
-def write_urdf(calibrated: CalibratedRobot, path: str | Path, *, home: Path | None = None) -> Path:
+def write_urdf(
+    calibrated: CalibratedRobot,
+    path: str | Path,
+    *,
+    home: Path | None = None,
+    shapes: Shapes = NO_SHAPES,
+) -> Path:
     """Write a robot as URDF.
 
     A robot that came from a URDF file keeps all else that is in it: visuals, collision geometry,
@@ -32,6 +41,7 @@ def write_urdf(calibrated: CalibratedRobot, path: str | Path, *, home: Path | No
         path: Of the new file.
         home: Folder from which its meshes are to be found, where it is moved there afterwards;
             the file's own if None.
+        shapes: Of its bodies, where it is written anew.
 
     Returns:
         The path.
@@ -42,7 +52,7 @@ def write_urdf(calibrated: CalibratedRobot, path: str | Path, *, home: Path | No
     if file is not None and file.format == "urdf":
         root = _edited(calibrated, file, home or path.parent)
     else:
-        root = _generated(calibrated)
+        root = _generated(calibrated, shapes)
     _set_joints(calibrated, root)
     write_xml(path, root)
     return path
@@ -120,10 +130,10 @@ def _keep_reachable(mesh: ElementTree.Element, old: Path, new: Path) -> None:
         mesh.set("filename", os.path.relpath(old / filename, new))
 
 
-def _generated(calibrated: CalibratedRobot) -> ElementTree.Element:
+def _generated(calibrated: CalibratedRobot, shapes: Shapes) -> ElementTree.Element:
     robot = calibrated.robot
-    root = ElementTree.Element("robot", name=robot.name)
-    ElementTree.SubElement(root, "link", name="base")
+    root = ElementTree.Element("robot", name=own_name(robot))
+    _add_shapes(ElementTree.SubElement(root, "link", name="base"), shapes, -1)
     for i in robot.outward:
         joint = robot.joints[i]
         element = ElementTree.SubElement(root, "joint", name=joint.name, type=joint.kind)
@@ -136,7 +146,29 @@ def _generated(calibrated: CalibratedRobot) -> ElementTree.Element:
         _add_limit(element, calibrated, i)
         link = ElementTree.SubElement(root, "link", name=joint.link)
         _add_inertial(link, calibrated, i, in_source_link=False)
+        _add_shapes(link, shapes, i)
     return root
+
+
+def _add_shapes(link: ElementTree.Element, shapes: Shapes, joint: int) -> None:
+    for shape in shapes.of(joint):
+        element = ElementTree.SubElement(
+            link, "collision" if shape.is_collision else "visual", name=shape.name
+        )
+        pose = {"xyz": numbers(shape.p), "rpy": roll_pitch_yaw(shape.R)}
+        ElementTree.SubElement(element, "origin", pose)
+        form = ElementTree.SubElement(ElementTree.SubElement(element, "geometry"), shape.kind)
+        if shape.kind == "mesh":
+            form.set("filename", f"{MESHES}/{shape.mesh}")
+            form.set("scale", numbers(shape.size))
+        elif shape.kind == "box":
+            form.set("size", numbers(shape.size))
+        else:
+            for name, value in zip(("radius", "length"), shape.size, strict=False):
+                form.set(name, number(value))
+        if shape.colour is not None and not shape.is_collision:
+            material = ElementTree.SubElement(element, "material", name=f"{shape.name}_colour")
+            ElementTree.SubElement(material, "color", rgba=numbers(shape.colour))
 
 
 def _add_limit(element: ElementTree.Element, calibrated: CalibratedRobot, i: int) -> None:

@@ -69,5 +69,6 @@ DESIGN = ResultFiles(
         "report.html",
     ),
 )
+EXPORT = ResultFiles("export")
 DEMO = ResultFiles("demo", ("index.html", "provenance.json"))
 RECORDINGS = ResultFiles("demo recordings")

@@ -17,8 +17,9 @@ def test_the_demo_finds_the_cable_and_links_every_page(tmp_path: Path) -> None:
     assert abs(found["value"] - 1.2) < 4 * found["std"]
     page = (out / "index.html").read_text(encoding="utf-8")
     linked = re.findall(r'<a href="([^"#]+)"', page)
-    assert len(linked) >= 4
+    assert len(linked) >= 5
     assert all((out / address).is_file() for address in linked)
+    assert {path.name for path in (out / "export").glob("*.py")} == {"simulate_mujoco.py"}
     # By one criterion too, with the test recordings sealed.
     found = tmp_path / "evidence"
     told = ("diagnose", out / "recordings", "--out", found, "--method", "evidence", "--quiet")

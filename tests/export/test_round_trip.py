@@ -16,7 +16,7 @@ from oed.export.round_trip import (
     torque_by_pinocchio,
 )
 from oed.export.sdf import write_sdf
-from oed.export.simulation_plant import build_simulation, build_simulation_plant
+from oed.export.simulation_plant import build_simulation_plant
 from oed.export.urdf import write_urdf
 from oed.robot import arm_joints, load_robot
 from oed.robot.robot_file import load_plant
@@ -137,17 +137,3 @@ def test_the_drake_plant_has_rotors_and_damping():
     plant = build_simulation_plant(calibrated)
     found = torque_by_drake(plant, calibrated, motion)
     assert agrees(found, calibrated.smooth_torque(motion))
-
-
-def test_the_simulation_accelerates_as_the_torque_says():
-    calibrated, motion, model, parameters = identified(load_robot("builtin:imi_scara"))
-    diagram, plant = build_simulation(calibrated, sign_width=1e-9)
-    context = diagram.CreateDefaultContext()
-    plant_context = plant.GetMyMutableContextFromRoot(context)
-    torque = model.torque(parameters, motion)
-    for k in range(len(motion)):
-        diagram.GetInputPort("torque").FixValue(context, torque[k])
-        plant.SetPositions(plant_context, motion.q[k])
-        plant.SetVelocities(plant_context, motion.dq[k])
-        rates = diagram.EvalTimeDerivatives(context).CopyToVector()
-        assert np.allclose(rates[2:], motion.ddq[k], rtol=1e-8, atol=1e-8)
