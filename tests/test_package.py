@@ -50,14 +50,14 @@ def required(*extras: str) -> dict[str, Requirement]:
 
 def test_the_lock_satisfies_every_requirement():
     locked = pins()
-    for name, requirement in required("ros", "docs", "dev").items():
+    for name, requirement in required("ros", "mujoco", "docs", "dev").items():
         assert name in locked, f"environment.txt lacks {name}"
         assert requirement.specifier.contains(locked[name]), f"{name} {locked[name]}"
 
 
 def test_every_lower_bound_is_the_series_that_the_tests_run_with():
     locked = pins()
-    for name, requirement in required("ros", "docs", "dev").items():
+    for name, requirement in required("ros", "mujoco", "docs", "dev").items():
         (bound,) = requirement.specifier
         assert bound.operator == ">="
         series = bound.version.split(".")[:2]
@@ -80,7 +80,7 @@ def imported_packages() -> set[str]:
 
 def test_every_package_that_is_imported_is_required():
     names = {REGISTRY_NAMES.get(package, package) for package in imported_packages()}
-    assert names <= set(required("ros")), names - set(required("ros"))
+    assert names <= set(required("ros", "mujoco")), names - set(required("ros", "mujoco"))
 
 
 def test_the_version_is_stated_once():

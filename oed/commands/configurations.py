@@ -47,7 +47,7 @@ class DataSetCommand(Command):
         joints: Names of the joints to identify; all if not given.
         cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
         model: Torque model: rigid body with friction (standard), with constant torques besides
-            (offset), or with rotor inertias besides (rotor).
+            (offset), or with rotor inertias besides (rotor); or a model.json, whose effects it has.
         sign_width: Velocity over which Coulomb friction turns [rad/s].
         smoke: Do less, to see that it works.
     """
@@ -56,7 +56,7 @@ class DataSetCommand(Command):
     out: OutFolder
     joints: tuple[str, ...] = ()
     cutoff: float | None = None
-    model: ModelName = "rotor"
+    model: ModelName | Path = "rotor"
     sign_width: float = SIGN_WIDTH
     smoke: bool = False
 
@@ -295,6 +295,38 @@ class Design(Command):
     def inputs(self) -> tuple[str, ...]:
         """What is read."""
         return tuple(given for given in (self.robot, self.data, *self.prior) if given)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibrate(Command):
+    """From recordings to a model that runs: identify, diagnose, estimate bodies, export.
+
+    What the model lacks is found before bodies are estimated, so that it does not end up in masses.
+    Leaves a folder for each step and index.html, which links their pages.
+
+    Attributes:
+        data: Folder of the data set.
+        out: Folder for everything.
+        model: Base model of all steps: standard, offset or rotor.
+        to: Forms that the model is exported to, as of oed export.
+        rate: At which a controller or a simulation asks for torque [Hz].
+        prior: As of oed feasible.
+        max_effects: As of oed diagnose.
+        candidates: As of oed diagnose.
+        smoke: Do less, to see that it works.
+        seed: Of everything random.
+    """
+
+    data: Annotated[Path, tyro.conf.Positional]
+    out: OutFolder
+    model: ModelName = "rotor"
+    to: tuple[str, ...] = ("c", "mujoco")
+    rate: float = 1000.0
+    prior: Prior = "auto"
+    max_effects: int | None = None
+    candidates: tuple[str, ...] = ()
+    smoke: bool = False
+    seed: Seed = 0
 
 
 @dataclass(frozen=True, kw_only=True)

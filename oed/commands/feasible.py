@@ -74,17 +74,12 @@ def identify_feasible(
     demands = FeasibleSet.of(prepared.model).with_(total_mass=total_mass)
     inertials = file_inertials(prepared.model.robot, wanted=WANTED[prior])
     settings = FeasibleSettings(demands=demands, inertials=inertials, weight=weight, seed=seed)
-    return _calibrated(prepared, settings)
+    return estimate(prepared, settings)
 
 
-def estimate(config: Feasible) -> FeasibleCalibration:
-    """The same for a command."""
-    prepared = prepare_for(config)
-    return _calibrated(prepared, _settings(config, prepared.model))
-
-
-def _calibrated(prepared: Prepared, settings: FeasibleSettings) -> FeasibleCalibration:
-    plain = calibrate(prepared.dataset, prepared.model, prepared.settings)
+def estimate(prepared: Prepared, settings: FeasibleSettings) -> FeasibleCalibration:
+    """The same from a data set that is ready."""
+    plain = calibrate(prepared.dataset, prepared.model, prepared.settings, known=prepared.known)
     parameters, joints = len(prepared.model.parameters), prepared.dataset.robot.n
     say(f"estimating {parameters} parameters of {joints} joints feasibly")
     return calibrate_feasibly(plain, settings)
@@ -142,12 +137,14 @@ def run(config: Feasible) -> int:
     speak(quiet=config.quiet)
     start = time.perf_counter()
     with FEASIBLE.in_folder(config.out, [config.data]) as results:
-        result = estimate(config)
+        prepared = prepare_for(config)
+        result = estimate(prepared, settings_of(config, prepared.model))
         checkup = check_calibration(result.plain)
         with results.replaced() as new:
             rows = export(result, new, results.folder)
             provenance = Provenance.collect(config, seed=config.seed)
-            write_model(of_feasible(result, provenance), new / MODEL, home=results.folder)
+            model = of_feasible(result, provenance, prepared.started)
+            write_model(model, new / MODEL, home=results.folder)
             write_feasible(result, rows, new, provenance, checkup=checkup)
     print("\n" + text_table(link_rows(result)))
     print(text_table(validation_rows(result)))
@@ -170,7 +167,8 @@ def run(config: Feasible) -> int:
     return 0
 
 
-def _settings(config: Feasible, model: TorqueModel) -> FeasibleSettings:
+def settings_of(config: Feasible, model: TorqueModel) -> FeasibleSettings:
+    """What a command line asks for."""
     demands = FeasibleSet.of(model).with_(
         total_mass=config.total_mass,
         regions=collision_regions(model.robot) if config.collision else None,

@@ -42,21 +42,18 @@ def identify(
         DataSetError: If the folder holds no data set that can be used.
         OedError: If the data determine nothing.
     """
-    return _calibrated(prepare(data, model=model, cutoff=cutoff), robust=robust)
+    return estimate(prepare(data, model=model, cutoff=cutoff), robust=robust)
 
 
-def estimate(config: Identify) -> Calibration:
-    """The same for a command."""
-    return _calibrated(prepare_for(config), robust=config.robust)
-
-
-def _calibrated(prepared: Prepared, *, robust: bool) -> Calibration:
+def estimate(prepared: Prepared, *, robust: bool) -> Calibration:
+    """The same from a data set that is ready."""
     say(f"estimating: {prepared.dataset.robot.n} joints")
     return calibrate(
         prepared.dataset,
         prepared.model,
         prepared.settings,
         robust="huber" if robust else None,
+        known=prepared.known,
     )
 
 
@@ -65,11 +62,13 @@ def run(config: Identify) -> int:
     speak(quiet=config.quiet)
     start = time.perf_counter()
     with IDENTIFY.in_folder(config.out, [config.data]) as results:
-        calibration = estimate(config)
+        prepared = prepare_for(config)
+        calibration = estimate(prepared, robust=config.robust)
         checkup = check_calibration(calibration)
         provenance = Provenance.collect(config, seed=None)
         with results.replaced() as new:
-            write_model(of_calibration(calibration, provenance), new / MODEL, home=results.folder)
+            model = of_calibration(calibration, provenance, prepared.started)
+            write_model(model, new / MODEL, home=results.folder)
             write_calibration(
                 calibration,
                 convergence(calibration),

@@ -23,6 +23,7 @@ COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
     "feasible": (configurations.Feasible, "feasible"),
     "payload": (configurations.Payload, "payload"),
     "diagnose": (configurations.Diagnose, "diagnose"),
+    "calibrate": (configurations.Calibrate, "calibrate"),
     "export": (configurations.Export, "export"),
     "demo": (configurations.Demo, "demo"),
     "cross-check": (configurations.CrossCheck, "cross_check"),

@@ -18,6 +18,7 @@ from oed.errors import OedError
 from oed.estimation.dissipation import check_dissipation
 from oed.estimation.estimate import Estimate
 from oed.estimation.identify import identify
+from oed.estimation.known_torque import KnownTorque
 from oed.estimation.recursive import RecursiveEstimate, recursive_least_squares
 from oed.estimation.repetition_noise import repetition_noise
 from oed.estimation.robust import RobustLoss
@@ -27,6 +28,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.processing import ProcessedRecording, ProcessingSettings
 from oed.experiment.recording import Role
 
+NOTHING = KnownTorque()
 SPECTRUM_SAMPLES = 512  # a segment of Welch's method: resolution against scatter
 
 
@@ -46,6 +48,7 @@ class Calibration:
         recordings: By role, the processed recordings.
         estimate: From the recordings with role estimation.
         validation: By role, how well the estimate predicts; only roles that have recordings.
+        known: What was taken off the torque of the recordings before.
     """
 
     dataset: DataSet
@@ -55,9 +58,10 @@ class Calibration:
     recordings: Mapping[Role, tuple[ProcessedRecording, ...]]
     estimate: Estimate
     validation: Mapping[Role, Validation]
+    known: KnownTorque = NOTHING
 
     def torque(self, motion: Motion) -> Float[ndarray, "samples joints"]:
-        """Predicted torque [N m or N]."""
+        """Predicted torque beside what is known [N m or N]."""
         columns = self.base.reduce(self.model.columns(motion))
         return columns[:, :, list(self.estimate.columns)] @ self.estimate.parameters
 
@@ -68,6 +72,7 @@ def calibrate(
     settings: ProcessingSettings,
     *,
     robust: RobustLoss | None = None,
+    known: KnownTorque = NOTHING,
 ) -> Calibration:
     """Estimate a model's base parameters and validate them on what was not used.
 
@@ -79,13 +84,14 @@ def calibrate(
         model: Of the data set's robot.
         settings: Of the signal processing.
         robust: Loss of a robust estimate; least squares if None.
+        known: Torque that is not to be estimated.
 
     Raises:
         ValueError: If there is nothing to estimate from, or a recording is too short.
         TooFewSamples: If there are fewer equations than base parameters.
         OedError: If friction drives every joint, as with torques of the opposite sign.
     """
-    recordings = process_all(dataset, settings)
+    recordings = known.taken_off(process_all(dataset, settings), model)
     base = base_parameters(model)
     training = recordings["estimation"]
     regressor, torque = stack(model, base, training)
@@ -116,7 +122,7 @@ def calibrate(
         role: validate(estimate.predict(rows).reshape(measured.shape), measured)
         for role, (rows, measured) in stacked.items()
     }
-    return Calibration(dataset, settings, model, base, recordings, estimate, validation)
+    return Calibration(dataset, settings, model, base, recordings, estimate, validation, known)
 
 
 def _usual_torque(

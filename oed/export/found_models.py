@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.calibration import Calibration
+from oed.estimation.known_torque import KnownTorque
 from oed.export.model import Model, Origin, Ranges, ShapeEstimate
 from oed.report.provenance import Provenance
 
@@ -17,15 +19,23 @@ if TYPE_CHECKING:  # what finds one kind of model need not load what finds the o
     from oed.estimation.feasible.calibration import FeasibleCalibration
 
 
-def of_calibration(calibration: Calibration, provenance: Provenance) -> Model:
-    """Base parameters by least squares; what they stand for is zero."""
+def of_calibration(
+    calibration: Calibration, provenance: Provenance, started: Model | None = None
+) -> Model:
+    """Base parameters by least squares; what they stand for is zero.
+
+    Args:
+        calibration: That found them.
+        provenance: Of the run.
+        started: The model that it started from, None for a named one.
+    """
     estimate, base = calibration.estimate, calibration.base
     columns = base.columns[list(estimate.columns)]
     count = len(calibration.model.parameters)
     parameters, covariance = np.zeros(count), np.zeros((count, count))
     parameters[columns] = estimate.parameters
     covariance[np.ix_(columns, columns)] = estimate.covariance
-    return Model(
+    found = Model(
         calibration.model,
         parameters,
         covariance,
@@ -34,12 +44,15 @@ def of_calibration(calibration: Calibration, provenance: Provenance) -> Model:
         validity=_ranges(calibration),
         origin=_origin("oed identify", calibration.dataset.name, estimate.method, provenance),
     )
+    return _completed(found, calibration.known, started)
 
 
-def of_feasible(result: FeasibleCalibration, provenance: Provenance) -> Model:
+def of_feasible(
+    result: FeasibleCalibration, provenance: Provenance, started: Model | None = None
+) -> Model:
     """All parameters, of bodies that can exist; covariance of resampled estimates."""
     estimate = result.estimate
-    return Model(
+    found = Model(
         estimate.model,
         estimate.parameters,
         np.cov(result.bootstrap.samples.T),
@@ -52,6 +65,22 @@ def of_feasible(result: FeasibleCalibration, provenance: Provenance) -> Model:
             f"feasible least squares; covariance: {result.bootstrap.method}",
             provenance,
         ),
+    )
+    return _completed(found, result.plain.known, started)
+
+
+def _completed(found: Model, known: KnownTorque, started: Model | None) -> Model:
+    """With what was not estimated anew, and what is known of shapes."""
+    torque_model = found.torque_model.with_effects(*known.effects)
+    count = len(known.parameters)
+    covariance = None if found.covariance is None else np.pad(found.covariance, (0, count))
+    return dataclasses.replace(
+        found,
+        torque_model=torque_model,
+        parameters=np.concatenate([found.parameters, known.parameters]),
+        covariance=covariance,
+        estimated=np.concatenate([found.estimated, np.zeros(count, dtype=bool)]),
+        shapes=() if started is None else started.shapes_of(torque_model),
     )
 
 

@@ -10,8 +10,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
+from oed.dynamics.effects import with_columns
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.known_torque import KnownTorque
 from oed.robot import Robot
 
 
@@ -145,6 +147,22 @@ class Model:
         instants = np.arange(len(q), dtype=float) if t is None else t
         return self.torque_model.torque(self.parameters, Motion(instants, q, dq, ddq))
 
-    def with_origin(self, origin: Origin) -> Model:
-        """The same as found in another way."""
-        return dataclasses.replace(self, origin=origin)
+    def to_estimate(self) -> tuple[TorqueModel, KnownTorque]:
+        """What is estimated anew where an estimate starts from this model, and what stays.
+
+        Shapes and measurement effects stay; so do terms that claim no physics, numbers and all.
+        """
+        whole = self.torque_model
+        pairs = [(e, self.parameters[place]) for e, place in with_columns(whole.effects)]
+        kept = [(effect, own) for effect, own in pairs if not effect.has_physics]
+        fitted = tuple(effect for effect, _ in pairs if effect.has_physics)
+        numbers = np.concatenate([np.zeros(0), *(own for _, own in kept)])
+        known = KnownTorque(tuple(effect for effect, _ in kept), numbers)
+        return dataclasses.replace(whole, effects=fitted), known
+
+    def shapes_of(self, torque_model: TorqueModel) -> tuple[tuple[ShapeEstimate, ...], ...]:
+        """Nonlinear parameters of another model's effects, as far as they are these."""
+        every = (*self.torque_model.effects, *self.torque_model.measurement)
+        known = dict(zip(map(id, every), self.shapes, strict=False))
+        asked = (*torque_model.effects, *torque_model.measurement)
+        return tuple(known.get(id(effect), ()) for effect in asked)

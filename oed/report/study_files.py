@@ -70,5 +70,6 @@ DESIGN = ResultFiles(
     ),
 )
 EXPORT = ResultFiles("export")
+CALIBRATE = ResultFiles("calibrate", ("index.html", "calibration.json"))
 DEMO = ResultFiles("demo", ("index.html", "provenance.json"))
 RECORDINGS = ResultFiles("demo recordings")

@@ -183,3 +183,14 @@ def test_a_spoiled_robot_text_is_noticed(tmp_path):
     path.write_text(spoiled, encoding="utf-8")
     with pytest.raises(ModelFileError, match="sha256"):
         load_model(path)
+
+
+def test_an_estimate_starts_from_physics_and_leaves_shapes_as_they_are():
+    model, motion = model_with("stribeck", "time_delay", forms=True)
+    fitted, known = model.to_estimate()
+    assert not any(effect.name == "free_form" for effect in fitted.effects)
+    assert fitted.measurement == model.torque_model.measurement
+    whole = dataclasses.replace(fitted, effects=(*fitted.effects, *known.effects))
+    parameters = [*model.parameters[: len(fitted.parameters)], *known.parameters]
+    expected = model.torque_model.torque(model.parameters, motion)
+    assert whole.torque(np.array(parameters), motion) == pytest.approx(expected, rel=1e-12)

@@ -10,7 +10,8 @@ import pytest
 import yaml
 
 from oed.commands.configurations import SIGN_WIDTH, Feasible
-from oed.commands.feasible import estimate
+from oed.commands.feasible import estimate, settings_of
+from oed.commands.from_data_set import prepare_for
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from oed.estimation.calibration import calibrate
@@ -131,9 +132,9 @@ def test_a_prior_and_a_total_mass_are_obeyed(simulated: Path, tmp_path: Path) ->
 
 
 def test_a_failed_comparison_of_solvers_does_not_read_as_a_failed_estimate(simulated: Path) -> None:
-    result = estimate(
-        Feasible(data=simulated, out=simulated, model="standard", weight=1e-3, smoke=True)
-    )
+    config = Feasible(data=simulated, out=simulated, model="standard", weight=1e-3, smoke=True)
+    prepared = prepare_for(config)
+    result = estimate(prepared, settings_of(config, prepared.model))
     assert solver_comparison(result).startswith("Objectives of the two solvers differ by")
     alone = dataclasses.replace(result, second=None, second_failure="barrier: 60 Newton steps")
     told = solver_comparison(alone)

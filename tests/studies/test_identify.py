@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oed.commands.configurations import Identify
+from oed.commands.from_data_set import prepare
 from oed.commands.identify import estimate
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.models import build_model
@@ -241,7 +241,7 @@ def test_an_out_that_is_a_file_is_refused_before_the_work(
 def test_reaches_what_plain_least_squares_reaches_on_measured_data(
     name: str, tmp_path: Path
 ) -> None:
-    calibration = estimate(Identify(data=SHARED_DATA / name, out=tmp_path))
+    calibration = estimate(prepare(SHARED_DATA / name), robust=False)
     for role, published in PUBLISHED[name].items():
         reached = calibration.validation[role].relative_rms
         assert (reached <= 1.05 * np.array(published)).all(), (role, reached)
@@ -250,5 +250,5 @@ def test_reaches_what_plain_least_squares_reaches_on_measured_data(
 @needs_shared_data
 def test_the_panda_with_offsets_beats_the_published_error(tmp_path: Path) -> None:
     data = SHARED_DATA / "franka_panda"
-    calibration = estimate(Identify(data=data, out=tmp_path, model="offset"))
+    calibration = estimate(prepare(data, model="offset"), robust=False)
     assert calibration.validation["estimation"].overall_relative_rms <= 0.011  # published: 0.0141

@@ -41,6 +41,21 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Demand:
+    """What physics asks of an effect's parameters: weights @ parameters >= bound.
+
+    Attributes:
+        weights: One a parameter.
+        bound: In the unit of their sum.
+        words: What it says.
+    """
+
+    weights: tuple[float, ...]
+    bound: float
+    words: str
+
+
+@dataclass(frozen=True)
 class State:
     """Joint coordinates in components: each an (N,) array, a float or a CasADi scalar.
 
@@ -144,6 +159,9 @@ class Effect(ABC):
         made_of: Dataclasses that fields may hold, beside numbers, text, arrays, robots and
             reference torques: so a file that has them can be read.
         joint_term: What of a robot file's joint its one parameter is; None if it is none.
+        dissipates: Whether its parameters dissipate or store energy each: none can be negative.
+        has_physics: Whether it claims to be more than a shape of the torque: a shape is kept as it was
+            found where the rest is estimated anew.
         part: Of the torque, whose its columns are; see `parts`.
         offline: Why it cannot be worked out one instant after another, in words; empty if it can.
     """
@@ -151,6 +169,8 @@ class Effect(ABC):
     name: ClassVar[str]
     made_of: ClassVar[tuple[type, ...]] = ()
     joint_term: ClassVar[JointTerm | None] = None
+    dissipates: ClassVar[bool] = False
+    has_physics: ClassVar[bool] = True
     part: ClassVar[Part] = "friction"
     offline: ClassVar[str] = ""
 
@@ -177,6 +197,11 @@ class Effect(ABC):
     @abstractmethod
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
         """Torque per unit of each parameter: for each column, joint -> entry."""
+
+    @property
+    def demands(self) -> tuple[Demand, ...]:
+        """What physics asks of the parameters, whatever the data say."""
+        return not_negative(self.parameters) if self.dissipates else ()
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -232,6 +257,14 @@ def combined(columns: Columns, coefficients: Float[ndarray, " columns"]) -> dict
         for joint, column in entry.items():
             result[joint] = add(result.get(joint, 0.0), mul(size, column))
     return result
+
+
+def not_negative(parameters: Sequence[Parameter]) -> tuple[Demand, ...]:
+    """That none of some parameters, all of an effect, is negative."""
+    rows = np.eye(len(parameters)).tolist()
+    return tuple(
+        Demand(tuple(row), 0.0, f"{p.name} >= 0") for row, p in zip(rows, parameters, strict=True)
+    )
 
 
 def with_columns(effects: Iterable[Effect]) -> Iterator[tuple[Effect, slice]]:

@@ -26,6 +26,7 @@ class Coulomb(Effect):
     gradual: bool = False
     name = "coulomb"
     joint_term = "friction"
+    dissipates = True
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -52,6 +53,7 @@ class Viscous(Effect):
     joint: int
     name = "viscous"
     joint_term = "damping"
+    dissipates = True
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

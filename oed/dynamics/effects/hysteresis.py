@@ -43,6 +43,7 @@ class PreslidingHysteresis(Effect):
     roundness: float = 0.7
     width: float = 0.0
     name = "presliding_hysteresis"
+    dissipates = True
 
     def __post_init__(self) -> None:
         if self.distance <= 0 or not 0 <= self.roundness <= 1:

@@ -6,10 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from oed.dynamics.effects.effect import Parameter, State
+from oed.dynamics.effects.effect import Demand, Parameter, State
 from oed.dynamics.effects.on_reference import FollowsTorque
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.scalars import Scalar, add, is_zero, magnitude, mul, power, sign
+
+MOST_LOSS = 0.6  # of the load: a gear that hardly turns back
+MOST_LOST = 0.6  # of the peak torque, by a motor deep in saturation
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,23 @@ class LoadFriction(FollowsTorque):
         elif self.by_power:
             names.append("mu_driven")
         return tuple(Parameter(f"{name}_{self.joint + 1}", "1", self.joint) for name in names)
+
+    @property
+    def demands(self) -> tuple[Demand, ...]:
+        """Some loss at the peak and at half of it, or each way, and no more than a gear can have."""
+        names = " and ".join(p.name for p in self.parameters)
+        if self.by_power:
+            rows = ((1.0, 0.0), (0.0, 1.0))
+        elif self.peak is not None:
+            rows = ((1.0, 1.0), (1.0, 0.5))
+        else:
+            rows = ((1.0,),)
+        least = [Demand(row, 0.0, f"loss by {names} >= 0") for row in rows]
+        most = [
+            Demand(tuple(-x for x in row), -MOST_LOSS, f"loss by {names} <= {MOST_LOSS:g}")
+            for row in rows
+        ]
+        return (*least, *most)
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -122,6 +142,13 @@ class TorqueSaturation(FollowsTorque):
         """tau_s, the torque lost at the peak, of every term."""
         names = ("saturation", *(("saturation_deep",) if self.form == "series" else ()))
         return tuple(Parameter(f"{name}_{self.joint + 1}", "N m", self.joint) for name in names)
+
+    @property
+    def demands(self) -> tuple[Demand, ...]:
+        """The torque does not turn at its peak."""
+        bound, ones = -MOST_LOST * self.peak, (1.0,) * len(self.parameters)
+        words = f"change by {self.parameters[0].name} within {-bound:.3g} N m"
+        return (Demand(ones, bound, words), Demand(tuple(-x for x in ones), bound, words))
 
     @property
     def depends_on(self) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ class RotorInertia(Effect):
     joint: int
     name = "rotor_inertia"
     joint_term = "armature"
+    dissipates = True
     part = "inertia"
 
     @property
@@ -57,6 +58,7 @@ class MotorCoupling(Effect):
     ratios: tuple[float, ...]
     width: float = 0.0
     name = "motor_coupling"
+    dissipates = True
 
     def __post_init__(self) -> None:
         if len(self.joints) != len(self.ratios) or len(self.joints) < 2:

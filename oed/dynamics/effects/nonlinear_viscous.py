@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.effect import Demand, Effect, Parameter, State, not_negative
 from oed.dynamics.scalars import Scalar, magnitude, power
 
 
@@ -39,6 +39,11 @@ class NonlinearViscous(Effect):
         """F_n."""
         unit = f"N m (s/rad)^{self.exponent:.3g}"
         return (Parameter(f"Fn_{self.joint + 1}", unit, self.joint),)
+
+    @property
+    def demands(self) -> tuple[Demand, ...]:
+        """Friction that sets off steeper than viscous friction brakes; what bends later may fall."""
+        return not_negative(self.parameters) if self.exponent < 1 else ()
 
     @property
     def depends_on(self) -> tuple[str, ...]:

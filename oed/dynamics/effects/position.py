@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.effect import Demand, Effect, Parameter, State
 from oed.dynamics.scalars import Scalar, add, cos, magnitude, mul, sin
 
 LINEAR, PROGRESSIVE = 1, 3  # orders of a spring
@@ -121,6 +121,20 @@ class JointSpring(Effect):
         )
         constant = [Parameter(f"spring_torque_{tag}", "N m", self.joint)] * self.constant
         return (*powers, *changes, *constant)
+
+    @property
+    def demands(self) -> tuple[Demand, ...]:
+        """A spring pulls back in each stretch between bends; of a curved one its range decides."""
+        if self.order > LINEAR:
+            return ()
+        rest = (0.0,) * (len(self.parameters) - 1 - len(self.bends))
+        rows = (
+            (1.0,) * (1 + k) + (0.0,) * (len(self.bends) - k) for k in range(1 + len(self.bends))
+        )
+        return tuple(
+            Demand((*row, *rest), 0.0, f"stiffness {k} of joint {self.joint + 1} >= 0")
+            for k, row in enumerate(rows, 1)
+        )
 
     @property
     def depends_on(self) -> tuple[str, ...]:

@@ -40,6 +40,7 @@ class FreeForm(Effect):
     )
     visited: Visited | None = field(default=None, repr=False, compare=False)
     name = "free_form"
+    has_physics = False
     made_of = (Coordinate, Loop, Factor, VaryingInertia, OtherTorque, Visited)
 
     @property

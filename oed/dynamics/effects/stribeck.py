@@ -35,6 +35,7 @@ class Stribeck(Effect):
     tail: float = 0.0
     width: float = 0.0
     name = "stribeck"
+    dissipates = True
 
     def __post_init__(self) -> None:
         if self.speed <= 0 or self.exponent <= 0 or not 0 <= self.tail <= 1:

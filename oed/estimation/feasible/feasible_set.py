@@ -10,15 +10,14 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects import Coulomb, MotorCoupling, RotorInertia, Viscous
+from oed.dynamics.effects import with_columns
+from oed.dynamics.effects.effect import Demand
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot.inertia import pseudo_inertia
 
 # Every link keeps at least this share of its reference body, in every direction: enough to
 # stay clear of rounding, too little to be felt in a torque.
 MARGIN = 1e-4
-# Parameters that dissipate or store energy cannot be negative.
-NONNEGATIVE_EFFECTS = (Coulomb, Viscous, RotorInertia, MotorCoupling)
 
 
 @dataclass(frozen=True)
@@ -93,14 +92,14 @@ class FeasibleSet:
         regions: Where the mass of a link must lie; several of one link all hold.
         total_mass: Of all moving links [kg].
         known_masses: Mass of a link [kg] by its index.
-        nonnegative: Columns of effects that cannot be negative.
+        effects: What each effect asks of its own parameters, and the first of their columns.
     """
 
     margin: float = MARGIN
     regions: tuple[MassRegion, ...] = ()
     total_mass: float | None = None
     known_masses: Mapping[int, float] = field(default_factory=dict)
-    nonnegative: tuple[int, ...] = ()
+    effects: tuple[tuple[int, Demand], ...] = ()
 
     def __post_init__(self) -> None:
         if not 0 < self.margin < 1:
@@ -110,14 +109,14 @@ class FeasibleSet:
 
     @classmethod
     def of(cls, model: TorqueModel) -> FeasibleSet:
-        """Consistent links, and friction and rotor inertia that are not negative."""
-        nonnegative, column = [], 0
-        for effect in model.effects:
-            width = len(effect.parameters)
-            if isinstance(effect, NONNEGATIVE_EFFECTS):
-                nonnegative += range(column, column + width)
-            column += width
-        return cls(nonnegative=tuple(nonnegative))
+        """Consistent links, and what every effect asks, such as friction that is not negative."""
+        return cls(
+            effects=tuple(
+                (place.start, demand)
+                for effect, place in with_columns(model.effects)
+                for demand in effect.demands
+            )
+        )
 
     def with_(
         self,
@@ -156,20 +155,24 @@ class Rows:
 
 
 def inequality_rows(demands: FeasibleSet, model: TorqueModel) -> Rows:
-    """Mass regions and signs as C pi >= d."""
+    """Mass regions, and what effects ask, as C pi >= d."""
     names = [parameter.name for parameter in model.parameters]
-    matrix, texts = [], []
+    matrix, bounds, texts = [], [], []
     for region in demands.regions:
         for Q in region.matrices:
             row = np.zeros(len(names))
             row[10 * region.link : 10 * region.link + 10] = _by_parameters(Q)
             matrix.append(row)
+            bounds.append(0.0)
             texts.append(f"mass of {model.robot.joints[region.link].link} inside its {region.name}")
-    for column in demands.nonnegative:
-        matrix.append(np.eye(len(names))[column])
-        texts.append(f"{names[column]} >= 0")
+    for column, demand in demands.effects:
+        row = np.zeros(len(names))
+        row[column : column + len(demand.weights)] = demand.weights
+        matrix.append(row)
+        bounds.append(demand.bound)
+        texts.append(demand.words)
     stacked = np.array(matrix).reshape(-1, len(names))
-    return Rows(stacked, np.zeros(len(texts)), tuple(texts))
+    return Rows(stacked, np.array(bounds), tuple(texts))
 
 
 def equality_rows(demands: FeasibleSet, model: TorqueModel) -> Rows:

@@ -18,7 +18,13 @@ from oed.dynamics.effects.entries.plausibility import (
     positive,
 )
 from oed.dynamics.effects.entry import CatalogueEntry, EffectPage, Shape, Target
-from oed.dynamics.effects.load import LoadFriction, TorqueSaturation, series_powers
+from oed.dynamics.effects.load import (
+    MOST_LOSS,
+    MOST_LOST,
+    LoadFriction,
+    TorqueSaturation,
+    series_powers,
+)
 from oed.dynamics.torque_model import TorqueModel
 
 # Power from which on a saturation may have two terms: it begins with the third, in between data may
@@ -32,7 +38,7 @@ LOADS: dict[int, Literal["proportional", "second order", "by power"]] = {
     2: "second order",
     3: "by power",
 }
-MOST_LOSS = "the loss of a gear that hardly turns back"
+LOSS_WORDS = "the loss of a gear that hardly turns back"
 LEAST_BACK = 0.1  # of a gear's loss, by which an estimate of none on the way back may be below zero
 MOST_CUT = 1.2  # of what lies beyond a limit, beside a peak that is known by the model alone
 SHARES = 21  # of the peak, at which a saturation of two terms is looked at
@@ -64,14 +70,14 @@ def _load_friction_plausible(
             [
                 positive(driving, "mu where the joint drives its load", "1"),
                 None if is_none else positive(driven, "mu where the load drives the joint", "1"),
-                *(at_most(mu, 0.6, "mu", "1", MOST_LOSS) for mu in (driving, driven)),
+                *(at_most(mu, MOST_LOSS, "mu", "1", LOSS_WORDS) for mu in (driving, driven)),
             ]
         )
     at_peak = float(estimates.sum())
     return first_reason(
         [
             positive(at_peak, "mu at the peak", "1"),
-            at_most(at_peak, 0.6, "mu", "1", MOST_LOSS),
+            at_most(at_peak, MOST_LOSS, "mu", "1", LOSS_WORDS),
             # Beside Coulomb friction a small load may take a little of it away.
             positive(at_peak + float(estimates[0]), "mu at half of the peak", "1"),
         ]
@@ -137,7 +143,9 @@ def _saturation_plausible(
     # Of two terms of opposite sign, one may undo at the peak what both do below it.
     lost = np.linspace(0, 1, SHARES)[:, None] ** powers @ estimates
     largest = float(np.abs(lost).max())
-    return at_most(largest, 0.6 * peak, "the change at the peak", "N m", "0.6 of the peak")
+    return at_most(
+        largest, MOST_LOST * peak, "the change at the peak", "N m", f"{MOST_LOST:g} of the peak"
+    )
 
 
 TORQUE_SATURATION = CatalogueEntry(

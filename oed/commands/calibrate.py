@@ -1,0 +1,110 @@
+"""`oed calibrate`: from recordings to a model that runs, in one command."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from oed.commands import diagnose, export, feasible, identify
+from oed.commands.configurations import Calibrate, Diagnose, Export, Feasible, Identify
+from oed.commands.telling import say, speak
+from oed.export.model_file import NAME
+from oed.export.registry import find_exporter
+from oed.report.calibrate_page import calibrate_page
+from oed.report.json_file import read_json, write_json
+from oed.report.page import write_page
+from oed.report.provenance import Provenance
+from oed.report.study_files import CALIBRATE
+
+
+def run(config: Calibrate) -> int:
+    """Go all steps, and leave a page that links theirs and says what came out."""
+    start = time.perf_counter()
+    for form in config.to:
+        find_exporter(form)  # refused before the work
+    with CALIBRATE.in_folder(config.out, [config.data]) as results:
+        for number, (title, step) in enumerate(_steps(config), 1):
+            speak(quiet=config.quiet)
+            say(f"\n[{number}] {title}")
+            if status := step():
+                return status
+        record = _record(config)
+        with results.replaced() as new:
+            provenance = Provenance.collect(config, seed=config.seed)
+            write_page(new / "index.html", calibrate_page(record, provenance))
+            write_json(new / "calibration.json", record)
+    for warning in record["warnings"]:
+        print(f"warning: {warning}")
+    print(f"\nopen {config.out / 'index.html'} ({time.perf_counter() - start:.0f} s)")
+    return 0
+
+
+def _steps(config: Calibrate) -> tuple[tuple[str, Callable[[], int]], ...]:
+    """Title and work of each step; each works on what the ones before it left."""
+    out = config.out
+    given = {"data": config.data, "quiet": config.quiet, "smoke": config.smoke}
+    whole = out / "diagnosis" / NAME
+    return (
+        (
+            "estimating base parameters",
+            lambda: identify.run(Identify(**given, out=out / "identify", model=config.model)),
+        ),
+        (
+            "looking for what the model lacks",
+            lambda: diagnose.run(
+                Diagnose(
+                    **given,
+                    out=out / "diagnosis",
+                    model=config.model,
+                    max_effects=config.max_effects,
+                    candidates=config.candidates,
+                    seed=config.seed,
+                    method="evidence",
+                )
+            ),
+        ),
+        (
+            "estimating bodies beside what was found",
+            lambda: feasible.run(
+                Feasible(
+                    **given,
+                    out=out / "feasible",
+                    model=whole,
+                    prior=config.prior,
+                    seed=config.seed,
+                )
+            ),
+        ),
+        (
+            f"exporting the model to {', '.join(config.to)}",
+            lambda: export.run(
+                Export(
+                    model=out / "feasible",
+                    to=config.to,
+                    out=out / "export",
+                    rate=config.rate,
+                    quiet=config.quiet,
+                )
+            ),
+        ),
+    )
+
+
+def _record(config: Calibrate) -> dict:
+    """What the page says, from the records of the steps."""
+    out = config.out
+    diagnosis = read_json(out / "diagnosis" / "diagnosis.json")
+    bodies = read_json(out / "feasible" / "estimate.json")
+    exported = read_json(out / "export" / "export.json")
+    return {
+        "format": 1,
+        "data": bodies["data"],
+        "verdict": diagnosis["verdict"],
+        "effects": [{k: e[k] for k in ("name", "joint")} for e in diagnosis["effects"]],
+        "unexplained": len(diagnosis["unexplained"]),
+        "rms": diagnosis["rms"],
+        "links": bodies["links"],
+        "changes_from_file": bodies["changes_from_file"],
+        "warnings": bodies["warnings"],
+        "exports": {name: told["files"] for name, told in exported["exports"].items()},
+    }

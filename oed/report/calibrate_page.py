@@ -1,0 +1,75 @@
+"""The page of a whole calibration: what was found, what bodies came out, where to look further."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from oed.report.joint_words import over_floor, place_words
+from oed.report.page import Links, Page, Section, Table, Text, Verdict
+from oed.report.provenance import Provenance
+
+PAGES = (
+    ("Base parameters", "identify/report.html", "with 95 % intervals, and their errors held out"),
+    ("What the model lacks", "diagnosis/report.html", "effects found, and what they gain"),
+    ("Bodies", "feasible/report.html", "masses and inertias that exist, beside what was found"),
+)
+MODEL = ("The model", "feasible/model.json", "bodies, effects and measurement in one file")
+LINKS = ("link", "file [kg]", "identified [kg]", "lower95 [kg]", "upper95 [kg]", "beyond reason")
+
+
+def calibrate_page(record: Mapping[str, Any], provenance: Provenance) -> Page:
+    """Put it together.
+
+    Args:
+        record: Of the calibration, as calibration.json has it.
+        provenance: Of the run.
+    """
+    changes = record["changes_from_file"]
+    bodies: list = [Table(changes, "Masses beside the robot file's", LINKS)] if changes else []
+    bodies += [Text(f"Warning: {words}") for words in record["warnings"]]
+    pages = (*PAGES, MODEL, *_exports(record["exports"]))
+    return Page(
+        f"Calibration of {record['data']}",
+        _verdict(record),
+        (
+            Section("Where to look", (Links(pages),)),
+            Section("What the model lacked", _errors(record)),
+            Section("Bodies", tuple(bodies or [Table(record["links"], "Links")])),
+            Section("How it was made", (Text(f"Commit {provenance.commit}, {provenance.date}."),)),
+        ),
+    )
+
+
+def _verdict(record: Mapping[str, Any]) -> Verdict:
+    named = [f"{e['name']} ({place_words(e['joint'])})" for e in record["effects"]]
+    found = f"Found: {', '.join(named)}." if named else "No effect was named."
+    open_ones = f" {record['unexplained']} more without a name." if record["unexplained"] else ""
+    if record["warnings"]:
+        return Verdict("warning", "A model that runs, with warnings.", found + open_ones)
+    return Verdict("good", "A model that runs, of bodies that exist.", found + open_ones)
+
+
+def _errors(record: Mapping[str, Any]) -> tuple[Text | Table, ...]:
+    """Errors before and after, in noise floors; the bodies' are on their page."""
+    rms = record["rms"]
+    rows = [
+        {
+            "recordings": role,
+            "base model [noise floors]": over_floor(np.array(old), np.array(floor)),
+            "with what was found [noise floors]": over_floor(np.array(new), np.array(floor)),
+        }
+        for role, old, new, floor in (
+            (role, rms["before"][role], rms["after"][role], rms["noise_floor"][role])
+            for role in rms["before"]
+        )
+    ]
+    return (Table(rows, "Torque error, root mean square over the joints"),)
+
+
+def _exports(exports: Mapping[str, Sequence[str]]) -> tuple[tuple[str, str, str], ...]:
+    return tuple(
+        (f"For {name}", f"export/{files[0]}", ", ".join(files)) for name, files in exports.items()
+    )
