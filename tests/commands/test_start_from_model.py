@@ -48,18 +48,6 @@ def test_least_squares_finds_the_spring_again(found, tmp_path):
     assert [s.name for s in model.shapes[-1]] == [s.name for s in again.shapes[-1]]
 
 
-def test_bodies_are_estimated_beside_the_spring(found, tmp_path):
-    start = found / "found" / "model.json"
-    out = tmp_path / "bodies"
-    assert (
-        oed("feasible", found / "data", "--out", out, "--model", start, "--smoke", "--quiet") == 0
-    )
-    model = load_model(out / "model.json")
-    assert model.is_feasible
-    names = [p.name for p in model.torque_model.parameters]
-    assert model.parameters[names.index("spring_2")] == pytest.approx(SPRING, rel=0.05)
-
-
 def test_a_model_of_another_arm_is_refused(found, tmp_path, capsys):
     other, _ = model_with(robot=panda(), duration=0.1)
     path = write_model(other, tmp_path / "other.json")
