@@ -22,6 +22,7 @@ COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
     "identify": (configurations.Identify, "identify"),
     "feasible": (configurations.Feasible, "feasible"),
     "payload": (configurations.Payload, "payload"),
+    "gains": (configurations.Gains, "gains"),
     "diagnose": (configurations.Diagnose, "diagnose"),
     "calibrate": (configurations.Calibrate, "calibrate"),
     "export": (configurations.Export, "export"),

@@ -43,6 +43,7 @@ PAYLOAD = ResultFiles(
         "report.html",
     ),
 )
+GAINS = ResultFiles("gains", ("gains.json", "drive.toml", "report.html"))
 CLOSE_LOOP = ResultFiles(
     "close_loop",
     (

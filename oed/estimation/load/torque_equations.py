@@ -66,6 +66,18 @@ class TorqueEquations:
         shift = np.concatenate([shift for _, shift in pieces])
         return rows.reshape(-1, rows.shape[2]), self.torque + shift
 
+    def modelled(self, at: Float[ndarray, " x"]) -> Float[ndarray, "samples joints"]:
+        """Torque of an estimate, in the band of what was measured [N m]."""
+        pieces = []
+        for recording, columns, signs in self._given:
+            torque = columns @ at[: columns.shape[2]]
+            if self.model.has_load_friction:
+                rigid = self.model.is_rigid
+                pressing = columns[:, :, rigid] @ at[: columns.shape[2]][rigid]
+                torque = torque + at[self.model.load_friction] * np.abs(pressing) * signs
+            pieces.append(_in_band(recording, torque[:, :, None])[:, :, 0])
+        return np.concatenate(pieces)
+
     @property
     def _given(self) -> list[tuple[ProcessedRecording, ndarray, ndarray]]:
         return list(zip(self.recordings, self.columns, self.signs, strict=True))

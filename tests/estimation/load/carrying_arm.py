@@ -43,11 +43,11 @@ def sweep(rng, seconds):
     )
 
 
-def torque(motion, *, is_loaded, load_friction=0.0):
+def torque(motion, *, is_loaded, load_friction=0.0, at="tool0"):
     """Of the arm and the body by Pinocchio, with friction [N m]."""
     model = pin.buildModelFromUrdf(str(UR5))
     if is_loaded:
-        flange = model.frames[model.getFrameId("tool0")]
+        flange = model.frames[model.getFrameId(at)]
         body = pin.Inertia(MASS, CENTRE, CENTRAL)
         model.appendBodyToJoint(flange.parentJoint, body, flange.placement)
     data = model.createData()

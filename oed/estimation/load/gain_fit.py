@@ -1,0 +1,150 @@
+"""All gains, the arm and its loads at once, by damped steps of Gauss and Newton."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.estimation.covariance import estimate_covariance
+from oed.estimation.feasible.data_factor import JointFactors
+from oed.estimation.load.current_equations import CurrentEquations
+from oed.estimation.load.known_arm import FRICTION_CHANGE, HEAVIEST, LOAD_FRICTION, WIDE
+from oed.estimation.noise import whiten
+from oed.estimation.prior import Prior
+from oed.estimation.triangular import add_prior, solve
+
+STEPS = 60
+SETTLED = 0.01  # of a standard deviation
+HALVINGS = 12
+# Of log u about its start: a gain that nothing tells stays open by a factor of twenty.
+OPEN_GAIN = 3.0
+PINNED = 1e-4  # of the log u that is the unit of the others where no mass is known
+LEAST_CHANGE = 1e-3  # of the largest friction, of which a change is at least allowed
+
+
+@dataclass(frozen=True)
+class GainFit:
+    """An estimate of x of `CurrentEquations`.
+
+    Attributes:
+        x: (x,).
+        covariance: (x, x).
+        degrees_of_freedom: (x,) of each one's Student-t interval.
+        residual: (N, n) measured less modelled current [A].
+        variances: (n,) of the residuals [A^2].
+    """
+
+    x: Float[ndarray, " x"]
+    covariance: Float[ndarray, "x x"]
+    degrees_of_freedom: Float[ndarray, " x"]
+    residual: Float[ndarray, "samples joints"]
+    variances: Float[ndarray, " joints"]
+
+
+def fit_gains(equations: CurrentEquations) -> GainFit:
+    """Estimate gains, arm and loads from currents."""
+    at = _start(equations)
+    start = at[equations.places["log_u"]].copy()
+    variances = np.mean(equations.current**2, axis=0)
+    for _ in range(STEPS):
+        rows, right = equations.linearised(at)
+        residual = equations.current - equations.modelled(at)
+        variances = np.minimum(variances, np.mean(residual**2, axis=0))
+        prior = _prior(equations, rows, at, start)
+        target, factor = _solve(rows, right, variances, prior)
+        before = at
+        at = _descended(equations, at, target, variances, prior)
+        if np.all(np.abs(factor @ (at - before)) <= SETTLED):
+            break
+    rows, _ = equations.linearised(at)
+    residual = equations.current - equations.modelled(at)
+    joints = residual.shape[1]
+    spread = estimate_covariance(
+        whiten(rows, variances, joints),
+        whiten(residual.reshape(-1), variances, joints).reshape(-1, joints),
+        factor,
+        segments=equations.segments,
+    )
+    return GainFit(at, spread.covariance, spread.degrees_of_freedom, residual, variances)
+
+
+def _start(equations: CurrentEquations) -> Float[ndarray, " x"]:
+    """No friction, nothing held, and gains by which the robot file's arm would explain the currents."""
+    x = np.zeros(equations.size)
+    model = equations.model
+    full = np.zeros(model.base.regrouping.shape[1])
+    inertial = 10 * equations.joints
+    full[:inertial] = model.arm.robot.parameters
+    x[equations.places["beta"]] = model.base.from_standard(full)
+    torque = equations.modelled(x)
+    sizes = [np.sqrt(np.mean(s**2, axis=0)) for s in (equations.current, torque)]
+    known = sizes[1] > 0
+    ratio = np.where(known, sizes[0] / np.where(known, sizes[1], 1.0), np.nan)
+    typical = float(np.nanmedian(ratio)) if known.any() else 1.0
+    x[equations.places["log_u"]] = np.log(np.where(np.isfinite(ratio), ratio, typical))
+    return x
+
+
+def reference_joint(equations: CurrentEquations) -> int:
+    """The joint whose gain is the unit of the others where no mass is known: the largest current."""
+    return int(np.argmax(np.mean(equations.current**2, axis=0)))
+
+
+def _prior(
+    equations: CurrentEquations,
+    rows: Float[ndarray, "rows x"],
+    at: Float[ndarray, " x"],
+    start: Float[ndarray, " joints"],
+) -> Prior:
+    """Wide, but for changes of friction and the share that gears lose."""
+    places = equations.places
+    mean, std = np.zeros(equations.size), np.full(equations.size, HEAVIEST)
+    sizes = np.sqrt(np.mean(rows[:, places["beta"]] ** 2, axis=0))
+    largest = float(np.sqrt(np.mean(equations.current**2, axis=0)).max())
+    std[places["beta"]] = np.divide(
+        WIDE * largest, sizes, out=np.full(len(sizes), HEAVIEST), where=sizes > 0
+    )
+    friction = np.abs(at[places["beta"]][list(equations.friction)])
+    friction = np.maximum(friction, LEAST_CHANGE * friction.max(initial=1.0))
+    std[places["change"]] = FRICTION_CHANGE * np.tile(friction, len(equations.sets) - 1)
+    std[places["mu"]] = LOAD_FRICTION
+    std[places["log_u"]], mean[places["log_u"]] = OPEN_GAIN, start
+    if not equations.has_scale:
+        std[places["log_u"].start + reference_joint(equations)] = PINNED
+    return Prior.independent(mean, std)
+
+
+def _solve(
+    rows: Float[ndarray, "rows x"],
+    right: Float[ndarray, "samples joints"],
+    variances: Float[ndarray, " joints"],
+    prior: Prior,
+) -> tuple[Float[ndarray, " x"], Float[ndarray, "x x"]]:
+    data = JointFactors.of(rows.reshape(*right.shape, -1), right)
+    posterior = add_prior(data.weighted(variances).triangle, prior)
+    return solve(posterior), posterior[:-1, :-1]
+
+
+def _descended(
+    equations: CurrentEquations,
+    at: Float[ndarray, " x"],
+    target: Float[ndarray, " x"],
+    variances: Float[ndarray, " joints"],
+    prior: Prior,
+) -> Float[ndarray, " x"]:
+    """As far towards a target as the objective falls, halving; where it is, if it does not."""
+
+    def value(x: Float[ndarray, " x"]) -> float:
+        data = np.sum((equations.current - equations.modelled(x)) ** 2 / variances)
+        return float(data + np.sum((prior.factor @ (x - prior.mean)) ** 2))
+
+    before, length = value(at), 1.0
+    for _ in range(HALVINGS):
+        tried = at + length * (target - at)
+        if value(tried) < before:
+            return tried
+        length /= 2
+    return at

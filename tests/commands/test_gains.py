@@ -1,0 +1,86 @@
+"""`oed gains` as a user runs it, on a two-joint arm in a vertical plane."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+from tests.commands.vertical_arm import CENTRE, MASS, write_in_amperes, write_sets
+from tests.running import oed
+
+GAINS = np.array([9.0, 4.0])
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    home = tmp_path_factory.mktemp("currents")
+    write_in_amperes(home, GAINS)
+    return home
+
+
+def find(folders, out, *more):
+    status = oed(
+        "gains", "--bare", folders / "bare", "--loaded", folders / "loaded",
+        "--torque-model", "standard", "--quiet", "--out", out, *more,
+    )  # fmt: skip
+    assert status == 0
+    return json.loads((out / "gains.json").read_text(encoding="utf-8"))
+
+
+def test_a_known_load_gives_newton_metres_an_ampere(folders, tmp_path, capsys):
+    found = find(folders, tmp_path / "out", "--mass", MASS)
+    assert [g["value"] for g in found["gains"]] == pytest.approx(GAINS, rel=0.01)
+    for gain, true in zip(found["gains"], GAINS, strict=True):
+        assert gain["interval"][0] <= true <= gain["interval"][1]
+        assert gain["unit"] == "N m/A"
+    drive = tomllib.loads((tmp_path / "out" / "drive.toml").read_text(encoding="utf-8"))["drive"]
+    assert drive["current_to_torque"] == pytest.approx(GAINS, rel=0.01)
+    assert "load 1: 1.5 kg, centre of mass at x 50" in capsys.readouterr().out
+
+
+def test_a_known_centre_narrows_them(folders, tmp_path):
+    wide, narrow = (
+        np.diff(find(folders, tmp_path / name, "--mass", MASS, *more)["gains"][1]["interval"])[0]
+        for name, more in (("mass", ()), ("centre", ("--com", *CENTRE)))
+    )
+    assert narrow < wide
+
+
+def test_without_a_mass_ratios_are_told_and_said_to_be(folders, tmp_path, capsys):
+    found = find(folders, tmp_path / "out")
+    assert found["reference"] == "joint_1"
+    assert found["gains"][1]["value"] == pytest.approx(GAINS[1] / GAINS[0], rel=0.02)
+    assert found["gains"][1]["unit"] == "of joint_1"
+    assert not (tmp_path / "out" / "drive.toml").exists()
+    assert "without a known mass (--mass)" in capsys.readouterr().out
+
+
+def test_measured_torques_have_no_gains(tmp_path, capsys):
+    write_sets(tmp_path)
+    status = oed(
+        "gains", "--bare", tmp_path / "bare", "--loaded", tmp_path / "loaded", "--mass", MASS,
+        "--quiet", "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert status == 3
+    said = capsys.readouterr().err
+    assert "there is no gain to find" in said
+    assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (("--loaded", "a"), "--bare"),
+        (("--bare", "a", "--loaded", "b", "--mass", "1", "2"), "2 masses for 1 data sets"),
+        (("--bare", "a", "--loaded", "b", "--com", "0", "0", "0"), "without --mass"),
+        (("--bare", "a", "--loaded", "b", "--mass", "1", "--com", "0", "0"), "2 numbers"),
+        (("--bare", "a", "--mass", "1"), "no data set with a load"),
+        (("--bare", "a", "--loaded", "b", "--mass", "-1"), "not a positive number"),
+    ],
+)
+def test_options_that_cannot_be_meant_are_refused_in_one_line(options, line, tmp_path, capsys):
+    assert oed("gains", *options, "--out", tmp_path / "out") == 2
+    said = capsys.readouterr().err
+    assert line in said
+    assert said.count("\n") == 1
