@@ -59,6 +59,21 @@ class Browser:
         """Open a page in a window of that width [px], and wait until its figures are drawn."""
         return self._thread.submit(self._look, path, width).result()
 
+    def found(self, path: Path, words: str) -> list[str]:
+        """Addresses that the search of a page of the documentation lists for some words."""
+        return self._thread.submit(self._found, path, words).result()
+
+    def _found(self, path: Path, words: str) -> list[str]:
+        page = self._browser.new_page()
+        page.goto(path.resolve().as_uri())
+        page.focus("input[name=query]")
+        page.keyboard.type(words)
+        results = page.locator(".md-search-result__link")
+        results.first.wait_for(state="attached", timeout=PATIENCE)
+        found = results.evaluate_all("links => links.map(link => link.getAttribute('href'))")
+        page.close()
+        return found
+
     def _look(self, path: Path, width: int) -> Seen:
         page = self._browser.new_page(viewport={"width": width, "height": 900})
         errors: list[str] = []

@@ -13,6 +13,7 @@ import pytest
 
 from oed.commands.main import COMMANDS
 from oed.dynamics.effects.catalogue import CATALOGUE
+from tests.browser import Browser
 from tests.paths import REPO
 
 pytestmark = pytest.mark.skipif(
@@ -43,6 +44,13 @@ def test_works_without_a_network(site: Path) -> None:
     for page in site.rglob("*.html"):
         text = ONLY_NAMED.sub("", page.read_text(encoding="utf-8"))
         assert LOADED.search(text) is None, page
+
+
+def test_the_search_works_from_a_folder(site: Path, browser: Browser) -> None:
+    """In a page within a folder too, whose addresses are relative to it."""
+    for page in ("index.html", "reference/files.html"):
+        found = browser.found(site / page, "pseudo-inertia")
+        assert any("theory/feasibility.html" in address for address in found), found
 
 
 def test_every_command_has_its_options_on_the_page(site: Path) -> None:
