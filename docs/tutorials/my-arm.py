@@ -11,8 +11,9 @@
 #
 # `oed import` says what it concluded about columns, joints, units and roles, and writes it to `mydata/dataset.toml`: read that text
 # and correct what is wrong ([its format](../reference/dataset.md)). `oed check` looks at units, signs,
-# ranges, noise and at what the log cannot determine, and names a cause, such as a reversed sign, where undoing it alone repairs the fit; begin
-# with what is red on `check/report.html`. `oed identify` leaves `estimate/report.html`.
+# ranges, noise and at what the log cannot determine. If the fit is bad, it tries what may be wrong with the log, such as a reversed sign, and
+# names a cause only if undoing that one thing repairs the fit. Begin with what is red on `check/report.html`. `oed identify` leaves
+# `estimate/report.html`. A log of another kind than a ROS bag is read the same way: CSV, Excel's text, Parquet, `.mat`, `.npz`, HDF5.
 #
 # The rest of this page does the same in Python, on a log that it makes itself, of the two-link arm of the paper.
 #

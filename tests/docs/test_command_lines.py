@@ -48,7 +48,7 @@ def test_is_accepted(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
         targets = re.findall(r"^(\w+):", (REPO / "Makefile").read_text(), re.MULTILINE)
         assert words[1] in targets
     else:
-        assert words == ["pip", "install", "."]
+        assert words == ["pip", "install", ".[ros]"]
 
 
 def test_a_line_that_is_not_accepted_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
