@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.design.clear_posture import clear_posture
 from oed.design.clearance import ClearanceCheck
 from oed.design.collision import Surroundings
 from oed.design.collision_free import find_clear_motion
@@ -56,12 +57,13 @@ def search_clear(
         optimise: Of the first search.
 
     Raises:
-        NoUsableResult: If no motion is found that keeps clear.
+        NoUsableResult: If no motion is found that keeps clear, or no posture does.
     """
     if surroundings is None:
         found = optimise(problem, budget, rng)
         return ClearSearch(found, None, _is_cut_short(found, budget))
     started, half = time.process_time(), _half(budget)
+    clear_posture(problem.limits, surroundings, rng.spawn(1)[0])  # before all work, if none is
     free = optimise(problem, half, rng)
     clear = find_clear_motion(problem, free.z, surroundings, half, rng)
     found = dataclasses.replace(

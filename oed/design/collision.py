@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.posed_shapes import Nearness, Pair, PosedShapes
+from oed.design.posed_shapes import Nearness, Pair, PosedShapes, Poses
 from oed.robot import Robot
 
 # [m] beyond which a distance is not asked for: the tip of an arm at 3 m/s, twice what most are
@@ -85,7 +85,7 @@ class Surroundings:
         between: dict[Pair, float] = {}
         if self.has_shapes:
             between = self._shapes.distances(q, ahead, self._overlapping)
-        return between | {found.pair: found.distance for found in self._near_walls(q, ahead)}
+        return between | self._wall_distances(q, ahead)
 
     def wanted(self, pair: Pair) -> float:
         """The distance that a pair should keep [m]."""
@@ -174,23 +174,36 @@ class Surroundings:
             found.append(f"too close by design, so half of the most that they part: {tight}")
         return found
 
+    def _room(self, q: Float[ndarray, " joints"]) -> tuple[Float[ndarray, "bodies 3 2"], Poses]:
+        """Of the origin of each body that a joint moves to the walls [m]; and all poses."""
+        origins, poses = self._shapes.origins(q)
+        walls = np.zeros((3, 2)) if self.box is None else self.box
+        return (origins[:, :, None] - walls) * (1.0, -1.0), poses
+
+    def _wall_distances(self, q: Float[ndarray, " joints"], ahead: float) -> dict[Pair, float]:
+        """Of bodies near or beyond a wall."""
+        if self.box is None:
+            return {}
+        room, _ = self._room(q)
+        places = np.argwhere(room <= ahead).tolist()
+        return {self._wall_pair(*place): float(room[tuple(place)]) for place in places}
+
     def _near_walls(self, q: Float[ndarray, " joints"], ahead: float) -> list[Nearness]:
-        """Origins of bodies that a joint moves, near or beyond a wall."""
+        """The same with slopes."""
         if self.box is None:
             return []
-        origins, poses = self._shapes.origins(q)
-        found = []
-        for index, at in zip(self._shapes.movable, origins, strict=True):
-            room = np.stack([at - self.box[:, 0], self.box[:, 1] - at], axis=1)
-            if room.min() > ahead:
-                continue
-            name, is_moved = self._shapes.name(index), self._shapes.is_moved(index)
-            rates = is_moved * poses.rates(np.tile(at, (3, 1)), np.eye(3))
-            for axis, side in zip(*np.nonzero(room <= ahead), strict=True):
-                wall = f"{WALLS[axis]} {('lower', 'upper')[side]} wall"
-                slope = rates[axis] * (1.0, -1.0)[side]
-                found.append(Nearness((name, wall), float(room[axis, side]), slope))
+        (room, poses), found = self._room(q), []
+        for row, axis, side in np.argwhere(room <= ahead).tolist():
+            index = self._shapes.movable[row]
+            inward = np.eye(3)[axis : axis + 1] * (1.0, -1.0)[side]
+            slope = self._shapes.is_moved(index) * poses.rates(poses.origin[index][None], inward)[0]
+            pair = self._wall_pair(row, axis, side)
+            found.append(Nearness(pair, float(room[row, axis, side]), slope))
         return found
+
+    def _wall_pair(self, row: int, axis: int, side: int) -> Pair:
+        name = self._shapes.name(self._shapes.movable[row])
+        return name, f"{WALLS[axis]} {('lower', 'upper')[side]} wall"
 
 
 def is_wall(pair: Pair) -> bool:

@@ -101,6 +101,8 @@ class PosedShapes:
         self._is_moved = np.zeros((len(self._bodies), robot.n))
         for index, movers in self.moved_by.items():
             self._is_moved[index, list(movers)] = 1.0
+        # Index of each body that a joint moves.
+        self.movable = [index for index, movers in self.moved_by.items() if movers]
         frames = [_on_body(joint) for joint in self._joints]
         self._joint_body = [int(joint.child_body().index()) for joint in self._joints]
         self._joint_origin, self._joint_axis = np.array(frames).reshape(-1, 2, 3).swapaxes(0, 1)
@@ -150,11 +152,6 @@ class PosedShapes:
         self._pose(q)
         poses = self._poses()
         return poses.origin[self.movable], poses
-
-    @property
-    def movable(self) -> list[int]:
-        """Index of each body that a joint moves."""
-        return [index for index, movers in self.moved_by.items() if movers]
 
     def name(self, index: int) -> str:
         """Of a body."""

@@ -31,7 +31,7 @@ from oed.design.default_limits import with_default_limits
 from oed.dynamics.cross_check import file_torque
 from oed.dynamics.motion import Motion
 from oed.errors import LONGEST_MESSAGE, OedError
-from oed.experiment.read_dataset import read_dataset
+from oed.experiment.read_dataset import read_robot
 from oed.robot import Robot, load_arm
 from tests.studies.spoiled_inputs import Case, make_case
 
@@ -166,7 +166,7 @@ def _of_motion(inputs: Path, arguments: list[str], out: Path) -> list[str]:
 
 def _robot(inputs: Path, arguments: list[str], joints: list[str]) -> Robot:
     if "--data" in arguments:
-        return read_dataset(inputs, joints=joints).robot
+        return read_robot(inputs, joints=joints)
     return load_arm(arguments[arguments.index("--robot") + 1], joints=joints)
 
 
