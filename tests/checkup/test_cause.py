@@ -132,11 +132,11 @@ def test_noise_alone_has_no_cause(sound):
     assert cause(changed(sound, tau=lambda tau: 9.0 * rng.normal(size=tau.shape))) is None
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(9))
 def test_sound_sets_have_no_cause(seed):
     """With the file's inertials right, off by half, or placeholders."""
     rng = np.random.default_rng([47, seed])
-    dataset = data_set(rng, seconds=(rng.uniform(8.0, 20.0), rng.uniform(5.0, 10.0)))
+    dataset = data_set(rng, seconds=(rng.uniform(8.0, 14.0), rng.uniform(5.0, 8.0)))
     off = np.repeat(rng.uniform(0.5, 1.5, 3), 10)
     files = (robot(), robot().with_parameters(robot().parameters * off), placeholder(robot()))
     assert cause(with_robot(dataset, files[seed % 3])) is None

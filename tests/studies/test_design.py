@@ -1,5 +1,7 @@
 """The design study, as a user runs it."""
 
+import contextlib
+import io
 import json
 from pathlib import Path
 
@@ -20,10 +22,33 @@ from tests.experiment.tiny_dataset import urdf_text
 from tests.running import oed
 
 
-def test_one_command_gives_a_motion_within_proven_limits(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    assert oed("design", "--robot", "builtin:imi_scara", "--out", str(out), "--smoke") == 0
-    record = json.loads((out / "design.json").read_text())
+@pytest.fixture(scope="module")
+def scara(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, pd.DataFrame, Path]:
+    """Record, motion and folder of a quick design with no wishes, of an arm without shapes."""
+    out = tmp_path_factory.mktemp("scara") / "out"
+    return *designed(out, "--robot", "builtin:imi_scara"), out
+
+
+@pytest.fixture(scope="module")
+def beside_post(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> tuple[dict, pd.DataFrame, str, Path]:
+    """The same of an arm with shapes, 1000 set points a second; what it printed; the arm's file.
+
+    Beside it is a post so thick that half of all postures hit it or are beyond it.
+    """
+    folder = tmp_path_factory.mktemp("post")
+    arm_and_post(folder, post=0.35)
+    file, printed = folder / "planar.urdf", io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        found = designed(folder / "out", "--robot", str(file), "--rate", "1000")
+    return *found, printed.getvalue(), file
+
+
+def test_one_command_gives_a_motion_within_proven_limits(
+    scara: tuple[dict, pd.DataFrame, Path],
+) -> None:
+    record, motion, _ = scara
     promised = {
         "format", "robot", "joints", "class", "coefficients", "horizon", "instants", "J_k",
         "J_k_continuous", "J_d_log10", "J_d_log10_continuous", "d_efficiency", "certified_max",
@@ -31,7 +56,6 @@ def test_one_command_gives_a_motion_within_proven_limits(tmp_path: Path) -> None
     }  # fmt: skip
     assert promised <= set(record)
     assert np.isfinite(record["J_k"])
-    motion = pd.read_csv(out / "motion.csv")
     limits = imi_scara().limits
     for kind, prefix in (("position", "q"), ("velocity", "dq"), ("acceleration", "ddq")):
         proven = np.array(record["certified_max"][kind])
@@ -48,28 +72,29 @@ def designed(out: Path, *wishes: str) -> tuple[dict, pd.DataFrame]:
 
 
 def test_rotor_inertias_are_excited_or_it_is_said_that_they_are_not(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    scara: tuple[dict, pd.DataFrame, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    scara = ("--robot", "builtin:imi_scara")
-    for model, has_rotors in (("standard", False), ("rotor", True)):
-        record, _ = designed(tmp_path / model, *scara, "--model", model)
+    without, _, out = scara
+    rotors, _ = designed(tmp_path / "out", "--robot", "builtin:imi_scara", "--model", "rotor")
+    assert "--model rotor" not in capsys.readouterr().out
+    assert "--model rotor" in (out / "report.html").read_text(encoding="utf-8")
+    for model, record in (("standard", without), ("rotor", rotors)):
         assert record["model"] == model
-        assert ("Ia_2" in record["base_parameters"]) == has_rotors
-        assert ("--model rotor" in " ".join(record["notes"])) != has_rotors
-        assert ("--model rotor" in capsys.readouterr().out) != has_rotors
+        assert ("Ia_2" in record["base_parameters"]) == (model == "rotor")
+        assert ("--model rotor" in " ".join(record["notes"])) == (model == "standard")
 
 
-def test_a_motion_at_rest_completes_an_earlier_experiment(tmp_path: Path) -> None:
-    scara = ("--robot", "builtin:imi_scara")
-    first, motion = designed(tmp_path / "first", *scara, "--horizon", "6")
+def test_a_motion_at_rest_completes_an_earlier_experiment(
+    scara: tuple[dict, pd.DataFrame, Path], tmp_path: Path
+) -> None:
+    first, _, out = scara
+    assert first["with_prior"] is None
+    earlier, wishes = out / "design.json", ("--robot", "builtin:imi_scara", "--horizon", "6")
+    second, motion = designed(tmp_path / "second", *wishes, "--prior", str(earlier))
     rates = motion.filter(regex="^(dq|ddq)_").to_numpy()
     np.testing.assert_allclose(rates[[0, -1]], 0.0, atol=1e-9)
     assert (np.abs(rates).max(axis=0) > 0.1).all()
     assert motion["t"].iloc[-1] == 6.0
-    assert first["with_prior"] is None
-
-    earlier = tmp_path / "first" / "design.json"
-    second, _ = designed(tmp_path / "second", *scara, "--prior", str(earlier))
     assert second["prior"] == [str(earlier)]
     information = [experiment_information(record) for record in (first, second)]
     told = second["with_prior"]["J_d_log10"]
@@ -118,12 +143,9 @@ def dense_distance(file: Path, names: list[str], q: np.ndarray) -> float:
 
 
 def test_with_no_options_a_motion_can_be_sent_to_the_arm(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    beside_post: tuple[dict, pd.DataFrame, str, Path],
 ) -> None:
-    # A post so thick that half of all postures hit it or are beyond it.
-    arm_and_post(tmp_path, post=0.35)
-    file = tmp_path / "planar.urdf"
-    record, motion = designed(tmp_path / "out", "--robot", str(file), "--rate", "1000")
+    record, motion, told, file = beside_post
     t = motion["t"].to_numpy()
     q = motion[["q_shoulder", "q_elbow"]].to_numpy()
     # Clear of itself, by closed form and by programs that the design does not use.
@@ -139,7 +161,6 @@ def test_with_no_options_a_motion_can_be_sent_to_the_arm(
     columns = ["dq_shoulder", "dq_elbow", "ddq_shoulder", "ddq_elbow"]
     np.testing.assert_allclose(motion[columns].to_numpy()[[0, -1]], 0.0, atol=1e-9)
     assert np.ptp(q, axis=0).min() > 0.5
-    told = capsys.readouterr().out
     assert "clear of itself: by 10 mm" in told or "clear of itself" in record["status"]
     assert "rest to rest" in told
     assert "90%" in told
@@ -167,11 +188,12 @@ def test_every_safety_can_be_switched_off_and_that_is_told(
     assert "may start and end at speed" in told
 
 
-def test_a_motion_is_slowed_down_on_the_same_way(tmp_path: Path) -> None:
-    arm_and_post(tmp_path, post=0.35)
-    robot = ("--robot", str(tmp_path / "planar.urdf"))
-    full, fast = designed(tmp_path / "full", *robot)
-    half, slow = designed(tmp_path / "half", *robot, "--scale", "0.5", "--rate", "50")
+def test_a_motion_is_slowed_down_on_the_same_way(
+    beside_post: tuple[dict, pd.DataFrame, str, Path], tmp_path: Path
+) -> None:
+    full, fast, _, file = beside_post
+    wishes = ("--robot", str(file), "--scale", "0.5", "--rate", "500")
+    half, slow = designed(tmp_path / "half", *wishes)
     assert half["horizon"] == 2 * full["horizon"]
     for name in ("shoulder", "elbow"):
         np.testing.assert_allclose(slow[f"q_{name}"], fast[f"q_{name}"], atol=1e-9)
@@ -183,11 +205,11 @@ def test_a_motion_is_slowed_down_on_the_same_way(tmp_path: Path) -> None:
 
 
 def test_an_arm_on_a_wall_is_designed_for_its_own_gravity(tmp_path: Path) -> None:
-    planar_arm(tmp_path)  # its axes are vertical: gravity shows on a wall alone
+    arm = planar_arm(tmp_path)  # its axes are vertical: gravity shows on a wall alone
     robot = ("--robot", str(tmp_path / "planar.urdf"), "--no-torque")
-    upright, _ = designed(tmp_path / "upright", *robot)
     wall, _ = designed(tmp_path / "wall", *robot, "--gravity", "0", "-9.81", "0")
-    assert len(wall["base_parameters"]) > len(upright["base_parameters"])
+    upright = base_parameters(TorqueModel.standard(arm))
+    assert len(wall["base_parameters"]) > len(upright)
     assert wall["gravity"] == [0.0, -9.81, 0.0]
 
 
@@ -366,7 +388,7 @@ def test_the_same_seed_and_evaluations_give_the_same_motion(tmp_path: Path) -> N
     wishes = ("--robot", "builtin:imi_scara", "--evaluations", "60", "--criterion", "J_k")
     first, one = designed(tmp_path / "1", *wishes)
     second, two = designed(tmp_path / "2", *wishes)
-    other, _ = designed(tmp_path / "3", *wishes, "--seed", "1")
+    other, _ = designed(tmp_path / "3", *wishes, "--seed", "1", "--evaluations", "10")
     assert first["coefficients"] == second["coefficients"]
     pd.testing.assert_frame_equal(one, two, check_exact=True)
     assert first["coefficients"] != other["coefficients"]
