@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.collision import Surroundings
+from oed.design.collision import FAR, Surroundings
 from oed.design.joint_sums import roomiest_posture
 from oed.errors import NoUsableResult
 from oed.robot import JointLimits
@@ -36,7 +36,7 @@ def clear_posture(
     sums = drawn @ limits.sum_factors.T
     is_within = ((limits.sum_bounds[:, 0] < sums) & (sums < limits.sum_bounds[:, 1])).all(axis=1)
     postures = [roomiest_posture(limits), *drawn[is_within]]
-    spare = [surroundings.spare(q) for q in postures]
+    spare = [_room(q, surroundings) for q in postures]
     best = int(np.argmax(spare))
     if spare[best] < 0.0:
         raise NoClearPosture(
@@ -45,3 +45,16 @@ def clear_posture(
             f"(--clearance){surroundings.mostly_short}"
         )
     return postures[best]
+
+
+def _room(q: Float[ndarray, " joints"], surroundings: Surroundings) -> float:
+    """Least spare distance [m]; of links that are close by design only where they fall short.
+
+    Those say nothing else: in a compact wrist they are as near in any posture.
+    """
+    least = FAR - surroundings.clearance
+    for pair, distance in surroundings.distances(q).items():
+        spare = distance - surroundings.wanted(pair)
+        if spare < 0.0 or surroundings.wanted(pair) == surroundings.clearance:
+            least = min(least, spare)
+    return least

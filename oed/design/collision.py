@@ -61,6 +61,7 @@ class Surroundings:
         self.box, self.clearance = box, clearance
         self.has_shapes = self._shapes.count > 0 and not walls_only
         self.missing = self._shapes.missing
+        self.turns = ~self._shapes.is_slide  # (n,) of each joint
         self._reach = self._shapes.reaches(np.abs(robot.limits.position).max(axis=1))
         self._overlapping: frozenset[Pair] = frozenset()
         self._tight: dict[Pair, float] = {}

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.design.clear_limits import clear_limits
+from oed.design.clear_limits import NoClearRange, clear_limits
 from oed.design.clearance import ClearanceCheck, prove_clearance
 from oed.design.collision import Surroundings
 from oed.design.constraints import TrustRegion
@@ -150,7 +150,6 @@ def find_clear_motion(
 
     Raises:
         NoClearPosture: If no posture is clear.
-        NoClearRange: If there is no range about a clear posture.
         NoClearMotion: If no motion is found.
     """
     for start in _beginnings(problem, z, surroundings, budget, rng):
@@ -180,7 +179,10 @@ def _beginnings(
     is_clear = Distances.at(problem.trajectory, z, surroundings).spare >= ENOUGH
     if is_clear or not problem.trajectory.has_offset:  # which fits no range but its own
         return [z]
-    room = clear_limits(problem.limits, surroundings, rng)
+    try:
+        room = clear_limits(problem.limits, surroundings, rng)
+    except NoClearRange:
+        return [z]
     trajectory = problem.trajectory.with_limits(room.limits)
     narrow = dataclasses.replace(problem, trajectory=trajectory, limits=room.limits)
     return sorted((z, optimise(narrow, budget, rng).z), key=toll)

@@ -106,7 +106,7 @@ class PosedShapes:
         frames = [_on_body(joint) for joint in self._joints]
         self._joint_body = [int(joint.child_body().index()) for joint in self._joints]
         self._joint_origin, self._joint_axis = np.array(frames).reshape(-1, 2, 3).swapaxes(0, 1)
-        self._is_slide = np.array([isinstance(joint, PrismaticJoint) for joint in self._joints])
+        self.is_slide = np.array([isinstance(joint, PrismaticJoint) for joint in self._joints])
         self._read_shapes()
         self.missing = self._scene.missing
         self.notes = tuple(filter(None, (self._scene.note, planes)))
@@ -202,7 +202,7 @@ class PosedShapes:
         carrier = rotation[self._joint_body]
         along = np.einsum("jik,jk->ji", carrier, self._joint_axis)
         at = origin[self._joint_body] + np.einsum("jik,jk->ji", carrier, self._joint_origin)
-        slides = self._is_slide[:, None]
+        slides = self.is_slide[:, None]
         axes = np.where(slides, 0.0, along)
         return Poses(rotation, origin, axes, np.where(slides, along, np.cross(at, axes)))
 

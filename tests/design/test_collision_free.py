@@ -30,7 +30,16 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
 from oed.robot import JointLimits, Robot
-from tests.design.primitive_arm import arm_and_post, elbow_at, planar_arm, to_post
+from tests.design.primitive_arm import (
+    LENGTH,
+    POST,
+    TIP,
+    arm_and_post,
+    elbow_at,
+    planar_arm,
+    sphere,
+    to_post,
+)
 
 HORIZON = 10.0
 FINE = np.linspace(0.0, HORIZON, 7001)  # many more instants than a motion is built with
@@ -212,3 +221,19 @@ def test_no_motion_where_no_posture_is_clear(tmp_path: Path) -> None:
     z, rng = starts(problem, hits_post=False), np.random.default_rng(0)
     with pytest.raises(NoUsableResult, match="check the box"):
         find_clear_motion(problem, z, surroundings, Budget(evaluations=30), rng)
+
+
+def test_joints_of_two_turns_and_links_that_are_always_near_leave_a_wide_range(
+    tmp_path: Path,
+) -> None:
+    # Narrowing a joint of two turns to one changes nothing, and base and elbow are 1.2 cm apart
+    # at any angle: neither may hide how wide the range is that the post leaves.
+    at = " ".join(map(str, POST))
+    robot = planar_arm(
+        tmp_path, base=sphere(0.238) + sphere(0.3, at), reach=(6.28, 6.28),
+        lower=sphere(0.25) + sphere(TIP, f"{LENGTH} 0 0"),
+    )  # fmt: skip
+    room = narrowed(robot)
+    assert to_post(room.centre, 0.3) > 0.1
+    assert np.diff(room.limits.position, axis=1).min() > 0.3
+    assert (to_post(random_postures(room.limits), 0.3) < 0).mean() < 0.05
