@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +12,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.commands.configurations import Design
+from oed.commands.design_output import Result, evaluations_of, told_of, write
 from oed.commands.telling import say, speak
-from oed.design.bound.efficiency import QUICK, DEfficiency, NoBound, d_efficiency
+from oed.design.bound.efficiency import QUICK, NoBound, d_efficiency
 from oed.design.clear_search import search_clear
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
 from oed.design.collision import Surroundings
@@ -22,13 +22,6 @@ from oed.design.criteria import Criterion
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
 from oed.design.design import Design as FoundDesign
-from oed.design.design_file import design_record, limits_record
-from oed.design.export import (
-    SetPoints,
-    write_csv,
-    write_joint_trajectory_json,
-    write_joint_trajectory_yaml,
-)
 from oed.design.optimisers.registry import find_optimiser
 from oed.design.optimisers.result import Budget
 from oed.design.prior_experiments import prior_information
@@ -39,45 +32,17 @@ from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError, RobotError
 from oed.experiment.read_dataset import read_robot
 from oed.process_end import NO_USABLE_RESULT
-from oed.report.design_page import design_page
 from oed.report.design_summary import summary
-from oed.report.json_file import write_json
-from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
-from oed.report.page import write_page
-from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
 from oed.report.study_files import DESIGN
-from oed.robot import JointLimits, JointSum, Robot, load_arm, read_sum
+from oed.robot import JointSum, Robot, load_arm, read_sum
 from oed.robot.load import EARTH_GRAVITY
 from oed.robot.packages import read_packages
 
-FINE = 1000  # instants of a plot
-SMOKE_EVALUATIONS, SMOKE_INSTANTS = 100, 40  # a second on two joints
+SMOKE_INSTANTS = 40  # enough for the rank of two joints' base parameters
 ROTORS = (
     "rotor inertias are no part of the model that this excites; oed identify estimates them "
     "unless told otherwise: --model rotor excites them as well"
 )
-
-
-@dataclass(frozen=True)
-class Result:
-    """A design, what was assumed, what it is worth and what the geometry says of it.
-
-    Attributes:
-        design: The motion.
-        limits: Of the robot, of which the motion uses a share.
-        notes: What was assumed or left out.
-        efficiency: What it is worth against a bound; None where that is not known.
-        clearance: What the geometry says of it.
-        before: J_k and J_d of the best motion found that need not keep clear, at the same speed;
-            None where that one was clear, or nothing had to be.
-    """
-
-    design: FoundDesign
-    limits: JointLimits
-    notes: tuple[str, ...]
-    efficiency: DEfficiency | None
-    clearance: ClearanceCheck
-    before: dict[str, float] | None
 
 
 def design_motion(
@@ -139,13 +104,13 @@ def find(config: Design, robot: Robot) -> Result:
         problem = _with_prior(problem, config.prior)
     kept = _kept(surroundings, robot, config)
     slowed = _slowed(problem, config)
-    budget = Budget(_evaluations(config), config.budget)
+    budget = Budget(evaluations_of(config), config.budget)
     search = search_clear(problem, kept, budget, rng, optimise)
     found = search.found
     if search.is_cut_short:
         notes.append(
             f"stopped by --budget {config.budget:g} CPU s after {found.evaluations} of "
-            f"{_evaluations(config)} evaluations: the same seed may give another motion"
+            f"{evaluations_of(config)} evaluations: the same seed may give another motion"
         )
     say(f"found after {found.evaluations} evaluations; proving what it keeps")
     problem = slowed
@@ -242,10 +207,6 @@ def _problem(config: Design) -> ProblemSettings:
     )
 
 
-def _evaluations(config: Design) -> int:
-    return min(config.evaluations, SMOKE_EVALUATIONS) if config.smoke else config.evaluations
-
-
 def _walls(config: Design) -> Float[ndarray, "3 2"]:
     """The box as lower and upper bounds of x, y, z; empty where there is none."""
     return np.array(config.box or ()).reshape(-1, 2)
@@ -275,58 +236,6 @@ def _with_prior(problem: DesignProblem, files: Sequence[str]) -> DesignProblem:
         raise ValueError(f"--prior {error}") from error
 
 
-def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
-    """Write motion files, `design.json`, recording, provenance and the page; all notes.
-
-    Nothing that a controller could run where the motion is not usable.
-    """
-    design = result.design
-    robot = design.problem.model.robot
-    if design.status.is_usable:
-        _write_for_controller(design, config, out)
-    frames = design.motion(np.arange(0.0, design.horizon, 1 / FRAMES_PER_SECOND))
-    note = record_motion(robot, frames, out / "motion.html")
-    notes = (*result.notes, *((note,) if note else ()))
-    record = design_record(
-        design,
-        versions=package_versions(KEY_PACKAGES),
-        d_efficiency=None if result.efficiency is None else dataclasses.asdict(result.efficiency),
-        notes=notes,
-    )
-    more: dict[str, object] = {"evaluations_asked": _evaluations(config)}
-    more |= {"margin": config.margin, "scale": config.scale, "before_clearance": result.before}
-    more |= {"robot_limits": limits_record(result.limits), "gravity": robot.gravity.tolist()}
-    more |= {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
-    write_json(out / "design.json", {**record, **more})
-    provenance = Provenance.collect(config, seed=config.seed)
-    provenance.write(out / "provenance.json")
-    _write_page(result, _told(result, config, notes), provenance, out)
-    return notes
-
-
-def _write_page(result: Result, told: Sequence[str], provenance: Provenance, out: Path) -> None:
-    design = result.design
-    fine = design.motion(np.linspace(0.0, design.horizon, FINE))
-    nominal = design.problem.nominal
-    page = design_page(
-        design, result.limits, result.efficiency, result.clearance,
-        notes=told, provenance=provenance, fine=fine,
-        torque=None if nominal is None else design.problem.model.torque(nominal, fine),
-        has_recording=(out / "motion.html").exists(),
-    )  # fmt: skip
-    write_page(out / "report.html", page)
-
-
-def _write_for_controller(design: FoundDesign, config: Design, out: Path) -> None:
-    problem = design.problem
-    points = SetPoints.sample(
-        problem.trajectory, design.z, problem.model.robot.joint_names, config.rate
-    )
-    write_csv(points, out / "motion.csv")
-    write_joint_trajectory_yaml(points, out / "joint_trajectory.yaml")
-    write_joint_trajectory_json(points, out / "joint_trajectory.json")
-
-
 def run(config: Design) -> int:
     """Design, and leave the motion, its proof and its pictures; the exit status."""
     speak(quiet=config.quiet)
@@ -334,7 +243,7 @@ def run(config: Design) -> int:
         result = find(config, robot_of(config))
         with results.replaced() as new:
             notes = write(result, config, new)
-    told = _told(result, config, notes)
+    told = told_of(result, config, notes)
     print(summary(result.design, result.efficiency, result.clearance, told))
     print(f"open {config.out / 'report.html'}")
     if result.design.status.is_usable:
@@ -343,18 +252,3 @@ def run(config: Design) -> int:
         "oed design: no motion for a controller was written: a limit is not kept (see status)\n"
     )
     return NO_USABLE_RESULT
-
-
-def _told(result: Result, config: Design, notes: Sequence[str]) -> tuple[str, ...]:
-    """The notes, and what safety asks and costs."""
-    ends = "may start and end at speed" if config.periodic else "rest to rest"
-    asked = f"{ends}; velocity and acceleration within {config.margin:.0%} of their limits"
-    if config.scale != 1.0:
-        asked += f"; slowed down to {config.scale:.0%} of the speed it was designed for"
-    if result.before is None:
-        return (asked, *notes)
-    costs = (
-        f"keeping clear costs J_k {result.before['J_k']:.4g} -> {result.design.J_k:.4g}, "
-        f"J_d {result.before['J_d_log10']:.2f} -> {result.design.J_d:.2f}"
-    )
-    return (asked, costs, *notes)

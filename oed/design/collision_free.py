@@ -28,19 +28,26 @@ from oed.design.problem import DesignProblem
 from oed.design.trajectories import TrajectoryClass
 from oed.errors import NoUsableResult
 
-INSTANTS = 200  # at which distances are looked at
-AHEAD = 0.1  # [m] beyond what is wanted, within which a distance counts
+# At which distances are looked at: twenty in a period of the fastest harmonic of five; what is
+# nearer between them is found by the proof, and those instants join.
+INSTANTS = 200
+AHEAD = 0.1  # [m] beyond what is wanted, within which a distance counts: an arm's largest step
 # [m] beyond what is wanted, where the price begins: room for what lies between the instants.
 BUFFER = 0.003
-PRICE = 3.0  # [decades] at first, of a distance that is `BUFFER` short all the time
-DEARER = 5.0  # times the price, where it does not keep distances
-DEAREST = 100.0
-FIRST_STEP = 0.3  # [rad or m]
-LARGEST_STEP = 0.6
-LEAST_STEP = 0.02
-ROUNDS = 40
-LEAST_GAIN = 0.02  # [decades] of a round that is worth another at the same price
-LOCAL = LocalSettings(iterations=25, constraint_instants=40)
+# [decades] at first, of a distance that is `BUFFER` short all the time: hitting one's way through
+# is not worth it then, but a corner may be cut on the way out.
+PRICE = 3.0
+# Times the price, where it does not keep distances; two rises reach `DEAREST` and no design gains
+# as much by being short for a hundredth of the time.
+DEARER, DEAREST = 5.0, 100.0
+# [rad or m] that a round may move: what a linear model of distances is good for is found by
+# halving and growing, so that the first matters little; below the least one it moves by a degree.
+FIRST_STEP, LARGEST_STEP, LEAST_STEP = 0.3, 0.6, 0.02
+ROUNDS = 40  # twice what arms of six and seven joints took
+LEAST_GAIN = (
+    0.02  # [decades] of a round that is worth another at the same price: 0.1 % of an estimate
+)
+LOCAL = LocalSettings(iterations=25, constraint_instants=40)  # half converged: the model is local
 ENOUGH = 5e-4  # [m] at the instants: twice what the proof leaves to rounding, and a little more
 DESCENTS = 4  # each looks at the instants, too, at which the last was nearer than it should be
 

@@ -12,6 +12,11 @@ import pytest
 
 from oed.design.optimisers import registry as optimisers
 from oed.design.trajectories import registry as trajectories
+from oed.dynamics.compiled import compile_regressor
+from oed.dynamics.effects import catalogue
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.motion import Motion
+from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.logs import registry
 from oed.experiment.read_dataset import read_dataset
 from tests.docs.code_blocks import blocks
@@ -156,3 +161,37 @@ def test_what_a_class_cannot_do_is_refused(
     assert "cannot be slowed down" in capsys.readouterr().err
     assert oed("design", *arguments, "--trajectory", "zigzag") == 2
     assert "known are fourier, harmonic" in capsys.readouterr().err
+
+
+@pytest.fixture
+def own_effects() -> Iterator[None]:
+    before = dict(catalogue._ENTRIES)
+    yield
+    catalogue._ENTRIES.clear()
+    catalogue._ENTRIES.update(before)
+
+
+@pytest.mark.usefixtures("own_effects")
+def test_an_effect_from_outside() -> None:
+    names: dict[str, object] = {}
+    for block in blocks(HOW_TO / "effect.md", "python"):
+        exec(compile(block, "effect.md", "exec"), names)  # noqa: S102  # our own page
+    model = names["model"]
+    assert isinstance(model, TorqueModel)
+    t = np.linspace(0.0, 6.0, 40)
+    q = np.stack([np.sin(t), 0.5 * np.sin(2 * t)], axis=1)
+    dq = np.stack([np.cos(t), np.cos(2 * t)], axis=1)
+    motion = Motion(t, q, dq, -q * (1.0, 4.0))
+    column = model.regressor(motion).reshape(len(t), 2, -1)[:, :, -1]
+    x = dq[:, 1] / 0.5
+    np.testing.assert_allclose(column[:, 1], np.sign(x) * x**2 / (1 + x**2), atol=1e-12)
+    np.testing.assert_array_equal(column[:, 0], 0.0)
+    # The same lines in CasADi: the compiled regressor predicts the same torque.
+    parameters = np.random.default_rng(0).normal(size=len(model.parameters))
+    base = base_parameters(model)
+    compiled = compile_regressor(model, base, native=False)
+    reduced = compiled.dense(compiled.entries(motion))
+    told = reduced.reshape(len(t) * 2, -1) @ base.from_standard(parameters)
+    np.testing.assert_allclose(told, model.torque(parameters, motion).reshape(-1), atol=1e-9)
+    entry = catalogue.CATALOGUE["fan_drag"]
+    assert (entry.scope, entry.page.exposed_by) == ("joint", names["fan_drag"].page.exposed_by)

@@ -1,0 +1,125 @@
+"""What `oed design` leaves: a motion for a controller, its record, recording and page."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from oed.commands.configurations import Design
+from oed.design.bound.efficiency import DEfficiency
+from oed.design.clearance import ClearanceCheck
+from oed.design.design import Design as FoundDesign
+from oed.design.design_file import design_record, limits_record
+from oed.design.export import (
+    SetPoints,
+    write_csv,
+    write_joint_trajectory_json,
+    write_joint_trajectory_yaml,
+)
+from oed.report.design_page import design_page
+from oed.report.json_file import write_json
+from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
+from oed.report.page import write_page
+from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
+from oed.robot import JointLimits
+
+FINE = 1000  # instants of a plot
+SMOKE_EVALUATIONS = 100  # a second on two joints
+
+
+@dataclass(frozen=True)
+class Result:
+    """A design, what was assumed, what it is worth and what the geometry says of it.
+
+    Attributes:
+        design: The motion.
+        limits: Of the robot, of which the motion uses a share.
+        notes: What was assumed or left out.
+        efficiency: What it is worth against a bound; None where that is not known.
+        clearance: What the geometry says of it.
+        before: J_k and J_d of the best motion found that need not keep clear, at the same speed;
+            None where that one was clear, or nothing had to be.
+    """
+
+    design: FoundDesign
+    limits: JointLimits
+    notes: tuple[str, ...]
+    efficiency: DEfficiency | None
+    clearance: ClearanceCheck
+    before: dict[str, float] | None
+
+
+def evaluations_of(config: Design) -> int:
+    """Evaluations of the criterion that a command asks for."""
+    return min(config.evaluations, SMOKE_EVALUATIONS) if config.smoke else config.evaluations
+
+
+def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
+    """Write motion files, `design.json`, recording, provenance and the page; all notes.
+
+    Nothing that a controller could run where the motion is not usable.
+    """
+    design = result.design
+    robot = design.problem.model.robot
+    if design.status.is_usable:
+        _write_for_controller(design, config, out)
+    frames = design.motion(np.arange(0.0, design.horizon, 1 / FRAMES_PER_SECOND))
+    note = record_motion(robot, frames, out / "motion.html")
+    notes = (*result.notes, *((note,) if note else ()))
+    record = design_record(
+        design,
+        versions=package_versions(KEY_PACKAGES),
+        d_efficiency=None if result.efficiency is None else dataclasses.asdict(result.efficiency),
+        notes=notes,
+    )
+    more: dict[str, object] = {"evaluations_asked": evaluations_of(config)}
+    more |= {"margin": config.margin, "scale": config.scale, "before_clearance": result.before}
+    more |= {"robot_limits": limits_record(result.limits), "gravity": robot.gravity.tolist()}
+    more |= {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
+    write_json(out / "design.json", {**record, **more})
+    provenance = Provenance.collect(config, seed=config.seed)
+    provenance.write(out / "provenance.json")
+    _write_page(result, told_of(result, config, notes), provenance, out)
+    return notes
+
+
+def _write_page(result: Result, told: Sequence[str], provenance: Provenance, out: Path) -> None:
+    design = result.design
+    fine = design.motion(np.linspace(0.0, design.horizon, FINE))
+    nominal = design.problem.nominal
+    page = design_page(
+        design, result.limits, result.efficiency, result.clearance,
+        notes=told, provenance=provenance, fine=fine,
+        torque=None if nominal is None else design.problem.model.torque(nominal, fine),
+        has_recording=(out / "motion.html").exists(),
+    )  # fmt: skip
+    write_page(out / "report.html", page)
+
+
+def _write_for_controller(design: FoundDesign, config: Design, out: Path) -> None:
+    problem = design.problem
+    points = SetPoints.sample(
+        problem.trajectory, design.z, problem.model.robot.joint_names, config.rate
+    )
+    write_csv(points, out / "motion.csv")
+    write_joint_trajectory_yaml(points, out / "joint_trajectory.yaml")
+    write_joint_trajectory_json(points, out / "joint_trajectory.json")
+
+
+def told_of(result: Result, config: Design, notes: Sequence[str]) -> tuple[str, ...]:
+    """The notes, and what safety asks and costs."""
+    ends = "may start and end at speed" if config.periodic else "rest to rest"
+    asked = f"{ends}; velocity and acceleration within {config.margin:.0%} of their limits"
+    if config.scale != 1.0:
+        asked += f"; slowed down to {config.scale:.0%} of the speed it was designed for"
+    if result.before is None:
+        return (asked, *notes)
+    costs = (
+        f"keeping clear costs J_k {result.before['J_k']:.4g} -> {result.design.J_k:.4g}, "
+        f"J_d {result.before['J_d_log10']:.2f} -> {result.design.J_d:.2f}"
+    )
+    return (asked, costs, *notes)
