@@ -7,14 +7,19 @@ from collections.abc import Callable
 
 from oed.commands import diagnose, export, feasible, identify
 from oed.commands.configurations import Calibrate, Diagnose, Export, Feasible, Identify
+from oed.commands.rollouts import models_in, rollouts
 from oed.commands.telling import say, speak
+from oed.estimation.rollout import WINDOWS
+from oed.experiment.read_dataset import read_dataset
 from oed.export.model_file import NAME
 from oed.export.registry import find_exporter
 from oed.report.calibrate_page import calibrate_page
-from oed.report.json_file import read_json, write_json
+from oed.report.json_file import plain_value, read_json, write_json
 from oed.report.page import write_page
 from oed.report.provenance import Provenance
 from oed.report.study_files import CALIBRATE
+
+FEW_WINDOWS = 1  # of a recording, to see that it works
 
 
 def run(config: Calibrate) -> int:
@@ -29,8 +34,14 @@ def run(config: Calibrate) -> int:
             if status := step():
                 return status
         record = _record(config)
+        dataset = read_dataset(config.data)
+        say("\n[5] simulating what was not fitted")
+        windows = FEW_WINDOWS if config.smoke else WINDOWS
+        rolled = rollouts(dataset, models_in(config.out, dataset), windows=windows)
+        record |= {"joints": list(dataset.robot.joint_names), "rollout": rolled}
         with results.replaced() as new:
             provenance = Provenance.collect(config, seed=config.seed)
+            record = plain_value(record)
             write_page(new / "index.html", calibrate_page(record, provenance))
             write_json(new / "calibration.json", record)
     for warning in record["warnings"]:

@@ -10,6 +10,7 @@ import numpy as np
 from oed.report.joint_words import over_floor, place_words
 from oed.report.page import Links, Page, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
+from oed.report.rollout_section import rollout_section
 
 PAGES = (
     ("Base parameters", "identify/report.html", "with 95 % intervals, and their errors held out"),
@@ -37,10 +38,17 @@ def calibrate_page(record: Mapping[str, Any], provenance: Provenance) -> Page:
         (
             Section("Where to look", (Links(pages),)),
             Section("What the model lacked", _errors(record)),
+            *_rollout(record),
             Section("Bodies", tuple(bodies or [Table(record["links"], "Links")])),
             Section("How it was made", (Text(f"Commit {provenance.commit}, {provenance.date}."),)),
         ),
     )
+
+
+def _rollout(record: Mapping[str, Any]) -> tuple[Section, ...]:
+    if record["rollout"] is None:
+        return ()
+    return (rollout_section(record["rollout"], tuple(record["joints"])),)
 
 
 def _verdict(record: Mapping[str, Any]) -> Verdict:

@@ -63,6 +63,18 @@ def test_the_record_says_what_came_out(calibrated):
     assert rms["after"]["test"][1] < rms["before"]["test"][1] / 2
 
 
+def test_a_simulation_with_what_was_found_moves_like_the_arm(calibrated):
+    models = read_json(calibrated / "calibration.json")["rollout"]["models"]
+    base, augmented, feasible = (
+        models[name]["flange_mm"][-1] for name in ("base", "augmented", "feasible")
+    )
+    assert augmented < base
+    assert feasible < base
+    assert "Whether a simulation moves like the arm" in (calibrated / "index.html").read_text(
+        encoding="utf-8"
+    )
+
+
 def test_an_unknown_form_is_refused_before_the_work(calibrated, tmp_path, capsys):
     given = (calibrated.parent / "data", "--out", tmp_path / "o", "--to", "plan9")
     assert oed("calibrate", *given) == 2

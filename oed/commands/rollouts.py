@@ -1,0 +1,67 @@
+"""How far each model of a calibration is from the arm when it is simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.commands.telling import say
+from oed.dynamics.effects import RigidBody
+from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.rollout import HORIZONS, SETTLING, Track, roll_out
+from oed.estimation.stacking import between_gaps
+from oed.experiment.choose_settings import choose_settings
+from oed.experiment.dataset import DataSet
+from oed.experiment.processing import process
+from oed.experiment.recording import HELD_OUT
+from oed.export.model_file import load_model
+
+Models = Mapping[str, tuple[TorqueModel, Float[ndarray, " p"]]]
+
+
+def rollouts(dataset: DataSet, models: Models, *, windows: int) -> dict[str, object] | None:
+    """Errors of each model's simulation, as calibration.json has them; None if logs are too short.
+
+    Args:
+        dataset: Its held-out recordings are followed.
+        models: By name, each with its parameters.
+        windows: Most of them a recording.
+    """
+    tracks = held_out_tracks(dataset)
+    if not tracks:
+        return None
+    found = {}
+    for name, (model, parameters) in models.items():
+        say(f"simulating {name}")
+        result = roll_out(model, parameters, tracks, windows=windows)
+        found[name] = {
+            "flange_mm": 1000 * result.flange,
+            "joint": result.joint,
+            "windows": result.windows,
+            "lost": result.lost,
+        }
+    return {"horizons": list(HORIZONS), "models": found}
+
+
+def held_out_tracks(dataset: DataSet) -> list[Track]:
+    """Recordings that were not fitted and are long enough for the longest horizon."""
+    settings = choose_settings(dataset)
+    shortest = HORIZONS[-1] + 2 * SETTLING
+    return [
+        Track(process(recording, settings).fine, recording.t, recording.tau)
+        for recording in between_gaps(dataset, settings).recordings
+        if recording.role in HELD_OUT and recording.duration > shortest
+    ]
+
+
+def models_in(out: Path, dataset: DataSet) -> Models:
+    """The robot file's bodies alone, and what each step of a calibration left."""
+    robot = dataset.robot
+    bare = (TorqueModel(robot, (RigidBody(robot),)), np.array(robot.parameters))
+    steps = {"base": "identify", "augmented": "diagnosis", "feasible": "feasible"}
+    loaded = {name: load_model(out / folder / "model.json") for name, folder in steps.items()}
+    return {"robot file": bare} | {k: (m.torque_model, m.parameters) for k, m in loaded.items()}

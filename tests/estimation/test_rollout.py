@@ -1,0 +1,109 @@
+"""A simulated model moves as the arm moved whose model it is; Drake moved the arm."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+
+from oed.dynamics.effects import Coulomb, RigidBody
+from oed.dynamics.motion import Motion
+from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.rollout import ImplicitArm, Track, last_origin, roll_out
+from oed.export.simulation_plant import build_simulation
+from oed.robot import JointLimits
+from tests.dynamics.effects.arms import vertical_arm
+from tests.export.every_effect import model_with
+
+RATE, SECONDS = 200.0, 4.0  # [Hz], [s] of the recording
+WIDTH = 0.02  # [rad/s] of every sign
+HORIZONS = (0.1, 0.5, 1.0, 2.0)
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    """A sprung arm with Stribeck friction under smooth torques, simulated by Drake."""
+    robot = vertical_arm().with_limits(JointLimits.unlimited(2))
+    model, _ = model_with("joint_spring", "stribeck", robot=robot, duration=0.4)
+    diagram, plant = build_simulation(model, sign_width=WIDTH)
+    simulator = Simulator(diagram)
+    context = simulator.get_mutable_context()
+    plant.SetPositions(plant.GetMyMutableContextFromRoot(context), [-1.4, 0.2])
+    t = np.arange(0.0, SECONDS, 1 / RATE)
+    tau = np.stack([6 * np.sin(3 * t), 2 * np.cos(5 * t)], axis=1)
+    q, dq = np.empty_like(tau), np.empty_like(tau)
+    for k, now in enumerate(t):
+        state = diagram.GetOutputPort("state").Eval(context)
+        q[k], dq[k] = state[:2], state[2:]
+        diagram.GetInputPort("torque").FixValue(context, tau[k])
+        simulator.AdvanceTo(now + 1 / RATE)
+    held = np.repeat(tau, 10, axis=0)  # each set point holds until the next
+    fine = (np.arange(len(held)) / (10 * RATE))[1:]
+    motion = Motion(t, q, dq, np.gradient(dq, t, axis=0))
+    return model, Track(motion, fine, held[:-1])
+
+
+def test_moves_as_drake_moved(recorded):
+    model, track = recorded
+    found = roll_out(model.torque_model, model.parameters, [track], step=1e-3, sign_width=WIDTH)
+    assert found.windows == 1
+    assert found.lost == 0
+    travelled = np.ptp(track.motion.q, axis=0).max()
+    assert travelled > 0.3
+    assert found.joint[-1].max() < 0.01 * travelled
+
+
+def test_the_error_of_a_step_is_of_first_order(recorded):
+    model, track = recorded
+    ends = {}
+    for step in (4e-3, 2e-3, 1e-3):
+        arm = ImplicitArm.of(model.torque_model, model.parameters, step, WIDTH)
+        ends[step] = arm.follow(track, 100, HORIZONS[:2])[-1]
+    halved = np.abs(ends[2e-3] - ends[1e-3]).max() / np.abs(ends[4e-3] - ends[2e-3]).max()
+    assert 0.4 < halved < 0.65
+
+
+def test_a_model_that_lacks_the_spring_drifts(recorded):
+    model, track = recorded
+    lacking = model.parameters.copy()
+    names = [p.name for p in model.torque_model.parameters]
+    lacking[names.index("spring_2")] = 0.0
+    whole, without = (
+        roll_out(model.torque_model, p, [track], step=4e-3) for p in (model.parameters, lacking)
+    )
+    assert without.flange[-1] > 5 * whole.flange[-1]
+    assert (np.diff(without.flange) > 0).all()
+
+
+def test_a_joint_that_sticks_stays(recorded):
+    _, track = recorded
+    robot = vertical_arm()
+    effects = (RigidBody(robot), Coulomb(0, 1e-3), Coulomb(1, 1e-3))
+    parameters = np.concatenate([robot.parameters, [100.0, 100.0]])
+    still = Motion(track.motion.t, *(np.zeros_like(track.motion.q) for _ in range(3)))
+    stuck = Track(still, track.t, np.zeros_like(track.tau))
+    found = roll_out(TorqueModel(robot, effects), parameters, [stuck], step=1e-3, windows=1)
+    # It creeps at the share of the sign's width that holds the weight.
+    assert found.joint[-1].max() < 2.0 * 1e-3
+
+
+def test_a_simulation_that_leaves_the_arm_is_counted(recorded):
+    model, track = recorded
+    wrong = model.parameters.copy()
+    wrong[model.torque_model.robot.n * 10 :] *= -20  # friction that drives
+    found = roll_out(model.torque_model, wrong, [track], step=2e-3, windows=1)
+    assert found.lost == 1
+    assert found.flange[-1] == 10.0
+
+
+def test_a_recording_that_is_too_short_is_refused(recorded):
+    model, track = recorded
+    short = Track(track.motion[:300], track.t, track.tau)
+    with pytest.raises(ValueError, match="as long as 3 s"):
+        roll_out(model.torque_model, model.parameters, [short])
+
+
+def test_the_last_links_origin_is_where_trigonometry_has_it():
+    robot = vertical_arm()
+    q = np.array([[0.3, -1.0], [2.0, 0.5]])
+    length = robot.joints[1].p_PJ[0]
+    expected = length * np.stack([np.cos(q[:, 0]), np.sin(q[:, 0]), np.zeros(2)], axis=1)
+    assert last_origin(robot, q) == pytest.approx(expected)
