@@ -23,14 +23,7 @@ from numpy import ndarray
 
 from oed.commands.options import Count, parse
 from oed.design.criteria import Criterion, condition, log10_det
-from oed.design.optimisers import (
-    evolution,
-    genetic,
-    hopping,
-    interior_point,
-    random_search,
-    slsqp,
-)
+from oed.design.optimisers import evolution, genetic, hopping, interior_point, random_search, slsqp
 from oed.design.optimisers.result import Budget, OptimiserResult
 from oed.design.optimisers.target_hits import compress, cost_at, write_history
 from oed.design.problem import DesignProblem

@@ -2,11 +2,9 @@
 
     python -m studies.feasibility_price [--smoke] [--out results/feasibility_price] [--seed N]
 
-The question that Calafiore, Indri and Bona (2001) left open: plain least squares "may lead to
-physically unfeasible values", and the effect of constraints on the residuals was to be
-studied. Here an arm with known parameters moves well or badly, for long or shortly, under little
-or much torque noise; plain least squares meets feasible least squares, with no prior and with
-one that is wrong by a third.
+Calafiore, Indri and Bona (2001) left open how constraints change the residuals where plain least
+squares "may lead to physically unfeasible values". Here an arm with known parameters moves well
+or badly, long or shortly, under little or much noise; plain least squares meets feasible ones.
 """
 
 from __future__ import annotations
