@@ -31,6 +31,7 @@ def told(items: Sequence[Item], work: str) -> Iterator[Item]:
     for done, item in enumerate(items):
         tell(work, done, len(items))
         yield item
+    tell(work, len(items), len(items))
 
 
 @contextmanager

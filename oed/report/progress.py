@@ -104,6 +104,9 @@ class _Display:
         self._done = done
         if self._bar is not None:
             self._bar.update(done - self._bar.n)
+        if total is not None and done >= total:
+            self.end()  # before what the command says of it
+        if self._bar is not None or not self._work:
             return
         now = time.monotonic()
         if now - self._last >= self._every:
@@ -111,12 +114,16 @@ class _Display:
             self._last = now
 
     def end(self) -> None:
-        """Close the bar, or print the last line of work that took long."""
+        """Close the bar, or print the last line of work that took long and has a known size."""
         if self._bar is not None:
             self._bar.close()
-        elif self._work and time.monotonic() - self._start >= min(SHORT, self._every):
+        elif self._total is not None and self._work and self._is_long:
             self._print(f" done in {time.monotonic() - self._start:.1f} s")
         self._work, self._bar = "", None
+
+    @property
+    def _is_long(self) -> bool:
+        return time.monotonic() - self._start >= min(SHORT, self._every)
 
     def _begin(self, work: str, total: int | None) -> None:
         self._work, self._total, self._done = work, total, 0

@@ -55,8 +55,8 @@ def heard(stream: io.StringIO, *, quiet: bool = False, every: float = 0.0) -> st
 def test_the_library_s_own_work_is_told_by_lines() -> None:
     lines = heard(io.StringIO()).splitlines()
     assert [line.split(",")[0] for line in lines[:3]] == [f"weights: {k}/3" for k in range(3)]
-    assert lines[3].startswith("weights: 2/3 done in ")
-    assert [line.split(" ")[:2] for line in lines[4:]] == [["search:", "7,"], ["search:", "7"]]
+    assert lines[3].startswith("weights: 3/3 done in ")
+    assert [line.split(" ")[:2] for line in lines[4:]] == [["search:", "7,"]]
 
 
 def test_short_work_needs_no_line_and_no_bar() -> None:

@@ -114,6 +114,7 @@ def cross_validate(
                 continue
             held_out[w, fold] = log_rms(held, fit.parameters, variances)
             fitted[w, fold] = log_rms(training, fit.parameters, variances)
+    tell("weight, by cross-validation", held_out.size, held_out.size)
     if np.isnan(held_out.mean(axis=1)).all():
         raise SolverFailed("no weight could be tried in all folds", ())
     best, chosen = choose_weight(np.array(weights), held_out)
