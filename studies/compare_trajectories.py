@@ -95,23 +95,26 @@ class Config:
 
     Attributes:
         seconds: CPU time of each design [s].
-        seeds: Designs of each class and problem, one a seed.
+        seeds: Designs of each class and arm, one a seed.
+        paper_seeds: Likewise of the paper's problems, where single designs are held to marks.
         problems: Names of questions.
     """
 
     seconds: float = 20.0
     seeds: int = 3
+    paper_seeds: int = 1
     problems: tuple[str, ...] = tuple(QUESTIONS)
 
     def cases(self) -> list[Case]:
         """Arms before the paper; seed by seed, so that a study that is interrupted has pairs."""
-        by_seed = [
+        return [
             Case(problem, trajectory, seed, self.seconds)
-            for seed in range(self.seeds)
+            for is_paper, seeds in ((False, self.seeds), (True, self.paper_seeds))
+            for seed in range(seeds)
             for problem in self.problems
-            for trajectory in (ON_PAPER if QUESTIONS[problem].arm == "paper" else ON_ARMS)
+            if (QUESTIONS[problem].arm == "paper") == is_paper
+            for trajectory in (ON_PAPER if is_paper else ON_ARMS)
         ]
-        return sorted(by_seed, key=lambda case: QUESTIONS[case.problem].arm == "paper")
 
 
 @dataclass(frozen=True)
@@ -190,7 +193,7 @@ class Options(CaseOptions):
 
     Attributes:
         seconds: CPU time of each design [s].
-        seeds: Designs of each class and problem.
+        seeds: Designs of each class and arm.
     """
 
     study: ClassVar[str] = "compare_trajectories"
@@ -203,7 +206,7 @@ class Options(CaseOptions):
     def config(self) -> Config:
         """What is compared."""
         if self.smoke:
-            return Config(0.2, 2, ("paper, J_k, 10 s",))
+            return Config(0.2, problems=("paper, J_k, 10 s",))
         return Config(self.seconds, self.seeds)
 
 
