@@ -11,6 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.clear_limits import ClearLimits, clear_limits
+from oed.design.clear_posture import clear_posture
 from oed.design.collision import CLEARANCE, Surroundings
 from oed.design.collision_free import (
     BUFFER,
@@ -29,7 +30,7 @@ from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
-from oed.robot import JointLimits, Robot
+from oed.robot import JointLimits, Robot, load_robot
 from tests.design.primitive_arm import (
     LENGTH,
     POST,
@@ -38,6 +39,7 @@ from tests.design.primitive_arm import (
     elbow_at,
     planar_arm,
     sphere,
+    tip_at,
     to_post,
 )
 
@@ -237,3 +239,20 @@ def test_joints_of_two_turns_and_links_that_are_always_near_leave_a_wide_range(
     assert to_post(room.centre, 0.3) > 0.1
     assert np.diff(room.limits.position, axis=1).min() > 0.3
     assert (to_post(random_postures(room.limits), 0.3) < 0).mean() < 0.05
+
+
+def test_links_that_are_near_in_any_posture_do_not_choose_one(tmp_path: Path) -> None:
+    # Bodies a and c are 1.2 cm apart and no more than 1.3 cm, where the arm is stretched towards
+    # a post and 2 cm from it.
+    (tmp_path / "arm.xml").write_text("""<mujoco model="arm"><worldbody>
+<geom name="post" type="sphere" size="0.3" pos="1 0.42 0"/>
+<body name="a"><joint name="j1" axis="0 0 1" range="-6 6"/><geom type="sphere" size="0.238"/>
+<body name="b" pos="0.5 0 0"><joint name="j2" axis="0 0 1" range="-50 50"/>
+<body name="c"><joint name="j3" axis="0 0 1" range="-50 50"/>
+<geom type="sphere" size="0.25" pos="0.001 0 0"/>
+<geom type="sphere" size="0.1" pos="0.5 0 0"/>
+</body></body></body></worldbody></mujoco>""")
+    robot = load_robot(tmp_path / "arm.xml")
+    q = clear_posture(robot.limits, Surroundings(robot), np.random.default_rng(0))
+    tip = tip_at(np.array([q[0], q[1] + q[2]]))
+    assert np.linalg.norm(tip - np.array([1.0, 0.42, 0.0])) - 0.1 - 0.3 > 0.2
