@@ -35,6 +35,8 @@ def all_reversed(dataset: DataSet, projection: Projection) -> Cause | None:
 
 def all_scaled(dataset: DataSet, projection: Projection) -> Cause | None:
     """Every joint that tells has the file's torque divided by its gear ratio, or by one factor."""
+    if dataset.robot.in_amperes:
+        return None  # of currents no scale is known
     telling = projection.telling & (projection.slope > 0)
     ratios = dataset.drive.gear_ratio
     if ratios is not None:

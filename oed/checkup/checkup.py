@@ -133,7 +133,7 @@ def _assembled(
     fitted: tuple[Finding, ...],
 ) -> Checkup:
     findings = (
-        cause_finding(dataset.robot.joint_names, search),
+        cause_finding(dataset, search),
         *fitted,
         coverage_finding(dataset),
         range_finding(dataset),

@@ -122,8 +122,8 @@ def delay_finding(
     rows: tuple[EvidenceRow, ...] = tuple(
         {
             "joint": name,
-            "residual as logged [N m or N]": float(delay.before[j]),
-            "residual shifted [N m or N]": float(delay.after[j]),
+            f"residual as logged [{dataset.torque_unit}]": float(delay.before[j]),
+            f"residual shifted [{dataset.torque_unit}]": float(delay.after[j]),
         }
         for j, name in enumerate(dataset.robot.joint_names)
     )

@@ -11,6 +11,7 @@ from oed.checkup.finding import EvidenceRow, Finding, multiple, share
 from oed.checkup.search import Search
 from oed.estimation.calibration import Calibration
 from oed.estimation.reach import LARGEST_REACH
+from oed.experiment.dataset import DataSet
 from oed.experiment.recording import HELD_OUT, Role
 
 # What is negative for no joint and no link; a sum with other parameters may be.
@@ -23,19 +24,19 @@ NEVER_NEGATIVE = {
 LISTED = 4  # names in a line; the table has all
 
 
-def cause_finding(calibration_names: tuple[str, ...], search: Search) -> Finding:
+def cause_finding(dataset: DataSet, search: Search) -> Finding:
     """Units, signs and order, decided by tests."""
     projection = search.projection
     rows: tuple[EvidenceRow, ...] = tuple(
         {
             "joint": name,
-            "measured rms [N m or N]": float(projection.measured[j]),
+            f"measured rms [{dataset.torque_unit}]": float(projection.measured[j]),
             "by the file's inertials": float(projection.needed[j]),
             "ratio": float(projection.slope[j]),
             "correlation": float(projection.correlation[j]),
             "tells": bool(projection.telling[j]),
         }
-        for j, name in enumerate(calibration_names)
+        for j, name in enumerate(dataset.robot.joint_names)
     )
     if search.cause is not None:
         cause = search.cause

@@ -105,14 +105,16 @@ def repetition_finding(dataset: DataSet) -> Finding:
 
 def saturation_finding(dataset: DataSet) -> Finding:
     """The share of samples at the effort limit."""
-    limit = np.abs(dataset.robot.limits.torque).max(axis=1)
+    robot = dataset.robot
+    limit = np.abs(robot.limits.torque).max(axis=1)
+    limit = np.full(robot.n, np.inf) if robot.in_amperes else limit  # of torques
     tau = np.concatenate([recording.tau for recording in dataset.recordings])
     saturated = np.mean(np.abs(tau) >= AT_LIMIT * limit, axis=0)
     names = dataset.robot.joint_names
     rows = tuple(
         {
             "joint": names[j],
-            "largest torque [N m or N]": float(np.abs(tau[:, j]).max()),
+            f"largest torque [{dataset.torque_unit}]": float(np.abs(tau[:, j]).max()),
             "effort limit": float(limit[j]) if np.isfinite(limit[j]) else None,
             "at the limit [%]": 100 * float(saturated[j]),
         }
@@ -140,8 +142,8 @@ def noise_finding(dataset: DataSet, settings: ProcessingSettings) -> Finding:
     rows = tuple(
         {
             "joint": name,
-            "torque in the band [N m or N]": float(torque[j]),
-            "beyond the band [N m or N]": float(above[j]),
+            f"torque in the band [{dataset.torque_unit}]": float(torque[j]),
+            f"beyond the band [{dataset.torque_unit}]": float(above[j]),
             "ratio": float(ratio[j]),
         }
         for j, name in enumerate(names)

@@ -28,6 +28,7 @@ def run(config: Calibrate) -> int:
     for form in config.to:
         find_exporter(form)  # refused before the work
     with CALIBRATE.in_folder(config.out, [config.data]) as results:
+        read_dataset(config.data).robot.require_newton_metres(str(config.data))
         for number, (title, step) in enumerate(_steps(config), 1):
             speak(quiet=config.quiet)
             say(f"\n[{number}] {title}")

@@ -79,6 +79,7 @@ def identify_feasible(
 
 def estimate(prepared: Prepared, settings: FeasibleSettings) -> FeasibleCalibration:
     """The same from a data set that is ready."""
+    prepared.dataset.robot.require_newton_metres(prepared.dataset.name)
     plain = calibrate(prepared.dataset, prepared.model, prepared.settings, known=prepared.known)
     parameters, joints = len(prepared.model.parameters), prepared.dataset.robot.n
     say(f"estimating {parameters} parameters of {joints} joints feasibly")

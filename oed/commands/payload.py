@@ -78,12 +78,12 @@ def weigh(config: Config) -> PayloadReport:
 
 def _given(config: Config) -> _Given:
     loaded = _prepared(config.loaded, config)
-    _require_newton_metres(loaded.dataset)
+    loaded.dataset.robot.require_newton_metres(loaded.dataset.name)
     frame = find_frame(loaded.dataset.robot, config.frame)
     bare, found, notes = None, None, ()
     if config.bare is not None:
         bare = _prepared(config.bare, config)
-        _require_newton_metres(bare.dataset)
+        bare.dataset.robot.require_newton_metres(bare.dataset.name)
         notes = check_same_arm(bare.dataset, loaded.dataset)
     if config.model is not None:
         found = _found(config.model)
@@ -113,14 +113,6 @@ def _prepared(folder: Path, config: Config) -> Prepared:
 
 def _estimation(prepared: Prepared) -> tuple[ProcessedRecording, ...]:
     return process_all(prepared.dataset, prepared.settings)["estimation"]
-
-
-def _require_newton_metres(dataset: DataSet) -> None:
-    if dataset.in_amperes:
-        raise NoUsableResult(
-            f"{dataset.name}: currents without [drive] current_to_torque tell no kilograms; state it "
-            "(N m at the joint per A, gear included), or find it with a known load: oed gains"
-        )
 
 
 def _found(path: Path) -> FoundArm:

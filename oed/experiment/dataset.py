@@ -34,7 +34,6 @@ class DataSet:
             "current", or only "commanded".
         drive: What is known of the drives.
         recordings: In the order of the data set.
-        in_amperes: Whether what stands for torque are currents that no constant makes torques of.
 
     Raises:
         ValueError: If a recording's number of joints is not the robot's, or a name is used twice.
@@ -47,7 +46,6 @@ class DataSet:
     torque: TorqueKind
     drive: Drive = field(default_factory=Drive)
     recordings: tuple[Recording, ...] = ()
-    in_amperes: bool = False
 
     def __post_init__(self) -> None:
         if self.torque not in TORQUE_KINDS:
@@ -149,7 +147,12 @@ class DataSet:
     @property
     def torque_units(self) -> tuple[str, ...]:
         """(n,) unit of what stands for each joint's torque."""
-        return tuple("A" if self.in_amperes else joint.unit("N m") for joint in self.robot.joints)
+        return tuple(joint.unit("N m") for joint in self.robot.joints)
+
+    @property
+    def torque_unit(self) -> str:
+        """Of what stands for torque, for a column of a table, such as "N m or N"."""
+        return " or ".join(dict.fromkeys(self.torque_units))
 
     @property
     def estimation(self) -> tuple[Recording, ...]:

@@ -19,6 +19,7 @@ from oed.experiment.recording import Recording
 from oed.experiment.recording_checks import check_signals
 from oed.experiment.temperature import temperature_of
 from oed.experiment.toml_table import nearest
+from oed.experiment.torque_unit import in_its_unit
 from oed.robot import JointSum, Robot, load_robot
 
 STILL = 0.01  # [rad or m] a joint that travels no further may be left out as locked
@@ -101,6 +102,7 @@ def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None
         recordings = tuple(_select(recording, kept) for recording in recordings)
     for recording in recordings:
         check_signals(recording.q, recording.tau, recording.source, kept)
+    robot = in_its_unit(robot, manifest, recordings)
     return DataSet(
         name=manifest.name,
         source=manifest.source,
@@ -109,7 +111,6 @@ def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None
         torque=manifest.torque,
         drive=_select_drive(manifest.drive, kept),
         recordings=recordings,
-        in_amperes=manifest.drive.current_to_torque is None and manifest.log.is_current,
     )
 
 

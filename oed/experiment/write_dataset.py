@@ -143,6 +143,8 @@ def _manifest(
     drive = {key: values.tolist() for key, values in drive.items() if values is not None}
     if drive:
         manifest["drive"] = drive
+    if dataset.torque == "current" and not drive.get("current_to_torque"):
+        manifest["units"] = {"tau": list(dataset.torque_units)}
     if dataset.robot.locked:
         manifest["fixed"] = dataset.robot.held
     manifest["recording"] = [_entry(r, file_format) for r in dataset.recordings]

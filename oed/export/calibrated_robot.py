@@ -42,7 +42,9 @@ class CalibratedRobot:
 
         Raises:
             ValueError: If the model's first effect is not its rigid body.
+            NoUsableResult: If its torques are currents.
         """
+        model.robot.require_newton_metres(model.robot.name)
         if not isinstance(model.effects[0], RigidBody):
             raise ValueError(  # noqa: TRY004  # of a value: the type is right
                 "the first effect of the model must be its rigid body"

@@ -39,6 +39,7 @@ class JointRecord(Record, kw_only=True):
     link: str
     R_LJ: Rotation
     p_LJ: Vector
+    effort: Literal["N m", "A"] = "N m"
 
 
 class LimitsRecord(Record, kw_only=True):

@@ -25,7 +25,7 @@ from oed.report.calibration_record import (
 )
 from oed.report.chart import THINNED, Chart, points_for
 from oed.report.estimation_charts import residual_chart, spectrum_chart, torque_chart
-from oed.report.joint_words import torque_units
+from oed.report.joint_words import torque_label, torque_units
 from oed.report.json_file import write_json
 from oed.report.origin_section import origin_section
 from oed.report.page import Page, Section, Table, Text, Verdict, write_page
@@ -34,8 +34,7 @@ from oed.report.provenance import Provenance
 from oed.report.table import text_table, write_csv
 
 VALIDATION_CAPTION = (
-    "rms: of measured less predicted torque [N m, N at a prismatic joint]; relative_rms: the same "
-    "over the rms of the measured torque."
+    "rms: of measured less predicted {}; relative_rms: the same over the rms of what was measured."
 )
 LISTED = 8  # names in a line
 PARAMETER_COLUMNS = ("name", "expression", "unit", "value", "std", "lower95", "upper95")
@@ -122,7 +121,10 @@ def _prediction_section(calibration: Calibration, checkup: Checkup) -> Section:
         "How well it predicts",
         (
             *(Text(f"Note: {note}.") for note in doubts(checkup)),
-            Table(validation_rows(calibration), caption=VALIDATION_CAPTION),
+            Table(
+                validation_rows(calibration),
+                caption=VALIDATION_CAPTION.format(torque_label(calibration.dataset.robot.joints)),
+            ),
             *charts,
             Text(THINNED),
         ),

@@ -87,7 +87,7 @@ def signal_charts(dataset: DataSet) -> list[Chart]:
     points = points_for(2 * len(joints) * len(dataset.recordings))
     charts = []
     for what, rotary, key in (("Position", "rad", "q"), ("Torque", "N m", "tau")):
-        units = [_unit(dataset, joint.unit(rotary), key) for joint in joints]
+        units = [joint.unit(rotary) for joint in joints]
         traces: list[Trace] = []
         told: set[Role] = set()
         for recording in dataset.recordings:
@@ -113,12 +113,6 @@ def _lines(
         )
         for j, unit in enumerate(units)
     ]  # fmt: skip
-
-
-def _unit(dataset: DataSet, usual: str, key: str) -> str:
-    """The unit of what was logged: amperes where currents could not be converted."""
-    is_current = key == "tau" and dataset.torque == "current"
-    return "A" if is_current and dataset.drive.current_to_torque is None else usual
 
 
 def _roles(dataset: DataSet) -> list[Role]:

@@ -88,7 +88,7 @@ class GainsReport:
 
     @property
     def _is_of_amperes(self) -> bool:
-        return self.dataset.in_amperes or self.dataset.drive.current_to_torque is not None
+        return self.dataset.robot.in_amperes or self.dataset.drive.current_to_torque is not None
 
 
 def gain_rows(report: GainsReport) -> list[Row]:

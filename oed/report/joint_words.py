@@ -41,6 +41,8 @@ def torque_units(joints: Sequence[Joint]) -> list[str]:
 def torque_label(joints: Sequence[Joint], quantity: str = "torque") -> str:
     """A quantity of torque with its unit, or with both where some joints are prismatic."""
     units = dict.fromkeys(torque_units(joints))
+    if "A" in units:
+        return f"{quantity.replace('torque', 'current')} [A]"
     if "N" not in units:
         return f"{quantity} [N m]"
     force = quantity.replace("torque", "force")

@@ -13,11 +13,15 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.errors import NoUsableResult
 from oed.robot.description import RobotDescription
 from oed.robot.inertia import PARAMETER_SYMBOLS, PARAMETER_UNITS
 from oed.robot.limits import JointLimits
 from oed.robot.possible_inertia import InertiaFault
 
+# Of the ten parameters of a link, where a current stands for torque: kg m^2 are N m s^2.
+CURRENT_UNITS = ("A s^2/m^2", *("A s^2/m",) * 3, *("A s^2",) * 6)
+CONSTANTS = "current_to_torque: N m (N at a slide) at the joint per A of the motor, gear included"
 # Radius at which a turning drive's velocity is that of a slide: pinions, pulleys and the leads of
 # fast screws lie within a factor of a few.
 PINION_RADIUS = 0.05  # [m]
@@ -40,6 +44,8 @@ class Joint:
         link: The link's name in the file.
         R_LJ: Axes of J in the link frame.
         p_LJ: Origin of J in the link frame [m].
+        effort: What stands for its torque or force: "N m" (N of a prismatic joint), or "A" where a
+            current does that no constant makes a torque of.
     """
 
     name: str
@@ -51,12 +57,16 @@ class Joint:
     link: str
     R_LJ: Float[ndarray, "3 3"]
     p_LJ: Float[ndarray, "3"]
+    effort: Literal["N m", "A"] = "N m"
 
     def unit(self, rotary: str) -> str:
         """The unit at this joint of what has the unit `rotary` at a revolute one.
 
-        "N m s/rad" is "N s/m" at a prismatic joint.
+        "N m s/rad" is "N s/m" at a prismatic joint, and "A s/rad" of a current.
         """
+        if self.effort == "A":
+            of_current = rotary.replace("N m", "A").replace("kg m^2", "A s^2/rad")
+            return of_current if self.kind == "revolute" else of_current.replace("rad", "m")
         if self.kind == "revolute":
             return rotary
         return rotary.replace("N m", "N").replace("kg m^2", "kg").replace("rad", "m")
@@ -141,7 +151,34 @@ class Robot:
     @property
     def parameter_units(self) -> tuple[str, ...]:
         """(10 n) units of `parameters`."""
-        return PARAMETER_UNITS * self.n
+        units = CURRENT_UNITS if self.in_amperes else PARAMETER_UNITS
+        return units * self.n
+
+    @property
+    def in_amperes(self) -> bool:
+        """Whether what stands for torque are currents, so that no parameter is in kg."""
+        return any(joint.effort == "A" for joint in self.joints)
+
+    def require_newton_metres(self, whose: str) -> None:
+        """Refuse currents where bodies are asked for.
+
+        Args:
+            whose: Currents these are, for the message.
+
+        Raises:
+            NoUsableResult: In one line that says what to do.
+        """
+        if self.in_amperes:
+            raise NoUsableResult(
+                f"{whose}: currents in amperes tell no kilograms, so that no URDF, SDF or MJCF is made of "
+                f"them; state {CONSTANTS}, in [drive] of dataset.toml, or find it with a known load: oed "
+                "gains"
+            )
+
+    def with_amperes(self) -> Robot:
+        """This robot with currents in place of torques."""
+        joints = tuple(dataclasses.replace(joint, effort="A") for joint in self.joints)
+        return dataclasses.replace(self, joints=joints)
 
     def with_parameters(self, parameters: Float[ndarray, " standard"]) -> Robot:
         """This robot with other inertial parameters."""
