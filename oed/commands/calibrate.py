@@ -14,7 +14,7 @@ from oed.experiment.read_dataset import read_dataset
 from oed.export.model_file import NAME
 from oed.export.registry import find_exporter
 from oed.report.calibrate_page import calibrate_page
-from oed.report.json_file import plain_value, read_json, write_json
+from oed.report.json_file import read_json, write_json
 from oed.report.page import write_page
 from oed.report.provenance import Provenance
 from oed.report.study_files import CALIBRATE
@@ -42,9 +42,10 @@ def run(config: Calibrate) -> int:
         record |= {"joints": list(dataset.robot.joint_names), "rollout": rolled}
         with results.replaced() as new:
             provenance = Provenance.collect(config, seed=config.seed)
-            record = plain_value(record)
-            write_page(new / "index.html", calibrate_page(record, provenance))
             write_json(new / "calibration.json", record)
+            write_page(
+                new / "index.html", calibrate_page(read_json(new / "calibration.json"), provenance)
+            )
     for warning in record["warnings"]:
         print(f"warning: {warning}")
     print(f"\nopen {config.out / 'index.html'} ({time.perf_counter() - start:.0f} s)")

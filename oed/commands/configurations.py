@@ -47,7 +47,7 @@ class DataSetCommand(Command):
         joints: Names of the joints to identify; all if not given.
         cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
         model: Torque model: rigid body with friction (standard), with constant torques besides
-            (offset), or with rotor inertias besides (rotor); or a model.json, whose effects it has.
+            (offset), or with rotor inertias besides (rotor).
         sign_width: Velocity over which Coulomb friction turns [rad/s].
         smoke: Do less, to see that it works.
     """
@@ -56,7 +56,7 @@ class DataSetCommand(Command):
     out: OutFolder
     joints: tuple[str, ...] = ()
     cutoff: float | None = None
-    model: ModelName | Path = "rotor"
+    model: ModelName = "rotor"
     sign_width: float = SIGN_WIDTH
     smoke: bool = False
 
@@ -78,9 +78,11 @@ class Identify(DataSetCommand):
     Leaves model.json, estimate.json, parameters.csv and report.html.
 
     Attributes:
+        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has.
         robust: Use Huber's loss in place of least squares.
     """
 
+    model: ModelName | Path = "rotor"  # pyright: ignore[reportIncompatibleVariableOverride]
     robust: bool = False
 
 
@@ -92,6 +94,7 @@ class Feasible(DataSetCommand):
     robot file is loaded again and its torques are compared.
 
     Attributes:
+        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has.
         prior: What is pulled to: the inertials of the robot's file (file), bodies of the size of
             the links (neutral), or the former where they are no placeholders (auto).
         kind: Of that pull.
@@ -101,6 +104,7 @@ class Feasible(DataSetCommand):
         seed: Of poses and bootstrap.
     """
 
+    model: ModelName | Path = "rotor"  # pyright: ignore[reportIncompatibleVariableOverride]
     prior: Prior = "auto"
     kind: Literal["entropic", "quadratic"] = "entropic"
     weight: float | None = None

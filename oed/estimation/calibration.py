@@ -117,7 +117,7 @@ def calibrate(
     dq = np.concatenate([recording.motion.dq for recording in training])
     friction = dict(zip(estimate.names, estimate.parameters.tolist(), strict=True))
     check_dissipation(friction, dq, torque, dataset.name)
-    stacked = {"estimation": (regressor, torque), **held_out}
+    stacked: dict[Role, tuple[ndarray, ndarray]] = {"estimation": (regressor, torque), **held_out}
     validation = {
         role: validate(estimate.predict(rows).reshape(measured.shape), measured)
         for role, (rows, measured) in stacked.items()

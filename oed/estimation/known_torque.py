@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,7 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.processing import ProcessedRecording
 from oed.experiment.recording import Role
 
-Recordings = Mapping[Role, tuple[ProcessedRecording, ...]]
+Recordings = dict[Role, tuple[ProcessedRecording, ...]]
 
 
 @dataclass(frozen=True)

@@ -165,14 +165,14 @@ class ImplicitArm:
         q, dq, ddq = (casadi.SX.sym(name, n) for name in ("q", "dq", "ddq"))
         memory = casadi.SX.sym("memory", len(instants.keeps))
         after = dq + step * ddq
-        ends = map(casadi.vertsplit, (q + step * after, after, ddq))
-        state = State(0.0, *ends, sign_width=sign_width)
+        there, moving, rates = map(casadi.vertsplit, (q + step * after, after, ddq))
+        state = State(0.0, there, moving, rates, sign_width)
         remembered = casadi.vertsplit(memory) if instants.keeps else []
         torque, following = (
             casadi.vertcat(casadi.SX(0, 1), *x) for x in instants.recall(state, remembered)
         )
-        now = State(0.0, *map(casadi.vertsplit, (q, dq, ddq)))
-        begun = casadi.vertcat(casadi.SX(0, 1), *instants.begin(now))
+        first = State(0.0, *(casadi.vertsplit(x) for x in (q, dq, ddq)))  # pyright: ignore[reportArgumentType]
+        begun = casadi.vertcat(casadi.SX(0, 1), *instants.begin(first))
         outputs = [torque, following, casadi.jacobian(torque, ddq)]
         return cls(
             casadi.Function("step", [q, dq, ddq, memory], outputs, {"cse": True}),
@@ -206,6 +206,7 @@ class ImplicitArm:
     def _accelerate(
         self, q: ndarray, dq: ndarray, ddq: ndarray, memory: ndarray, applied: ndarray
     ) -> tuple[ndarray, ndarray]:
+        following = memory
         for _ in range(MOST_STEPS):
             torque, following, slope = self.equation(q, dq, ddq, memory)
             torque = np.array(torque).ravel()

@@ -59,8 +59,8 @@ class CalibratedRobot:
             (parameter,) = effect.parameters
             held[effect.joint_term][parameter.joint] += parameters[place.start]
         robot = model.robot.with_parameters(parameters[: 10 * n])
-        terms = (held[term] for term in ("friction", "damping", "armature"))
-        return cls(robot, *terms, tuple(left_out))
+        dry, viscous, rotors = (held[term] for term in ("friction", "damping", "armature"))
+        return cls(robot, dry, viscous, rotors, tuple(left_out))
 
     def smooth_torque(self, motion: Motion) -> Float[ndarray, "samples joints"]:
         """Torque without Coulomb friction, whose sign each simulator rounds in its own way."""

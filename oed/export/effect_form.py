@@ -188,7 +188,7 @@ def known_kinds() -> dict[str, type]:
     return found
 
 
-def _below(kind: type[EffectT]) -> Iterator[type[EffectT]]:
+def _below(kind: type) -> Iterator[type]:
     for each in kind.__subclasses__():
         yield each
         yield from _below(each)

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import numpy as np
@@ -22,10 +19,7 @@ from oed.export.model_record import (
     FORMAT,
     VERSION,
     CovarianceRecord,
-    DescriptionRecord,
     EffectRecord,
-    JointRecord,
-    LimitsRecord,
     MeasurementRecord,
     ModelFileError,
     ModelRecord,
@@ -33,14 +27,11 @@ from oed.export.model_record import (
     ParameterRecord,
     RangesRecord,
     ReferenceRecord,
-    RobotRecord,
     ShapeRecord,
 )
+from oed.export.robot_record import bounds_of, pairs_of, robot_of, robot_record
 from oed.input_file import JSON_FILE, UnreadableFile, read_file
 from oed.report.json_file import write_atomically
-from oed.robot import Joint, JointLimits, Robot
-from oed.robot.description import RobotDescription
-from oed.robot.limits import LIMITED
 
 NAME = "model.json"
 RANGES = ("q", "dq", "ddq", "tau")
@@ -132,7 +123,7 @@ def model_record(model: Model, home: Path) -> ModelRecord:
         for m, own in zip(whole.measurement, shapes[len(effects) :], strict=True)
     ]
     return ModelRecord(
-        robot=_robot_record(model.robot, home),
+        robot=robot_record(model.robot, home),
         gravity=model.robot.gravity.tolist(),
         effects=effects,
         measurement=measurement,
@@ -141,7 +132,7 @@ def model_record(model: Model, home: Path) -> ModelRecord:
         is_feasible=model.is_feasible,
         validity=None
         if model.validity is None
-        else RangesRecord(**{x: _pairs(getattr(model.validity, x)) for x in RANGES}),
+        else RangesRecord(**{x: pairs_of(getattr(model.validity, x)) for x in RANGES}),
         origin=msgspec.convert(model.origin, OriginRecord, from_attributes=True),
     )
 
@@ -156,7 +147,7 @@ def model_of(record: ModelRecord, folder: Path) -> Model:
     Raises:
         ModelFileError: If its parts contradict each other.
     """
-    robot = _robot_of(record, folder)
+    robot = robot_of(record, folder)
     reader = FormReader(robot, [msgspec.to_builtins(x) for x in record.references])
     effects = tuple(
         reader.effect(e.form, Effect, f"effects[{k}]") for k, e in enumerate(record.effects)
@@ -177,7 +168,7 @@ def model_of(record: ModelRecord, folder: Path) -> Model:
         is_feasible=record.is_feasible,
         validity=None
         if record.validity is None
-        else Ranges(*(_bounds(getattr(record.validity, x)) for x in RANGES)),
+        else Ranges(*(bounds_of(getattr(record.validity, x)) for x in RANGES)),
         origin=Origin(**msgspec.to_builtins(record.origin)),
         shapes=tuple(
             tuple(ShapeEstimate(**msgspec.to_builtins(s)) for s in e.shapes) for e in every
@@ -234,85 +225,3 @@ def _covariance_of(record: ModelRecord, count: int) -> ndarray | None:
         )
     whole[np.ix_(columns, columns)] = record.covariance.matrix
     return whole
-
-
-def _robot_record(robot: Robot, home: Path) -> RobotRecord:
-    joints = [
-        JointRecord(**{x: _plain(getattr(joint, x)) for x in JointRecord.__struct_fields__})
-        for joint in robot.joints
-    ]
-    return RobotRecord(
-        name=robot.name,
-        source=Path(robot.source).name,
-        joints=joints,
-        inertials=robot.parameters.tolist(),
-        limits=LimitsRecord(**{x: _pairs(getattr(robot.limits, x)) for x in LIMITED}),
-        held=robot.held,
-        description=_description_record(robot.description, home),
-    )
-
-
-def _description_record(file: RobotDescription | None, home: Path) -> DescriptionRecord | None:
-    if file is None:
-        return None
-    return DescriptionRecord(
-        format=file.format,
-        text=file.text,
-        sha256=_digest(file.text),
-        file=file.path.name,
-        folder=os.path.relpath(file.path.parent.resolve(), home),
-    )
-
-
-def _robot_of(record: ModelRecord, folder: Path) -> Robot:
-    own = record.robot
-    joints = [
-        Joint(**{x: _array(getattr(joint, x)) for x in JointRecord.__struct_fields__})
-        for joint in own.joints
-    ]
-    limits = {x: _bounds(getattr(own.limits, x)) for x in LIMITED}
-    try:
-        return Robot(
-            name=own.name,
-            joints=tuple(joints),
-            parameters=np.array(own.inertials),
-            gravity=np.array(record.gravity),
-            limits=JointLimits(**limits),
-            source=own.source,
-            locked=tuple(own.held),
-            locked_at=tuple(own.held.values()),
-            description=_description_of(own.description, folder),
-        )
-    except (ValueError, IndexError) as error:
-        raise ModelFileError(f"robot: {error}") from error
-
-
-def _description_of(record: DescriptionRecord | None, folder: Path) -> RobotDescription | None:
-    if record is None:
-        return None
-    if _digest(record.text) != record.sha256:
-        raise ModelFileError("robot.description.text is damaged: it does not have its own sha256")
-    path = folder / record.folder / record.file
-    return RobotDescription(source=record.file, path=path, format=record.format, text=record.text)
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, ndarray) else value
-
-
-def _array(value: Any) -> Any:
-    return np.array(value) if isinstance(value, list) else value
-
-
-def _pairs(bounds: ndarray) -> list[list[float | None]]:
-    return [[float(x) if np.isfinite(x) else None for x in row] for row in bounds]
-
-
-def _bounds(pairs: list[list[float | None]]) -> ndarray:
-    free = (-np.inf, np.inf)
-    rows = [[f if x is None else x for x, f in zip(p, free, strict=True)] for p in pairs]
-    return np.array(rows).reshape(-1, 2)

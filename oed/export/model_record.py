@@ -27,7 +27,7 @@ class Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What all parts of the file have in common: no field that nobody knows."""
 
 
-class JointRecord(Record, kw_only=True):
+class JointRecord(Record, frozen=True, kw_only=True):
     """As `oed.robot.robot.Joint`; poses in m and as rotation matrices."""
 
     name: str
@@ -42,7 +42,7 @@ class JointRecord(Record, kw_only=True):
     effort: Literal["N m", "A"] = "N m"
 
 
-class LimitsRecord(Record, kw_only=True):
+class LimitsRecord(Record, frozen=True, kw_only=True):
     """Lower and upper bound of each joint in SI units; null is none."""
 
     position: list[Pair]
@@ -52,7 +52,7 @@ class LimitsRecord(Record, kw_only=True):
     jerk: list[Pair]
 
 
-class DescriptionRecord(Record, kw_only=True):
+class DescriptionRecord(Record, frozen=True, kw_only=True):
     """The robot's file as it was read, so that an export can keep its shapes.
 
     `folder` is that of the robot's file, seen from that of the model's: meshes are named from
@@ -66,7 +66,7 @@ class DescriptionRecord(Record, kw_only=True):
     folder: str
 
 
-class RobotRecord(Record, kw_only=True):
+class RobotRecord(Record, frozen=True, kw_only=True):
     """Kinematics, and the inertials of the robot's file: ten a joint."""
 
     name: str
@@ -78,7 +78,7 @@ class RobotRecord(Record, kw_only=True):
     description: DescriptionRecord | None = None
 
 
-class ParameterRecord(Record, kw_only=True):
+class ParameterRecord(Record, frozen=True, kw_only=True):
     """A linear parameter: `std` is null where nothing is known of it."""
 
     name: str
@@ -89,7 +89,7 @@ class ParameterRecord(Record, kw_only=True):
     source: Source
 
 
-class ShapeRecord(Record, kw_only=True):
+class ShapeRecord(Record, frozen=True, kw_only=True):
     """A nonlinear parameter, which the effect's form holds under names of its own."""
 
     name: str
@@ -99,7 +99,7 @@ class ShapeRecord(Record, kw_only=True):
     note: str | None = None
 
 
-class EffectRecord(Record, kw_only=True):
+class EffectRecord(Record, frozen=True, kw_only=True):
     """A term of the torque: `form` says it whole, and `parameters` are its factors."""
 
     name: str
@@ -108,7 +108,7 @@ class EffectRecord(Record, kw_only=True):
     shapes: list[ShapeRecord] = []
 
 
-class MeasurementRecord(Record, kw_only=True):
+class MeasurementRecord(Record, frozen=True, kw_only=True):
     """What measurement does to the torque, innermost first."""
 
     name: str
@@ -116,7 +116,7 @@ class MeasurementRecord(Record, kw_only=True):
     shapes: list[ShapeRecord] = []
 
 
-class ReferenceRecord(Record, kw_only=True):
+class ReferenceRecord(Record, frozen=True, kw_only=True):
     """A torque as modelled, on which effects are evaluated that grow with it."""
 
     robot: dict[str, list[float]]
@@ -124,14 +124,14 @@ class ReferenceRecord(Record, kw_only=True):
     coefficients: list[float]
 
 
-class CovarianceRecord(Record, kw_only=True):
+class CovarianceRecord(Record, frozen=True, kw_only=True):
     """Of the parameters at `columns`, counted through all effects in order."""
 
     columns: list[int]
     matrix: list[list[float]]
 
 
-class RangesRecord(Record, kw_only=True):
+class RangesRecord(Record, frozen=True, kw_only=True):
     """Least and largest value of each joint that the estimate has seen, in SI units."""
 
     q: list[Pair]
@@ -140,7 +140,7 @@ class RangesRecord(Record, kw_only=True):
     tau: list[Pair]
 
 
-class OriginRecord(Record, kw_only=True):
+class OriginRecord(Record, frozen=True, kw_only=True):
     """Where the numbers come from."""
 
     command: str
@@ -152,7 +152,7 @@ class OriginRecord(Record, kw_only=True):
     versions: dict[str, str]
 
 
-class ModelRecord(Record, kw_only=True):
+class ModelRecord(Record, frozen=True, kw_only=True):
     """The whole file."""
 
     format: Literal["oed model"] = FORMAT

@@ -9,7 +9,8 @@ from scipy.integrate import cumulative_trapezoid
 from oed.diagnosis.terms.scores import score
 from oed.diagnosis_new.rows.model_columns import effect_columns
 from oed.dynamics.effects import State
-from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, VaryingInertia
+from oed.dynamics.effects.arguments import Factor, Loop, VaryingInertia
+from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.effects.visited import Visited
 from oed.dynamics.motion import Motion

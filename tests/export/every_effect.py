@@ -5,8 +5,9 @@ import itertools
 
 import numpy as np
 
+from oed.dynamics.effects.arguments import Factor, Loop, VaryingInertia
 from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, VaryingInertia
+from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.effects.smooth_term import FreeForm
 from oed.export.model import Model, Origin, Ranges
 from tests.dynamics.effects.arms import context_of, smooth_motion, vertical_arm

@@ -19,7 +19,8 @@ from oed.diagnosis.terms.restraint import restrained
 from oed.diagnosis.terms.scores import Score, score
 from oed.diagnosis.terms.trials import Trial, free_form_trials
 from oed.dynamics.effects import State
-from oed.dynamics.effects.coordinates import Coordinate, Factor
+from oed.dynamics.effects.arguments import Factor
+from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.effects.visited import Visited
 from oed.parallel_map import one_by_one, side_by_side

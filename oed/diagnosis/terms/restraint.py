@@ -25,7 +25,8 @@ from scipy.linalg import eigh
 from oed.diagnosis.terms.trials import Trial
 from oed.diagnosis_new.noise.addition import normal_equations
 from oed.diagnosis_new.noise.linear_fit import LinearFit
-from oed.dynamics.effects.coordinates import Coordinate, VaryingInertia
+from oed.dynamics.effects.arguments import VaryingInertia
+from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.effects.smooth_term import FreeForm
 
 # Standard deviations that a combination of the expected size must measure, from what noise

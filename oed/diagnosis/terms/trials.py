@@ -17,8 +17,8 @@ from oed.diagnosis_new.noise.addition import gram_of
 from oed.diagnosis_new.rows.model_columns import effect_columns
 from oed.diagnosis_new.rows.weighted_rows import Rows
 from oed.dynamics.effects import Effect
+from oed.dynamics.effects.arguments import OtherTorque
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Shape, Target
-from oed.dynamics.effects.coordinates import OtherTorque
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.smooth_term import FreeForm
 from oed.experiment.preparation.prepared import Prepared

@@ -8,7 +8,8 @@ from itertools import combinations, permutations
 
 import numpy as np
 
-from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
+from oed.dynamics.effects.arguments import Factor, Loop, OtherTorque, VaryingInertia
+from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.effects.thermal import since

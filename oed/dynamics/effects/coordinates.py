@@ -1,15 +1,14 @@
-"""What a free-form term may depend on, and the functions of it that the term is made of.
+"""A coordinate that a free-form term may depend on, and the functions of it that the term is made of.
 
 Cubic B-splines in one coordinate; outside the range that the data covered, they keep the value at
-its edge. Any loop against a joint's position, as a sum of elastic sliders. Signals in proportion to
-which a function of something else acts, and inertia that changes with position.
+its edge.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -17,15 +16,9 @@ from numpy import ndarray
 from scipy.interpolate import BSpline
 
 from oed.dynamics.effects import State
-from oed.dynamics.effects.hysteresis import (
-    maxwell_elements,
-    moved_elements,
-    remembered_elements,
-)
-from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.splines import spline_values
 from oed.dynamics.effects.thermal import since
-from oed.dynamics.scalars import Scalar, add, asinh, at_least, mul, power, sub, within
+from oed.dynamics.scalars import Scalar, asinh, sub, within
 
 DEGREE = 3
 CROWDING = 0.1  # of a coordinate's largest value, about which crowded pieces crowd
@@ -167,225 +160,3 @@ class Coordinate(Argument):
 
     def _stretched(self, values: Float[ndarray, " count"]) -> Float[ndarray, " count"]:
         return values if self.crowding is None else np.arcsinh(values / self.crowding)
-
-
-@dataclass(frozen=True)
-class Loop(Argument):
-    """What a joint's position drags: torque that lags behind each reversal over some distance.
-
-    Elastic sliders (stop operators) of many break-away distances add up to any loop of
-    Prandtl and Ishlinskii (Brokate and Sprekels 1996, "Hysteresis and Phase Transitions").
-
-    Attributes:
-        joint: Whose position drags.
-        shortest: Break-away distance of the first slider [rad or m].
-        longest: Of the last [rad or m].
-        functions: Number of sliders, their distances in geometric steps.
-    """
-
-    joint: int
-    shortest: float
-    longest: float
-    functions: int
-    kind = "loop"
-
-    def refined(self, pieces: int) -> Loop:
-        """With at least so many sliders."""
-        return dataclasses.replace(self, functions=max(pieces, self.functions))
-
-    @property
-    def name(self) -> str:
-        """Such as "loop of q_2"."""
-        return f"loop of q_{self.joint + 1}"
-
-    @property
-    def depends_on(self) -> tuple[str, ...]:
-        """Position, by its reversals, and direction."""
-        return (f"q_{self.joint + 1}", f"dq_{self.joint + 1}")
-
-    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
-        """Deflection of each slider, from -1 to 1, relaxed at the start.
-
-        Raises:
-            ValueError: If the state is symbolic.
-        """
-        q = np.ascontiguousarray(state.motion(self.name).q[:, self.joint])
-        distances = np.geomspace(self.shortest, self.longest, self.functions)
-        return np.stack([maxwell_elements(q, np.array([d])) for d in distances], axis=1)
-
-    @property
-    def keeps(self) -> tuple[str, ...]:
-        """Where the joint was, and the deflection of each slider."""
-        return remembered_elements(self.joint, self.functions)
-
-    def begin(self, state: State) -> Sequence[Scalar]:
-        """All of them relaxed."""
-        return (state.q[self.joint], *[0.0] * self.functions)
-
-    def recall(
-        self,
-        state: State,
-        memory: Sequence[Scalar],
-        step: float,  # noqa: ARG002  # the way counts, not the time
-    ) -> tuple[list[Scalar], Sequence[Scalar]]:
-        """Deflection of each slider."""
-        q = state.q[self.joint]
-        distances = np.geomspace(self.shortest, self.longest, self.functions)
-        z = moved_elements(q - memory[0], memory[1:], distances)
-        return z, (q, *z)
-
-
-@dataclass(frozen=True)
-class Factor(Argument):
-    """A signal in proportion to which a function of something else acts.
-
-    With it a term is linear in this signal, its coefficient varying (Hastie and Tibshirani
-    1993, "Varying-coefficient models", JRSS B 55(4)): far fewer parameters than a function of
-    both coordinates, and sure beyond the range that was covered.
-
-    Attributes:
-        kind: "dq" or "ddq".
-        joint: Index of the joint.
-    """
-
-    kind: str
-    joint: int
-    functions = 1
-
-    def refined(self, _pieces: int) -> Factor:
-        """Itself: a line has no pieces."""
-        return self
-
-    @property
-    def name(self) -> str:
-        """Such as "dq_2" (joints from 1)."""
-        return f"{self.kind}_{self.joint + 1}"
-
-    @property
-    def depends_on(self) -> tuple[str, ...]:
-        """Itself."""
-        return (self.name,)
-
-    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
-        """The signal."""
-        values = np.asarray(getattr(state, self.kind)[self.joint], dtype=float)
-        return values[:, None]
-
-    def recall(
-        self,
-        state: State,
-        memory: Sequence[Scalar],  # noqa: ARG002  # it keeps nothing
-        step: float,  # noqa: ARG002
-    ) -> tuple[list[Scalar], Sequence[Scalar]]:
-        """The signal."""
-        return [getattr(state, self.kind)[self.joint]], ()
-
-
-@dataclass(frozen=True)
-class OtherTorque(Argument):
-    """A share of another joint's torque: a sensor that feels it, an axis that is not straight.
-
-    Attributes:
-        joint: Index of the other joint.
-        reference: Predicts its torque.
-        exponent: 2 where it is the square that shows.
-    """
-
-    joint: int
-    reference: ReferenceTorque = field(repr=False, compare=False)
-    exponent: int = 1
-    functions = 1
-    kind = "tau"
-
-    def refined(self, _pieces: int) -> OtherTorque:
-        """Itself: a share has no pieces."""
-        return self
-
-    @property
-    def name(self) -> str:
-        """Such as "tau_2" (joints from 1)."""
-        return self.depends_on[0] + ("" if self.exponent == 1 else f"^{self.exponent}")
-
-    @property
-    def depends_on(self) -> tuple[str, ...]:
-        """The torque."""
-        return (f"tau_{self.joint + 1}",)
-
-    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
-        """The torque to its exponent."""
-        torque = np.asarray(self.reference.total(state)[self.joint], dtype=float)
-        return torque[:, None] ** self.exponent
-
-    @property
-    def keeps(self) -> tuple[str, ...]:
-        """What the torque does."""
-        return self.reference.keeps
-
-    def begin(self, state: State) -> Sequence[Scalar]:
-        """What it keeps at the first instant."""
-        return self.reference.begin(state)
-
-    def recall(
-        self, state: State, memory: Sequence[Scalar], step: float
-    ) -> tuple[list[Scalar], Sequence[Scalar]]:
-        """The torque to its exponent."""
-        now, following = self.reference.recall(state, memory, step)
-        return [power(now.total(state)[self.joint], self.exponent)], following
-
-
-@dataclass(frozen=True)
-class VaryingInertia(Argument):
-    """Inertia that changes with a joint's position: J(q) ddq + J'(q) dq^2 / 2.
-
-    A crank, a linkage or a cam carries what its motor turns in this way. Both parts follow from
-    one energy J dq^2 / 2, so that they share their coefficients.
-
-    Attributes:
-        position: Of the joint, with the pieces of J.
-    """
-
-    position: Coordinate
-    kind = "inertia"
-
-    def refined(self, pieces: int) -> VaryingInertia:
-        """With at least so many pieces."""
-        return VaryingInertia(self.position.refined(pieces))
-
-    @property
-    def functions(self) -> int:
-        """Number of basis functions."""
-        return self.position.functions
-
-    @property
-    def name(self) -> str:
-        """Such as "inertia over q_2"."""
-        return f"inertia over {self.position.name}"
-
-    @property
-    def depends_on(self) -> tuple[str, ...]:
-        """Position, speed and acceleration of the joint."""
-        joint = self.position.joint + 1
-        return (f"q_{joint}", f"dq_{joint}", f"ddq_{joint}")
-
-    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
-        """Torque of each spline's inertia."""
-        dq, ddq = (
-            np.asarray(getattr(state, kind)[self.position.joint], dtype=float)[:, None]
-            for kind in ("dq", "ddq")
-        )
-        slope = self.position.slopes(state)
-        return self.position.basis(state) * ddq + slope * dq**2 / 2
-
-    def recall(
-        self,
-        state: State,
-        memory: Sequence[Scalar],  # noqa: ARG002  # it keeps nothing
-        step: float,  # noqa: ARG002
-    ) -> tuple[list[Scalar], Sequence[Scalar]]:
-        """Torque of each spline's inertia."""
-        own = self.position
-        q, dq, ddq = (x[own.joint] for x in (state.q, state.dq, state.ddq))
-        covered = sub(at_least(q, own.lower), at_least(q, np.nextafter(own.upper, np.inf)))
-        half = mul(covered, dq * dq * 0.5)
-        pairs = zip(own.spline_values(q), own.spline_values(q, derivative=1), strict=True)
-        return [add(mul(value, ddq), mul(slope, half)) for value, slope in pairs], ()

@@ -86,8 +86,8 @@ class TimeDelay(Late):
             then = instants[whole]
             if share > 0:
                 then = _between(instants[whole + 1], then, 1 - share, step)
-            parts = (then[k * joints : (k + 1) * joints] for k in range(3))
-            torque, kept = inner.recall(State(state.t, *parts), memory[count * width :])
+            q, dq, ddq = (then[k * joints : (k + 1) * joints] for k in range(3))
+            torque, kept = inner.recall(State(state.t, q, dq, ddq), memory[count * width :])
             recent = [x for instant in instants[:count] for x in instant]
             return torque, [*recent, *kept]
 

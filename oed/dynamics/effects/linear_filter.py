@@ -77,4 +77,4 @@ def discrete(
     while len(denominators) > 2 and denominators[0] < INSTANT * denominators[1]:
         denominators.pop(0)
     found = TransferFunction(*scaled).to_discrete(1.0, method="foh")
-    return found.num, found.den
+    return np.asarray(found.num), np.asarray(found.den)

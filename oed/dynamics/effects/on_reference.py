@@ -56,11 +56,11 @@ def holds_reference(value: object) -> bool:
 def with_references(value: PartT, change: Callable[[ReferenceTorque], ReferenceTorque]) -> PartT:
     """An effect with each reference torque that it or a part of it holds put through `change`."""
     if isinstance(value, ReferenceTorque):
-        return change(value)
+        return change(value)  # pyright: ignore[reportReturnType]
     own = {name: getattr(value, name) for name in _parts(value)}
     new = {name: with_references(part, change) for name, part in own.items() if part is not None}
     new = {name: part for name, part in new.items() if part is not own[name]}
-    return dataclasses.replace(value, **new) if new else value  # pyright: ignore[reportArgumentType]
+    return dataclasses.replace(value, **new) if new else value  # pyright: ignore[reportArgumentType, reportReturnType]
 
 
 def with_ends(effects: Sequence[Effect]) -> list[Effect]:
@@ -93,5 +93,6 @@ def _without_followers(reference: ReferenceTorque) -> ReferenceTorque:
 
 def _parts(value: object) -> tuple[str, ...]:
     """Fields of a dataclass; of anything else none."""
-    is_whole = isinstance(value, type) or not dataclasses.is_dataclass(value)
-    return () if is_whole else tuple(f.name for f in dataclasses.fields(value) if f.init)
+    if isinstance(value, type) or not dataclasses.is_dataclass(value):
+        return ()
+    return tuple(f.name for f in dataclasses.fields(value) if f.init)

@@ -14,7 +14,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.effects import Effect, Parameter, State
-from oed.dynamics.effects.coordinates import Coordinate, Factor, Loop, OtherTorque, VaryingInertia
+from oed.dynamics.effects.arguments import Factor, Loop, OtherTorque, VaryingInertia
+from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.effects.effect import Columns, Part
 from oed.dynamics.effects.visited import Visited
 from oed.dynamics.scalars import Scalar, dot, mul
