@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from oed.commands.configurations import Diagnose
+from oed.commands.from_data_set import model_for
 from oed.commands.telling import say
 from oed.diagnosis_new.diagnose import Diagnosis, diagnose
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.models import build_model
+from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
@@ -30,7 +34,7 @@ def diagnose_by_evidence(config: Diagnose) -> Diagnosis:
             say(f"note: {note}")
         found = diagnose(
             dataset,
-            build_model(config.model or _base_model(dataset), dataset.robot),
+            _base_model(config, dataset),
             names=config.candidates or tuple(CATALOGUE),
             most=SMOKE_EFFECTS if config.smoke else config.max_effects,
             seed=config.seed,
@@ -53,9 +57,12 @@ def diagnose_by_evidence(config: Diagnose) -> Diagnosis:
     return found
 
 
-def _base_model(dataset: DataSet) -> str:
-    """What is declared is nothing that the model lacks."""
-    return "standard" if dataset.drive.rotor_inertia is None else "rotor"
+def _base_model(config: Diagnose, dataset: DataSet) -> TorqueModel:
+    """As it is named or found before; what is declared is nothing that the model lacks."""
+    if isinstance(config.model, Path):
+        return model_for(dataset, config.model).torque_model
+    declared = "standard" if dataset.drive.rotor_inertia is None else "rotor"
+    return build_model(config.model or declared, dataset.robot)
 
 
 def _summarise(found: Diagnosis, config: Diagnose) -> None:

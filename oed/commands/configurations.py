@@ -123,7 +123,8 @@ class Diagnose(Command):
     Attributes:
         data: Folder of the data set.
         out: Folder for the results.
-        model: Base model; standard if not given, rotor if the data set declares rotor inertias.
+        model: Base model; standard if not given, rotor if the data set declares rotor inertias. With
+            the method evidence also a model.json: a second round, which looks for what that lacks.
         max_effects: Most effects to add; two a joint if not given, at least four.
         candidates: Effects that may be named; the whole catalogue if not given.
         smoke: Do less, to see that it works.
@@ -136,7 +137,7 @@ class Diagnose(Command):
 
     data: Annotated[Path, tyro.conf.Positional]
     out: OutFolder
-    model: ModelName | None = None
+    model: ModelName | Path | None = None
     max_effects: int | None = None
     candidates: tuple[str, ...] = ()
     smoke: bool = False
@@ -151,6 +152,10 @@ class Diagnose(Command):
             )
         if self.budget is not None and not self.budget >= 0:
             raise ValueError(f"--budget {self.budget:g} must not be negative: seconds of CPU time")
+        if isinstance(self.model, Path) and self.method != "evidence":
+            raise ValueError(
+                f"--model {self.model}: no model of that name; a model.json needs --method evidence"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -72,7 +72,7 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     notes = (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0))
     for note in notes:
         say(f"note: {note}")
-    name = config.model or base_model(dataset)
+    name = str(config.model or base_model(dataset))
     say(f"base model {name!r}")
     model = build_model(name, dataset.robot)
     found = diagnose(dataset, model, settings, say)

@@ -102,6 +102,20 @@ def test_least_squares_finds_the_spring_again(calibrated, tmp_path):
     assert [s.name for s in model.shapes[-1]] == [s.name for s in again.shapes[-1]]
 
 
+def test_a_second_round_finds_nothing_more(calibrated, tmp_path):
+    start = calibrated / "diagnosis" / "model.json"
+    told = ("--model", start, "--method", "evidence", "--smoke", "--quiet")
+    few = ("--candidates", "joint_spring", "torque_offset", "stribeck")
+    data = calibrated.parent / "data"
+    assert oed("diagnose", data, "--out", tmp_path, *told, *few) == 0
+    second = read_json(tmp_path / "diagnosis.json")
+    assert second["effects"] == []
+    first = read_json(calibrated / "diagnosis" / "diagnosis.json")["rms"]["after"]
+    for role, error in second["rms"]["before"].items():
+        assert error == pytest.approx(first[role], rel=0.03)
+    assert oed("diagnose", data, "--out", tmp_path, "--model", start) == 2
+
+
 def test_a_model_of_another_arm_is_refused(calibrated, tmp_path, capsys):
     other, _ = model_with(robot=panda(), duration=0.1)
     path = write_model(other, tmp_path / "other.json")
