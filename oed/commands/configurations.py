@@ -406,15 +406,22 @@ class Export(Command):
             was registered from outside.
         out: Folder for the files.
         rate: At which a controller or a simulation asks for torque [Hz].
+        samples: Number of models to draw that the data do not tell from this one, for those who
+            randomise their simulation: samples.json and randomisation.json.
+        seed: Of these draws.
     """
 
     model: Annotated[Path, tyro.conf.Positional]
-    to: tuple[str, ...]
+    to: tuple[str, ...] = ()
     out: OutFolder
     rate: float = 1000.0
+    samples: int = 0
+    seed: Seed = 0
 
     def __post_init__(self) -> None:
-        if not self.to:
+        if self.samples < 0:
+            raise ValueError(f"--samples {self.samples} must not be negative")
+        if not self.to and not self.samples:
             raise ValueError("--to: name at least one form, such as mujoco")
         if not (self.rate > 0 and isfinite(self.rate)):
             raise ValueError(f"--rate {self.rate:g} is not a positive number")

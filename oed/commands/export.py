@@ -6,6 +6,7 @@ from pathlib import Path
 
 from oed.commands.configurations import Export
 from oed.commands.telling import say, speak
+from oed.export.kinds.sample_files import write_samples
 from oed.export.model_file import NAME, load_model
 from oed.export.registry import Exported, Target, find_exporter
 from oed.report.json_file import write_json
@@ -22,6 +23,8 @@ def run(config: Export) -> int:
     with EXPORT.in_folder(config.out, [path]) as results, results.replaced() as new:
         target = Target(new, results.folder, 1 / config.rate)
         done = {name: write(model, target) for name, write in exporters.items()}
+        if config.samples:
+            done["samples"] = write_samples(model, target, config.samples, config.seed)
         record = {
             "format": 1,
             "model": path.name,
