@@ -41,7 +41,7 @@ def processes() -> int:
     return int(said)
 
 
-def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+def parallel_map(work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
     """What is made of each item, in their order.
 
     Args:

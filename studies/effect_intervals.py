@@ -5,7 +5,7 @@
 
 Arms of the bench, each with one hidden effect whose parameters mean the same to the bench and to
 the catalogue. The diagnosis runs with that one name as its only candidate and with one addition at
-most; all else is as ever: search, refinement, tables made anew, standard deviations. A run that
+most; all else is as ever. A run that
 was interrupted goes on where it stopped.
 """
 
@@ -20,15 +20,9 @@ from pathlib import Path
 from typing import ClassVar
 
 from oed.commands.options import Count, Seed, parse
-from oed.diagnosis.evidence.uncertainty import with_uncertainty
-from oed.diagnosis.evidence.verdict import FoundEffect, describe_effects
-from oed.diagnosis.search.selection import search
-from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis_new.noise.baseline import find_baseline
+from oed.diagnosis.diagnose import diagnose
+from oed.diagnosis.inference.answer import FoundEffect
 from oed.dynamics.torque_model import TorqueModel
-from oed.experiment.preparation.prepare import prepare
-from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.read_dataset import read_dataset
 from oed.process_end import RESUMES, leave
 from oed.report.json_file import write_atomically
@@ -120,19 +114,12 @@ def work(case: Case) -> dict[str, str | int | float]:
         data = Path(folder) / case.label
         (hidden,) = make_dataset(case, data).hidden
         dataset = read_dataset(data)
-    settings = DiagnosisSettings(max_effects=1, candidates=(hidden.name,))
-    prepared = prepare(dataset.recordings)
-    estimation, validation = (_with_role(prepared, r) for r in ("estimation", "validation"))
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
-    shop = Workshop(baseline, estimation, validation, settings)
-    shop, selection = search(shop)
-    effects = describe_effects(shop, selection, with_uncertainty(shop, selection.found))
+    model = TorqueModel.standard(dataset.robot)
+    effects = diagnose(dataset, model, names=(hidden.name,), most=1, seed=case.seed).effects
     intervals = compare(hidden, effects[0], dataset.robot.n) if effects else []
-    if effects:
-        status = "done" if intervals else f"named at joint {effects[0].joint}"
-    else:
-        reasons = [r.reason for r in selection.refused if r.name == hidden.name]
-        status = f"not named: {reasons[-1]}" if reasons else "not named"
+    status = "done" if intervals else "not named"
+    if effects and not intervals:
+        status = f"named at joint {effects[0].joint}"
     return {
         "status": status,
         "effect": hidden.name,
@@ -153,12 +140,8 @@ def compare(hidden: HiddenTruth, found: FoundEffect, joints: int) -> list[Interv
         Interval(pattern.rstrip("_*"), truth, p.value, p.std)
         for pattern, truth in truths.items()
         for p in found.parameters
-        if fnmatchcase(p.name, pattern)
+        if p.std is not None and fnmatchcase(p.name, pattern)
     ]
-
-
-def _with_role(prepared: Sequence[Prepared], role: str) -> tuple[Prepared, ...]:
-    return tuple(p for p in prepared if p.role == role)
 
 
 def run(

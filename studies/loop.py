@@ -21,10 +21,8 @@ from oed.commands.options import Count, Seed, parse
 from oed.design.limits import fill
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass
-from oed.diagnosis.diagnosis import Diagnosis, diagnose
-from oed.diagnosis.rivals.discrimination import design_discriminating
-from oed.diagnosis.rivals.exposing import design_exposing
-from oed.diagnosis.settings import DiagnosisSettings
+from oed.diagnosis.diagnose import Diagnosis, diagnose
+from oed.diagnosis.discrimination.next_motion import design_next
 from oed.dynamics.effects import Effect
 from oed.dynamics.effects.position import JointSpring, PositionFriction
 from oed.dynamics.effects.stribeck import Stribeck
@@ -62,7 +60,7 @@ class Config:
         out: Folder for the table.
         hidden: Key of `HIDDEN`, or "nothing".
         rounds: Most experiments.
-        smoke: Few designs and surrogates.
+        smoke: Few designs.
         seed: Of everything random.
     """
 
@@ -77,12 +75,6 @@ class Config:
         if self.hidden not in (*HIDDEN, "nothing"):
             known = ", ".join((*sorted(HIDDEN), "nothing"))
             raise ValueError(f"--hidden {self.hidden}: there are {known}")
-
-    @property
-    def settings(self) -> DiagnosisSettings:
-        """Of each round's diagnosis."""
-        settings = DiagnosisSettings(seed=self.seed)
-        return settings.made_smaller() if self.smoke else settings
 
 
 def run(config: Config) -> list[Row]:
@@ -101,7 +93,7 @@ def run(config: Config) -> list[Row]:
         dataset = DataSet(
             "loop", "simulation", "none", robot, "measured", recordings=(*recordings, *held)
         )
-        found = diagnose(dataset, model, config.settings)
+        found = diagnose(dataset, model, seed=config.seed)
         rows.append(_row(number, purpose, found))
         _say(text_table(rows[-1:]))
         # What one motion does not show, another may.
@@ -168,16 +160,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _next_motion(
     found: Diagnosis, model: TorqueModel, rng: np.random.Generator, count: int
 ) -> tuple[Motion, str]:
-    """Between rivals the motion that tells them apart; else one that shows what is in doubt."""
-    pairs = found.rival_pairs()
-    if found.verdict == "ambiguous" and pairs:
-        following = design_discriminating(found.shop, pairs, rng, candidates=count)
-        return _whole_period(following.motion), "; ".join(following.pairs)
-    exposing = design_exposing(found.shop, found.standing, rng, candidates=count)
-    if exposing is None:
+    """Where a name is open the motion that tells what it is; else one that informs of all."""
+    following = design_next(found, rng, candidates=count)
+    if following is None:
         return informative_motion(model, rng, count), "J_d: another motion"
-    doubted = ", ".join(_label(t.name, t.joint) for t in exposing.doubted)
-    return _whole_period(exposing.motion), f"in doubt: {doubted}"
+    return _whole_period(following.motion), "; ".join(following.pairs)
 
 
 def _whole_period(motion: Motion) -> Motion:
@@ -210,17 +197,15 @@ def _record(
 
 def _row(number: int, purpose: str, found: Diagnosis) -> Row:
     errors = {
-        p.role: (float(np.linalg.norm(p.before)), float(np.linalg.norm(p.after)))
-        for p in found.proof
+        e.role: (float(np.linalg.norm(e.before)), float(np.linalg.norm(e.after)))
+        for e in found.errors
     }
-    contenders = (r.evidence for e in found.effects for r in e.rivals if r.contender)
-    rival = min(contenders, default=float("nan"))
     return {
         "round": number,
         "designed for": purpose,
         "verdict": found.verdict,
         "effects": ", ".join(_label(e.name, e.joint) for e in found.effects),
-        "evidence over best contender": rival if np.isfinite(rival) else "",
+        "least probability of a name": min((e.probability for e in found.effects), default=""),
         "validation before [N m]": errors["validation"][0],
         "validation after [N m]": errors["validation"][1],
         "test before [N m]": errors["test"][0],

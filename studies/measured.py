@@ -20,8 +20,8 @@ from typing import ClassVar
 from oed.commands.configurations import Diagnose
 from oed.commands.diagnose import diagnose_into
 from oed.commands.options import Folder, OutFolder, Seed, parse
-from oed.diagnosis.diagnosis import Diagnosis
-from oed.diagnosis.evidence.proof import RoleProof
+from oed.diagnosis.diagnose import Diagnosis
+from oed.diagnosis.inference.errors import RoleErrors
 from oed.process_end import RESUMES, leave
 from oed.report.joint_words import over_floor, place_words
 from oed.report.json_file import write_atomically
@@ -39,9 +39,8 @@ UNSEEN = ("validation", "test")
 EXPLAINED = (
     "Errors before and after, root mean square over the joints in noise floors: the base model "
     "(rigid body, Coulomb and viscous friction; rotor inertias where the data set declares them) "
-    "and the same with what was found. The test recordings added nothing; where they took "
-    "something back, “unchecked” is their error with it. “Worst joint” is the largest ratio of after to "
-    "before."
+    "and the same with what was found. The test recordings had no say; what they contradict is said. "
+    "“Worst joint” is the largest ratio of after to before."
 )
 VALUES = (
     "status",
@@ -51,7 +50,7 @@ VALUES = (
     "named",
     "unnamed",
     *(f"{role}_{when}" for role in UNSEEN for when in ("before", "after", "worst_joint")),
-    "test_unchecked",
+    "contradicted",
     "relative_test",
     "seconds",
 )
@@ -113,25 +112,23 @@ def work(case: Case) -> dict[str, str | int | float]:
         "verdict": found.verdict,
         "named": "; ".join(f"{e.name} ({place_words(e.joint)})" for e in found.effects),
         "unnamed": "; ".join(f"{u.label} ({place_words(u.joint)})" for u in found.unexplained),
-        **{k: v for proof in found.proof for k, v in _errors(proof, found).items()},
+        "contradicted": "; ".join(found.contradicted),
+        **{k: v for errors in found.errors for k, v in _errors(errors, found).items()},
         "seconds": round(time.perf_counter() - start),
     }
 
 
-def _errors(proof: RoleProof, found: Diagnosis) -> dict[str, str | float]:
-    if proof.role not in UNSEEN:
+def _errors(errors: RoleErrors, found: Diagnosis) -> dict[str, str | float]:
+    if errors.role not in UNSEEN:
         return {}
-    before, after = (over_floor(x, found.noise_floor) for x in (proof.before, proof.after))
-    ratios = proof.after / proof.before
+    before, after = (over_floor(x, found.noise_floor) for x in (errors.before, errors.after))
     told: dict[str, str | float] = {
-        f"{proof.role}_before": round(before, 3),
-        f"{proof.role}_after": round(after, 3),
-        f"{proof.role}_worst_joint": round(float(ratios.max()), 3),
+        f"{errors.role}_before": round(before, 3),
+        f"{errors.role}_after": round(after, 3),
+        f"{errors.role}_worst_joint": round(float((errors.after / errors.before).max()), 3),
     }
-    if proof.role == "test":
-        pairs = zip(proof.before / proof.torque, proof.after / proof.torque, strict=True)
-        kept = proof.after if found.unchecked is None else found.unchecked
-        told["test_unchecked"] = round(over_floor(kept, found.noise_floor), 3)
+    if errors.role == "test":
+        pairs = zip(errors.before / errors.torque, errors.after / errors.torque, strict=True)
         told["relative_test"] = "; ".join(f"{old:.3f} → {new:.3f}" for old, new in pairs)
     return told
 
@@ -145,7 +142,6 @@ def page(rows: Sequence[Mapping[str, str]]) -> str:
             "joints": row["joints"],
             "samples": row["samples"],
             **{role: _change(row[f"{role}_before"], row[f"{role}_after"]) for role in UNSEEN},
-            "unchecked": row["test_unchecked"] or MISSING,
             "test, worst joint": row["test_worst_joint"] or MISSING,
             "verdict": row["verdict"],
             "seconds": row["seconds"],
@@ -158,6 +154,7 @@ def page(rows: Sequence[Mapping[str, str]]) -> str:
             f"## {row['data']}",
             f"Named: {row['named'] or 'nothing'}.",
             f"Without a name: {row['unnamed'] or 'nothing'}.",
+            *([f"{row['contradicted']}."] if row["contradicted"] else []),
             "Test error over the torque's root mean square, joint by joint: "
             + (row["relative_test"] or MISSING),
         ]

@@ -117,22 +117,20 @@ class Feasible(DataSetCommand):
 class Diagnose(Command):
     """Find out what the torque model lacks, add it, and show the error before and after.
 
-    Leaves diagnosis.json, report.html, figures and, where two causes cannot be told apart, the
-    motion that tells them apart.
+    Every term is added, dropped and named by one criterion; test recordings report, and have no
+    say. Leaves diagnosis.json, report.html, model.json, figures and, where two causes cannot be
+    told apart, the motion that tells them apart.
 
     Attributes:
         data: Folder of the data set.
         out: Folder for the results.
-        model: Base model; standard if not given, rotor if the data set declares rotor inertias. With
-            the method evidence also a model.json: a second round, which looks for what that lacks.
-        max_effects: Most effects to add; two a joint if not given, at least four.
+        model: Base model; standard if not given, rotor if the data set declares rotor inertias. Or a
+            model.json: a second round, which looks for what that lacks.
+        max_effects: Most effects to add; three a joint if not given, at least six.
         candidates: Effects that may be named; the whole catalogue if not given.
         smoke: Do less, to see that it works.
         seed: Of everything random.
-        method: The diagnosis that the bench has measured (rules), or one criterion for every term
-            with the test recordings sealed (evidence): new, and its rates of right and wrong names
-            are not measured yet.
-        budget: CPU time after which the diagnosis by evidence looks for nothing more [s].
+        budget: CPU time after which nothing more is looked for [s].
     """
 
     data: Annotated[Path, tyro.conf.Positional]
@@ -142,7 +140,6 @@ class Diagnose(Command):
     candidates: tuple[str, ...] = ()
     smoke: bool = False
     seed: Seed = 0
-    method: Literal["rules", "evidence"] = "rules"
     budget: float | None = None
 
     def __post_init__(self) -> None:

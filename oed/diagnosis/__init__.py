@@ -1,1 +1,1 @@
-"""What a torque model still lacks: residual, lack of fit, candidates, selection, verdict."""
+"""A room of the diagnosis by evidence: see METHOD.md."""

@@ -13,7 +13,6 @@ from oed.dynamics.torque_model import TorqueModel
 
 # tanh(v / width) is closest to the expected sign of a Gaussian velocity at this many sigmas.
 WIDTH_PER_SIGMA = 1.25
-WIDER = 1.1  # ratio of two widths beyond which they are not alike
 
 
 def sign_terms(model: TorqueModel) -> list[tuple[int, int, Coulomb]]:
@@ -46,15 +45,6 @@ def with_widths(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:
     pairs = zip(_coulomb_terms(model), widths, strict=True)
     turned = (dataclasses.replace(sign, width=width, gradual=False) for sign, width in pairs)
     return with_signs(model, {sign.joint: sign for sign in turned})
-
-
-def turn_alike(one: TorqueModel, other: TorqueModel) -> bool:
-    """Whether the Coulomb terms of two models turn alike, by shape and about by width."""
-    pairs = zip(_coulomb_terms(one), _coulomb_terms(other), strict=True)
-    return all(
-        a.gradual == b.gradual and max(a.width, b.width) < WIDER * max(min(a.width, b.width), 1e-12)
-        for a, b in pairs
-    )
 
 
 def _coulomb_terms(model: TorqueModel) -> list[Coulomb]:

@@ -14,8 +14,8 @@ from oed.export.model import Model, Origin, Ranges, ShapeEstimate
 from oed.report.provenance import Provenance
 
 if TYPE_CHECKING:  # what finds one kind of model need not load what finds the others
-    from oed.diagnosis_new.diagnose import Diagnosis
-    from oed.diagnosis_new.inference.answer import FoundEffect
+    from oed.diagnosis.diagnose import Diagnosis
+    from oed.diagnosis.inference.answer import FoundEffect
     from oed.estimation.feasible.calibration import FeasibleCalibration
 
 
@@ -85,8 +85,8 @@ def _completed(found: Model, known: KnownTorque, started: Model | None) -> Model
 
 
 def of_diagnosis(found: Diagnosis, data: str, provenance: Provenance) -> Model:
-    """The augmented model: base parameters, effects in their exact form, free forms."""
-    from oed.diagnosis_new.inference.covariance import (  # noqa: PLC0415
+    """The augmented model: base parameters, effects in their exact form, smooth terms."""
+    from oed.diagnosis.inference.covariance import (  # noqa: PLC0415
         parameter_covariance,
     )
 

@@ -6,30 +6,23 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from oed.diagnosis.tables.sharpening import sharpened
-from oed.diagnosis.terms.trials import catalogue_trial
-from oed.diagnosis_new.noise import baseline, noise_floor
-from oed.diagnosis_new.noise.baseline import find_baseline
-from oed.diagnosis_new.noise.noise_floor import (
+from oed.diagnosis.noise import baseline, noise_floor
+from oed.diagnosis.noise.baseline import find_baseline
+from oed.diagnosis.noise.noise_floor import (
     NoiseFloor,
     differences,
-    floor_from_free_form,
     floor_from_repetitions,
+    floor_from_smooth_fit,
 )
-from oed.diagnosis_new.rows.autoregression import Autoregression
-from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.effects.entries.payload import FOR_GOOD
+from oed.diagnosis.rows.autoregression import Autoregression
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.preparation.prepare import prepare
-from tests.diagnosis.arm import COULOMB, NOISE, VISCOUS, data_set, once, rigid, stribeck
+from tests.diagnosis.arm import COULOMB, NOISE, data_set, once
 from tests.diagnosis.arm import RATE as ARM_RATE
-from tests.diagnosis.shop import shop_of
 
 RATE = 75.0  # [Hz]
 ROWS = 750
 HELD = 50  # samples for which a disturbance stays the same
-LOAD = (0.0, 0.24, 0.04, 0.12)  # base parameters that a load adds to the arm's
-TAKEN_UP = 6.5  # [s]
 WHITE = Autoregression(np.ones(1), 1.0)  # where nobody asks for the colour
 SIZE = np.array([0.2, 0.05])  # [N m] of the noise of two joints
 
@@ -132,14 +125,6 @@ def _with_torque(prepared, fine_torque):
     )
 
 
-def test_the_quieter_of_two_floors_counts_joint_by_joint():
-    steady, short = _floor(lambda t: 0 * t, 6), _floor(lambda t: 0 * t, 2)
-    loud = dataclasses.replace(short, deviation=short.deviation * np.array([2.0, 0.5]))
-    found = steady.quietest(loud)
-    assert found.deviation == pytest.approx([steady.deviation[0], loud.deviation[1]])
-    assert found.noise == (steady.noise[0], loud.noise[1])
-
-
 def test_a_floor_read_beside_what_is_known_is_that_of_data_without_it():
     def spring(q, dq=None, ddq=None):
         return np.stack([4.0 * q[:, 0], np.zeros(len(q))], axis=1)
@@ -219,27 +204,6 @@ def test_rows_that_are_too_few_for_the_functions_give_way_to_those_of_a_rougher_
     assert found == pytest.approx(NOISE * np.linalg.norm(prepared[0].band.taps), rel=0.33)
 
 
-def test_a_load_is_known_by_the_repetitions_that_it_makes_differ():
-    """The mean of repetitions hardly tells a load from the arm: the floor beside it was far off."""
-    clean, shop = (
-        shop_of(data_set(1, extra=extra, roles=("estimation",), repetitions=6))
-        for extra in (None, held_load)
-    )
-    expected = clean.baseline.floor.deviation
-    assert shop.baseline.floor.deviation[0] > 1.15 * expected[0]
-    entry = CATALOGUE["payload_change"]
-    trial = catalogue_trial(entry, shop.context, None, (TAKEN_UP, 1.0, FOR_GOOD), shop.full.rows)
-    sharper = sharpened(shop, [trial])
-    assert sharper is not None
-    assert sharper.baseline.floor.deviation == pytest.approx(expected, rel=0.07)
-
-
-def held_load(q, dq, ddq):
-    """Torque of a load that is taken up in the first repetition [N m]."""
-    held = np.arange(len(q)) / ARM_RATE > TAKEN_UP
-    return held[:, None] * rigid(q, dq, ddq, LOAD)
-
-
 def test_recordings_too_short_to_tell_noise_from_motion_are_refused():
     """A rich fit of a second passes through every sample: no noise, and everything significant."""
     dataset = data_set(1, roles=("estimation",), repetitions=1)
@@ -256,7 +220,7 @@ def test_a_blow_that_the_arm_takes_is_no_noise():
     struck = quiet.copy()
     struck[1000:1030] += [5.0, 3.0]  # for six tenths of a second
     trusted, ones = [np.ones(quiet.shape, dtype=bool)], np.ones(2)
-    floors = [floor_from_free_form([x], trusted, ones, ones, rate) for x in (quiet, struck)]
+    floors = [floor_from_smooth_fit([x], trusted, ones, ones, rate) for x in (quiet, struck)]
     usual, after_blow = (floor.deviation for floor in floors)
     # Without the seconds that were struck a sixtieth of the rows is left out.
     assert after_blow == pytest.approx(usual, rel=0.02)
@@ -268,32 +232,6 @@ def test_a_blow_at_one_joint_is_no_noise_of_it_though_another_joint_is_hardly_tr
     noise[2000:2400, 0] *= 30
     trusted = np.ones(noise.shape, dtype=bool)
     trusted[:, 1] = np.arange(len(noise)) % 3 == 0  # of every half second too little
-    floor = floor_from_free_form([noise], [trusted], np.ones(2), np.ones(2), RATE)
+    floor = floor_from_smooth_fit([noise], [trusted], np.ones(2), np.ones(2), RATE)
     # 3600 rows tell a deviation within 1.2 %, whole noisy blocks less a little more.
     np.testing.assert_allclose(floor.deviation, 1.0, rtol=0.05)
-
-
-def _unrepeated(seed, *extras):
-    """The noise that is read off recordings of one motion each, with these torques in turn."""
-    sets = [data_set(seed, extra=extra) for extra in extras]
-    recordings = tuple(
-        once(sets[k % len(sets)].recordings[k]) for k in range(len(sets[0].recordings))
-    )
-    dataset = dataclasses.replace(sets[0], recordings=recordings)
-    return shop_of(dataset).baseline.floor.deviation
-
-
-def _stiffer(q, dq, ddq):
-    """Friction of a cold arm, less what it has when warm."""
-    return 0.4 * (COULOMB * np.sign(dq) + VISCOUS * dq)
-
-
-def test_friction_that_falls_within_a_hundredth_of_the_speed_range_is_no_noise():
-    """Splines that are even in speed cannot follow it, and took a third too much for noise."""
-    falls = _unrepeated(4, stribeck(3.0, 0.05))
-    np.testing.assert_allclose(falls, _unrepeated(4, None), rtol=0.03)
-
-
-def test_friction_of_each_recordings_own_is_no_noise():
-    """An arm that was cold in one of them; the second joint's noise had been taken for twice as large."""
-    np.testing.assert_allclose(_unrepeated(4, None, _stiffer), _unrepeated(4, None), rtol=0.03)

@@ -5,21 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.settings import DiagnosisSettings
-from oed.diagnosis.tables.workshop import Workshop
-from oed.diagnosis.terms.restraint import Left, likeliest, restrained
-from oed.diagnosis_new.noise.baseline import find_baseline
+from oed.diagnosis.noise.baseline import find_baseline
 from oed.dynamics.effects.catalogue import Context
-from oed.dynamics.effects.coordinates import Coordinate
-from oed.dynamics.effects.smooth_term import FreeForm
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import widths_of
 from oed.experiment.preparation.direction import uncertain_direction
 from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis import arm
 from tests.diagnosis.arm import COULOMB, data_set
-
-SETTINGS = DiagnosisSettings()
 
 
 def _baseline(dataset):
@@ -93,45 +86,6 @@ def test_noise_floor_without_repetitions_is_the_noise_whatever_the_model_lacks()
     band = prepared[0].band
     share = np.sqrt(np.sum(band.taps**2) / band.logged)
     assert clean.floor.deviation == pytest.approx(np.array([0.5, 0.1]) * share, rel=0.12)
-
-
-def test_a_free_form_term_keeps_only_what_the_data_determine():
-    dataset = data_set(4)
-    prepared = prepare(dataset.recordings)
-    estimation = tuple(p for p in prepared if p.role == "estimation")
-    baseline = find_baseline(TorqueModel.standard(dataset.robot), estimation)
-    shop = Workshop(baseline, estimation, (), SETTINGS)
-    term = next(t for t in shop.smooth if t.effect.label == "f(dq_1)" and t.joint == 0)
-    counts = [len(t.effect.parameters) for t in restrained(term, shop.before.fit)]
-    assert len(counts) > 0
-    assert counts == sorted(counts, reverse=True)
-    # Constant friction, its sign and its slope are the model's own: never all functions.
-    assert 0 < counts[0] < len(term.effect.parameters)
-    with pytest.raises(TypeError, match="free-form"):
-        next(restrained(shop.physical[0], shop.before.fit))
-
-
-@pytest.mark.parametrize("length", [0.1, 0.47])
-def test_the_likeliest_expectation_is_that_of_the_function_at_hand(length):
-    """Functions drawn from a squared exponential: its length and size are found again."""
-    rng = np.random.default_rng(8)
-    term = FreeForm(0, (Coordinate("q", 0, -1.0, 1.0, 36),))
-    places = np.linspace(0, 1, 39)
-    distance = (places[:, None] - places) / length
-    covariance = 4.0 * np.exp(-(distance**2) / 2) + 1e-9 * np.eye(39)
-    columns = np.repeat(np.eye(39), 20, axis=0)
-    sizes, correlations = [], []
-    for _ in range(20):
-        drawn = rng.multivariate_normal(np.zeros(39), covariance)
-        noisy = columns @ drawn + rng.standard_normal(len(columns))
-        left = Left(float(noisy @ noisy), float(len(noisy)))
-        found = likeliest(term, columns.T @ columns, columns.T @ noisy, left).root
-        expected = found @ found.T
-        sizes.append(expected[0, 0])
-        correlations.append(expected[0, round(length * 38)] / expected[0, 0])
-    # Of two places a length apart: exp(-1/2), for the next lengths of the grid 0.24 and 0.84.
-    assert np.median(correlations) == pytest.approx(np.exp(-0.5), abs=0.1)
-    assert np.median(sizes) == pytest.approx(4.0, rel=0.6)
 
 
 def test_a_joint_that_lingers_has_no_known_direction():

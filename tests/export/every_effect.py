@@ -8,7 +8,7 @@ import numpy as np
 from oed.dynamics.effects.arguments import Factor, Loop, VaryingInertia
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.coordinates import Coordinate
-from oed.dynamics.effects.smooth_term import FreeForm
+from oed.dynamics.effects.smooth_term import SmoothTerm
 from oed.export.model import Model, Origin, Ranges
 from tests.dynamics.effects.arms import context_of, smooth_motion, vertical_arm
 from tests.dynamics.effects.test_catalogue import USUAL
@@ -47,15 +47,15 @@ def free_forms(joints=2):
     crowded = Coordinate("dq", 0, -1.0, 1.0, 6).crowded()
     time = Coordinate("time", 0, 0.0, 3.0, 5)
     forms = (
-        FreeForm(0, (q,)),
-        FreeForm(1, (q,), direction=1),
-        FreeForm(1, (dq,)),
-        FreeForm(0, (crowded,)),
-        FreeForm(1, (q, Factor("ddq", 1))),
-        FreeForm(1, (VaryingInertia(q),)),
-        FreeForm(0, (Loop(0, 0.01, 0.3, 6),)),
-        FreeForm(0, (time,), direction=0),
-        FreeForm(1, (q, Coordinate("q", 1, -0.5, 0.5, 4))),
+        SmoothTerm(0, (q,)),
+        SmoothTerm(1, (q,), direction=1),
+        SmoothTerm(1, (dq,)),
+        SmoothTerm(0, (crowded,)),
+        SmoothTerm(1, (q, Factor("ddq", 1))),
+        SmoothTerm(1, (VaryingInertia(q),)),
+        SmoothTerm(0, (Loop(0, 0.01, 0.3, 6),)),
+        SmoothTerm(0, (time,), direction=0),
+        SmoothTerm(1, (q, Coordinate("q", 1, -0.5, 0.5, 4))),
     )
     rng = np.random.default_rng(3)
     return forms, np.concatenate([rng.normal(size=len(f.parameters)) for f in forms])

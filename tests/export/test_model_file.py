@@ -188,7 +188,7 @@ def test_a_spoiled_robot_text_is_noticed(tmp_path):
 def test_an_estimate_starts_from_physics_and_leaves_shapes_as_they_are():
     model, motion = model_with("stribeck", "time_delay", forms=True)
     fitted, known = model.to_estimate()
-    assert not any(effect.name == "free_form" for effect in fitted.effects)
+    assert not any(effect.name == "smooth_term" for effect in fitted.effects)
     assert fitted.measurement == model.torque_model.measurement
     whole = dataclasses.replace(fitted, effects=(*fitted.effects, *known.effects))
     parameters = [*model.parameters[: len(fitted.parameters)], *known.parameters]

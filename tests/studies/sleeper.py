@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from oed.parallel_map import PROCESSES, side_by_side
+from oed.parallel_map import PROCESSES, parallel_map
 from studies.case_runner import CaseRunner, Outcome, RowFile
 
 
@@ -41,4 +41,4 @@ if __name__ == "__main__":
         )
     else:
         os.environ[PROCESSES] = "2"
-        side_by_side(sleep, sleepers)
+        parallel_map(sleep, sleepers)

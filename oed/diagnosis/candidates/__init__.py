@@ -1,1 +1,1 @@
-"""How one candidate is refined, ranked among others, and judged."""
+"""A room of the diagnosis by evidence: see METHOD.md."""

@@ -1,1 +1,1 @@
-"""What may be said of them: uncertainty, verdict, proof."""
+"""A room of the diagnosis by evidence: see METHOD.md."""

@@ -1,4 +1,4 @@
-"""What else than a coordinate a free-form term may depend on.
+"""What else than a coordinate a smooth term may depend on.
 
 Any loop against a joint's position, as a sum of elastic sliders. Signals in proportion to which a
 function of something else acts, and inertia that changes with position.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -21,8 +21,7 @@ from oed.dynamics.effects.hysteresis import (
     moved_elements,
     remembered_elements,
 )
-from oed.dynamics.effects.reference import ReferenceTorque
-from oed.dynamics.scalars import Scalar, add, at_least, mul, power, sub
+from oed.dynamics.scalars import Scalar, add, at_least, mul, sub
 
 
 @dataclass(frozen=True)
@@ -135,58 +134,6 @@ class Factor(Argument):
     ) -> tuple[list[Scalar], Sequence[Scalar]]:
         """The signal."""
         return [getattr(state, self.kind)[self.joint]], ()
-
-
-@dataclass(frozen=True)
-class OtherTorque(Argument):
-    """A share of another joint's torque: a sensor that feels it, an axis that is not straight.
-
-    Attributes:
-        joint: Index of the other joint.
-        reference: Predicts its torque.
-        exponent: 2 where it is the square that shows.
-    """
-
-    joint: int
-    reference: ReferenceTorque = field(repr=False, compare=False)
-    exponent: int = 1
-    functions = 1
-    kind = "tau"
-
-    def refined(self, _pieces: int) -> OtherTorque:
-        """Itself: a share has no pieces."""
-        return self
-
-    @property
-    def name(self) -> str:
-        """Such as "tau_2" (joints from 1)."""
-        return self.depends_on[0] + ("" if self.exponent == 1 else f"^{self.exponent}")
-
-    @property
-    def depends_on(self) -> tuple[str, ...]:
-        """The torque."""
-        return (f"tau_{self.joint + 1}",)
-
-    def basis(self, state: State) -> Float[ndarray, "samples functions"]:
-        """The torque to its exponent."""
-        torque = np.asarray(self.reference.total(state)[self.joint], dtype=float)
-        return torque[:, None] ** self.exponent
-
-    @property
-    def keeps(self) -> tuple[str, ...]:
-        """What the torque does."""
-        return self.reference.keeps
-
-    def begin(self, state: State) -> Sequence[Scalar]:
-        """What it keeps at the first instant."""
-        return self.reference.begin(state)
-
-    def recall(
-        self, state: State, memory: Sequence[Scalar], step: float
-    ) -> tuple[list[Scalar], Sequence[Scalar]]:
-        """The torque to its exponent."""
-        now, following = self.reference.recall(state, memory, step)
-        return [power(now.total(state)[self.joint], self.exponent)], following
 
 
 @dataclass(frozen=True)

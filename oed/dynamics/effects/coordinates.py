@@ -1,4 +1,4 @@
-"""A coordinate that a free-form term may depend on, and the functions of it that the term is made of.
+"""What a smooth term may depend on, and the functions of it that the term is made of.
 
 Cubic B-splines in one coordinate; outside the range that the data covered, they keep the value at
 its edge.
@@ -25,7 +25,7 @@ CROWDING = 0.1  # of a coordinate's largest value, about which crowded pieces cr
 
 
 class Argument:
-    """What a free-form term is a function of, one instant after another; most keep nothing."""
+    """What a smooth term is a function of, one instant after another; most keep nothing."""
 
     @property
     def keeps(self) -> tuple[str, ...]:
@@ -45,7 +45,7 @@ class Argument:
 
 @dataclass(frozen=True)
 class Coordinate(Argument):
-    """A coordinate that a free-form term may depend on.
+    """A coordinate that a smooth term may depend on.
 
     Attributes:
         kind: "q", "dq", "ddq" or "time".
@@ -139,10 +139,6 @@ class Coordinate(Argument):
         lower, upper = self._stretched(np.array([self.lower, self.upper]))
         inner = np.linspace(lower, upper, self.pieces + 1)
         return np.concatenate([[lower] * DEGREE, inner, [upper] * DEGREE])
-
-    def refined(self, pieces: int) -> Coordinate:
-        """With at least so many pieces."""
-        return dataclasses.replace(self, pieces=max(pieces, self.pieces))
 
     def crowded(self, share: float = CROWDING) -> Coordinate:
         """With its pieces closer together about zero, as friction changes with speed.

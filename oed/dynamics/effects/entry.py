@@ -190,7 +190,7 @@ class CatalogueEntry:
         equivalent: Names that no motion tells from this one, and why.
         holds: Names of effects that are this one with parameters left out: no motion speaks for
             them against it, and the plainer one stands until the other is needed.
-        fuller: Ways to give it more terms than its formula has, where a free form of its coordinate
+        fuller: Ways to give it more terms than its formula has, where a smooth term of its coordinate
             that is none of these is something else; None where any is the same physics.
         narrow: Ranges of the shapes for an arm and its data.
         beside_grid: Further shapes of a first scan; None for none.

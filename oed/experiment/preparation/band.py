@@ -29,7 +29,9 @@ NOISE_ONLY = 0.3  # of the rate, above which no arm moves and the position is no
 LOWEST, HIGHEST, STEPS = 1.0, 0.45, 60  # [Hz], of the rate
 OVERLAP = 1.1  # ratio by which each is wider on both sides: the lowest hold few frequencies
 SMOOTHING = 3.0  # the position's own filter, in units of the band: it must not touch the band
-CALMING = 2.0  # an acceleration's filter, in units of where motion ends: it must not touch it
+ACCELERATION_CUTOFF = (
+    2.0  # an acceleration's filter, in units of where motion ends: it must not touch it
+)
 EDGE = 0.1  # [s] cut at each end besides the filter's reach, where smoothing has not settled
 TRANSITION = 0.5  # of the cut-off; the filter's length is 3.3 / transition width (Hamming)
 # Of the fine grid, over the cut-off: friction's steps lie within half a sample, and gears, whose
@@ -52,7 +54,7 @@ class Band:
         factor: Fine samples per analysis sample.
         cutoff: Frequency of half amplitude [Hz].
         smoothing: Cut-off of the position's own smoothing [Hz].
-        calming: Cut-off of each joint's acceleration [Hz]; that of the smoothing if empty.
+        acceleration_cutoffs: Cut-off of each joint's acceleration [Hz]; that of the smoothing if empty.
         logged: Samples of the log's own grid to one of the fine grid. Positions are smoothed where
             they were logged: only there is what encoders err white.
     """
@@ -61,7 +63,7 @@ class Band:
     factor: int
     cutoff: float
     smoothing: float
-    calming: tuple[float, ...] = ()
+    acceleration_cutoffs: tuple[float, ...] = ()
     logged: int = 1
 
     @property
@@ -106,7 +108,7 @@ class Band:
     @property
     def edge(self) -> float:
         """Time at each end in which the smoothing has not settled [s]."""
-        return max(EDGE, *(1 / cutoff for cutoff in self.calming), 1 / self.smoothing)
+        return max(EDGE, *(1 / cutoff for cutoff in self.acceleration_cutoffs), 1 / self.smoothing)
 
     def thinned(self, fastest: float, periods: Sequence[float] = ()) -> Band:
         """The same on a fine grid no denser than effects ask for.
@@ -161,7 +163,7 @@ class Band:
         rate, kept = self.logged_rate, slice(None, None, self.logged)
         smooth = lowpass(q, rate, self.smoothing)
         dq, ddq = (spline_derivative(smooth, rate, order)[kept] for order in (1, 2))
-        for joint, cutoff in enumerate(self.calming):
+        for joint, cutoff in enumerate(self.acceleration_cutoffs):
             if cutoff < self.smoothing:
                 calm = lowpass(q[:, joint], rate, cutoff)
                 ddq[:, joint] = spline_derivative(calm, rate, 2)[kept]
@@ -235,5 +237,7 @@ def choose_band(noise: PositionNoise, rate: float, lowest: float, highest: float
     cutoff = min(cutoff, rate / (2 * SAMPLES_PER_CUTOFF))
     factor = max(1, int(rate / (SAMPLES_PER_CUTOFF * cutoff)))
     smoothing = min(SMOOTHING * cutoff, 0.4 * rate)
-    calming = np.where(CALMING * noise.end < cutoff, CALMING * noise.end, smoothing)
-    return Band(rate, factor, cutoff, smoothing, tuple(calming.tolist()))
+    acceleration_cutoffs = np.where(
+        ACCELERATION_CUTOFF * noise.end < cutoff, ACCELERATION_CUTOFF * noise.end, smoothing
+    )
+    return Band(rate, factor, cutoff, smoothing, tuple(acceleration_cutoffs.tolist()))

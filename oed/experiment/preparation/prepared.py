@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -73,21 +72,6 @@ class Prepared:
             return np.arange(len(self.motion))
         return places_in_period(len(self.motion), self.period * self.band.rate)
 
-    @cached_property
-    def mean_motion(self) -> Motion:
-        """The motion with every state replaced by its mean over the repetitions."""
-        motion = self.motion
-        if self.period is None:
-            return motion
-        q, dq, ddq = (self.phase_mean(x) for x in (motion.q, motion.dq, motion.ddq))
-        return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
-
-    def phase_mean(
-        self, fine: Float[ndarray, "samples columns"]
-    ) -> Float[ndarray, "samples columns"]:
-        """Mean over the repetitions at the phase of each fine sample."""
-        return mean_at_each(fine, self.place_in_period)
-
     @property
     def rows(self) -> int:
         """Number of rows R."""
@@ -102,12 +86,3 @@ class Prepared:
 def places_in_period(samples: int, period: float) -> Int[ndarray, " samples"]:
     """Index within the period of each sample, the period in samples and no whole number of them."""
     return np.floor(np.mod(np.arange(samples) + 0.5, period)).astype(int)
-
-
-def mean_at_each(
-    values: Float[ndarray, "samples columns"], place: Int[ndarray, " samples"]
-) -> Float[ndarray, "samples columns"]:
-    """Mean over all samples of the same place, at each sample."""
-    counts = np.maximum(np.bincount(place), 1)
-    means = np.stack([np.bincount(place, weights=column) for column in values.T], axis=1)
-    return (means / counts[:, None])[place]

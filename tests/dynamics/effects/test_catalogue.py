@@ -2,12 +2,12 @@
 
 import dataclasses
 import time
+from itertools import product
 
 import casadi
 import numpy as np
 import pytest
 
-from oed.diagnosis.terms.trials import grid_of
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.context import Context
 from oed.dynamics.effects.effect import State
@@ -116,7 +116,7 @@ def test_trial_values_are_within_the_narrowed_ranges(
     entry, context = CATALOGUE[name], contexts["scara"]
     target = entry.targets(context)[0]
     shapes = entry.shapes_for(context, target)
-    trials = list(grid_of(shapes))
+    trials = list(product(*(shape.grid for shape in shapes)))
     assert (
         len(set(trials))
         == len(trials)

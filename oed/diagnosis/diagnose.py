@@ -1,0 +1,249 @@
+"""The whole diagnosis of a data set: what a model lacks, and what adding it gains."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from threadpoolctl import threadpool_limits
+
+from oed.diagnosis.evidence.model import Fitted, fit
+from oed.diagnosis.inference.answer import Answer, FoundEffect, Outcome, Unexplained, answer
+from oed.diagnosis.inference.budget import Budget, budget
+from oed.diagnosis.inference.curves import Curve, curve
+from oed.diagnosis.inference.errors import Predictor, RoleErrors, compare
+from oed.diagnosis.numbers import CLEAR
+from oed.diagnosis.selection.search import Selected, search
+from oed.diagnosis.setup import Sealed, pose
+from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry
+from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.dataset import DataSet
+from oed.experiment.recording import ROLES
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What a base model lacks on a data set.
+
+    Attributes:
+        verdict: In the interface's words.
+        effects: What was found and named, in the order of what it explains.
+        unexplained: What is there and has no name.
+        contradicted: What of that the test recordings speak against, in words; it stays named.
+        before: The base model, fitted.
+        after: The augmented model, fitted: an ordinary torque model.
+        errors: Before and after, one entry a role that has recordings.
+        budget: What each term carries on held-out rows.
+        curves: What each addition gives over a coordinate on these rows.
+        noise_floor: (n,) deviation of noise in the band [N m].
+        noise_source: Where that was read off.
+        cutoff: Of the analysis band [Hz].
+        notes: What is doubtful about the data.
+        selected: The search's own result, for whoever designs the next experiment.
+    """
+
+    verdict: Outcome
+    effects: tuple[FoundEffect, ...]
+    unexplained: tuple[Unexplained, ...]
+    contradicted: tuple[str, ...]
+    before: Predictor
+    after: Predictor
+    errors: tuple[RoleErrors, ...]
+    budget: Budget
+    curves: tuple[Curve, ...]
+    noise_floor: Float[ndarray, " joints"]
+    noise_source: str
+    cutoff: float
+    notes: tuple[str, ...]
+    selected: Selected = field(repr=False, compare=False)
+
+
+# Thousands of small matrices: more threads of BLAS wait for one another, and take twice as long.
+@threadpool_limits.wrap(limits=1)
+def diagnose(
+    dataset: DataSet,
+    model: TorqueModel,
+    *,
+    catalogue: Mapping[str, CatalogueEntry] = CATALOGUE,
+    names: Sequence[str] | None = None,
+    most: int | None = None,
+    seed: int = 0,
+    budget: float | None = None,
+    say: Callable[[str], None] = lambda _: None,
+) -> Diagnosis:
+    """Find what a torque model lacks, from a data set alone.
+
+    Args:
+        dataset: Recordings with roles. The search sees those for estimation and validation; those
+            for the test only report.
+        model: The base model.
+        catalogue: Effects that may be named.
+        names: Of these, those that are tried; all if None.
+        most: Terms that may be added; three a joint if None, at least six.
+        seed: Of the bootstrap.
+        budget: CPU time after which nothing more is looked for [s]; what was found by then is judged
+            and reported.
+        say: Receives lines of progress.
+
+    Raises:
+        ValueError: If there is no estimation recording, or one is too short.
+        OedError: If a joint stands still, or friction drives every joint.
+    """
+    end = time.process_time() + (np.inf if budget is None else budget)
+    problem, sealed, notes = pose(
+        dataset, model, catalogue=catalogue, names=names, most=most, say=say
+    )
+    for note in notes:
+        say(f"note: {note}")
+    selected = search(problem, say, lambda: time.process_time() > end)
+    found = answer(selected)
+    return report(sealed, selected, found, notes=notes, rng=np.random.default_rng(seed))
+
+
+def report(
+    sealed: Sealed,
+    selected: Selected,
+    found: Answer,
+    *,
+    notes: tuple[str, ...],
+    rng: np.random.Generator,
+) -> Diagnosis:
+    """Errors on all recordings, the sealed ones too: nothing that was found changes by it."""
+    rows = selected.views.every.problem.rows
+    here = selected.views.every.problem
+    base = fit(here, (), rows.fitted)
+    whole = fit(here, selected.views.every.terms, rows.fitted, selected.views.every)
+    before, after = predictor(base), predictor(whole)
+    by_role = {role: tuple(p for p in sealed.every if p.role == role) for role in ROLES}
+    errors = tuple(
+        compare(role, own, sealed.weights(own), before=before, after=after, rng=rng)
+        for role, own in by_role.items()
+        if own
+    )
+    role = next(r for r in ("validation", "test", "estimation") if by_role[r])
+    shown = by_role[role]
+    labels = [(term.label, predictor(_less(whole, k))) for k, term in enumerate(whole.terms)]
+    carried = budget(
+        role,
+        shown,
+        sealed.weights(shown),
+        after,
+        labels=labels,
+        floor=sealed.floor,
+        base=len(here.base.effects),
+    )
+    drawn = [
+        curve(
+            label,
+            shown,
+            after=after,
+            rest=rest,
+            coordinates=term.candidate.effect(whole.context, term.values).depends_on,
+            floor=sealed.floor,
+        )
+        for term, (label, rest) in zip(whole.terms, labels, strict=True)
+    ]
+    left = _unlocated(found, errors, sealed.floor)
+    unexplained = (*found.unexplained, *left)
+    return Diagnosis(
+        _verdict(found.effects, unexplained),
+        found.effects,
+        unexplained,
+        _contradicted(whole, found, by_role["test"], sealed, after),
+        before,
+        after,
+        errors,
+        carried,
+        tuple(c for c in drawn if c is not None),
+        sealed.floor,
+        sealed.source,
+        sealed.every[0].band.cutoff,
+        notes,
+        selected,
+    )
+
+
+def predictor(fitted: Fitted) -> Predictor:
+    """The fitted model as an ordinary torque model."""
+    added = [
+        (effect, size)
+        for term, effect, size in zip(
+            fitted.terms, fitted.effects, fitted.coefficients, strict=True
+        )
+        if effect is not None and not term.steps
+    ]
+    model = fitted.installed.with_effects(*(effect for effect, _ in added))
+    sizes = [size for _, size in added]
+    return Predictor(model, np.concatenate([fitted.parameters, *sizes]))
+
+
+def _less(whole: Fitted, number: int) -> Fitted:
+    """The same numbers without one term: what is lost is what it carries."""
+    term = whole.terms[number]
+    if term.steps:
+        return fit(
+            whole.problem,
+            tuple(t for k, t in enumerate(whole.terms) if k != number),
+            whole.projection.used,
+            whole,
+        )
+    coefficients = whole.projection.coefficients.copy()
+    coefficients[whole.places[number]] = 0.0
+    return dataclasses.replace(
+        whole, projection=dataclasses.replace(whole.projection, coefficients=coefficients)
+    )
+
+
+def _unlocated(
+    found: Answer, errors: Sequence[RoleErrors], floor: Float[ndarray, " joints"]
+) -> list[Unexplained]:
+    """Joints whose held-out error says that something is missing, where nothing is said of it yet."""
+    said = {u.joint for u in found.unexplained}
+    held = next((e for e in errors if e.role == "validation"), None)
+    if held is None:
+        return []
+    return [
+        Unexplained(int(j), (), "something that no term that was tried describes", None)
+        for j in np.flatnonzero(held.after > CLEAR * floor)
+        if int(j) not in said
+    ]
+
+
+def _verdict(effects: Sequence[FoundEffect], unexplained: Sequence[Unexplained]) -> Outcome:
+    if unexplained:
+        return "unexplained"
+    if any(effect.is_open for effect in effects):
+        return "ambiguous"
+    return "explained" if effects else "nothing found"
+
+
+def _contradicted(
+    whole: Fitted, found: Answer, test: Sequence, sealed: Sealed, after: Predictor
+) -> tuple[str, ...]:
+    """Names without which the test recordings are predicted better, joints together, in words."""
+    if not test:
+        return ()
+    weights = sealed.weights(test)
+
+    def error(model: Predictor) -> float:
+        squares = [
+            np.sum((model.errors(p) / sealed.floor) ** 2 * w)
+            for p, w in zip(test, weights, strict=True)
+        ]
+        return float(np.sqrt(np.sum(squares) / np.sum([w.sum() for w in weights])))
+
+    with_all, words = error(after), []
+    for effect in found.effects:
+        others = tuple(t for k, t in enumerate(whole.terms) if k != effect.number)
+        rest = error(predictor(fit(whole.problem, others, whole.projection.used, whole)))
+        if rest < with_all:
+            words.append(
+                f"the test recordings contradict {whole.terms[effect.number].label}: their error is "
+                f"{with_all:.3g} noise floors with it and {rest:.3g} without"
+            )
+    return tuple(words)

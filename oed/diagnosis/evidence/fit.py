@@ -1,0 +1,180 @@
+"""Least squares of a model on white rows, kept as a projection: all else asks it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
+from oed.diagnosis.rows.white_rows import WhiteRows
+
+RANK = 1e-7  # of the largest singular value of normalised columns, below which nothing is excited
+
+
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """Columns that were fitted to some rows, with priors on some of them.
+
+    Attributes:
+        columns: (n, R, p) white columns, all rows.
+        used: (R,) rows that were fitted.
+        weights: (n,) 1 / sqrt(v) of each joint's rows.
+        basis: (n, U, b) orthonormal with the prior's rows below it, of the used rows.
+        inverse: (p, b) coefficients = inverse @ basis' y.
+        coefficients: (p,) of the torque that was fitted.
+        residual: (n, R) white torque less the fit, all rows.
+    """
+
+    columns: Float[ndarray, "joints rows columns"]
+    used: Bool[ndarray, " rows"]
+    weights: Float[ndarray, " joints"]
+    basis: Float[ndarray, "joints used rank"]
+    inverse: Float[ndarray, "columns rank"]
+    coefficients: Float[ndarray, " columns"]
+    residual: Float[ndarray, "joints rows"]
+
+    @property
+    def covariance(self) -> Float[ndarray, "columns columns"]:
+        """Of the coefficients, for rows of unit variance in units of v."""
+        return self.inverse @ self.inverse.T
+
+    @cached_property
+    def span(self) -> Span:
+        """What is asked of the fit again and again, of the rows that were fitted."""
+        left = self.residual[:, self.used] * self.weights[:, None]
+        return Span(self.basis, left, self.weights)
+
+    def beside(self, columns: dict[int, ndarray]) -> Beside:
+        """Further columns beside all of these.
+
+        Args:
+            columns: joint -> (R, k) white columns.
+        """
+        own = {j: c[self.used] * self.weights[j] for j, c in columns.items()}
+        left = self.span.left
+        return Beside(
+            self.span,
+            {j: X.T @ X for j, X in own.items()},
+            {j: X.T @ left[j] for j, X in own.items()},
+            {j: self.basis[j].T @ X for j, X in own.items()},
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Span:
+    """An orthonormal basis joint by joint, and what it leaves.
+
+    Attributes:
+        basis: (n, U, b) of all joints' weighted rows together.
+        left: (n, U) weighted residual.
+        weights: (n,) of each joint's white rows.
+    """
+
+    basis: Float[ndarray, "joints used rank"]
+    left: Float[ndarray, "joints used"]
+    weights: Float[ndarray, " joints"]
+
+    @cached_property
+    def grams(self) -> Float[ndarray, "joints rank rank"]:
+        """Q_j' Q_j."""
+        return np.stack([q.T @ q for q in self.basis])
+
+    @cached_property
+    def products(self) -> Float[ndarray, "joints rank"]:
+        """Q_j' r_j."""
+        return np.einsum("jub,ju->jb", self.basis, self.left, optimize=True)
+
+    @cached_property
+    def squares(self) -> Float[ndarray, " joints"]:
+        """(n,) sums of weighted squares of what is left."""
+        return np.sum(self.left**2, axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """Further columns beside a span.
+
+    Attributes:
+        span: That.
+        squares: joint -> (k, k) X_j' X_j of weighted columns.
+        scores: joint -> (k,) X_j' r_j.
+        inside: joint -> (b, k) Q_j' X_j.
+    """
+
+    span: Span
+    squares: dict[int, ndarray]
+    scores: dict[int, ndarray]
+    inside: dict[int, ndarray]
+
+    @cached_property
+    def within(self) -> Float[ndarray, "rank columns"]:
+        """Q' X of all joints."""
+        return sum(self.inside.values())
+
+    @cached_property
+    def information(self) -> Float[ndarray, "columns columns"]:
+        """A = X' X less what lies in the span."""
+        return sum(self.squares.values()) - self.within.T @ self.within
+
+    @cached_property
+    def score(self) -> Float[ndarray, " columns"]:
+        """G = X' r."""
+        return sum(self.scores.values())
+
+    def left_by(self, sizes: Float[ndarray, " columns"]) -> Float[ndarray, " joints"]:
+        """(n,) sums of squares that are left of white rows with these coefficients, all else refitted."""
+        moved = self.within @ sizes
+        result = self.span.squares + (2 * self.span.products + self.span.grams @ moved) @ moved
+        for j, X in self.squares.items():
+            result[j] += sizes @ X @ sizes - 2 * sizes @ self.scores[j]
+            result[j] -= 2 * moved @ (self.inside[j] @ sizes)
+        return np.maximum(result, 0.0) / self.span.weights**2
+
+    def power(self, sizes: Float[ndarray, " columns"]) -> Float[ndarray, " joints"]:
+        """(n,) sums of squares of what the columns give to white rows."""
+        result = np.zeros(len(self.span.weights))
+        for j, X in self.squares.items():
+            result[j] = sizes @ X @ sizes / self.span.weights[j] ** 2
+        return result
+
+
+def project(
+    rows: WhiteRows,
+    columns: Float[ndarray, "joints rows columns"],
+    used: Bool[ndarray, " rows"],
+    variance: Float[ndarray, " joints"],
+    precision: Float[ndarray, "columns columns"] | None = None,
+) -> Projection:
+    """Fit white columns to white torque, joints weighted by their variance.
+
+    Args:
+        rows: The torque.
+        columns: What explains it.
+        used: Rows to fit.
+        variance: (n,) v of each joint's white rows.
+        precision: Of the coefficients' prior; none if None.
+    """
+    torque = rows.torque
+    weights = 1 / np.sqrt(variance)
+    joints, _, count = columns.shape
+    X = (columns[:, used] * weights[:, None, None]).reshape(-1, count)
+    y = (torque[:, used] * weights[:, None]).ravel()
+    fitted = len(X)
+    if precision is not None and np.any(precision):
+        values, vectors = np.linalg.eigh(precision)
+        kept = values > 0
+        X = np.concatenate([X, (vectors[:, kept] * np.sqrt(values[kept])).T])
+    lengths = np.linalg.norm(X, axis=0)
+    lengths = np.where(lengths > 0, lengths, 1.0)
+    q, r = np.linalg.qr(X / lengths)
+    u, s, vt = np.linalg.svd(r, full_matrices=False)
+    kept = s > RANK * max(float(s.max(initial=0.0)), 1e-300)
+    basis = (q[:fitted] @ u[:, kept]).reshape(joints, -1, int(kept.sum()))
+    inverse = (vt[kept].T / s[kept]) / lengths[:, None]
+    coefficients = inverse @ (basis.reshape(fitted, -1).T @ y)
+    return Projection(
+        columns, used, weights, basis, inverse, coefficients, torque - columns @ coefficients
+    )

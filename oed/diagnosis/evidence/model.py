@@ -1,0 +1,260 @@
+"""The model's state, one value, and its fit."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from numpy import ndarray
+
+from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate, Values, follows_model
+from oed.diagnosis.evidence.columns import white_effect, white_model
+from oed.diagnosis.evidence.criterion import log_score
+from oed.diagnosis.evidence.fit import Projection, project
+from oed.diagnosis.numbers import BASE_ERROR, FORMULA_ERROR, ROUNDS
+from oed.diagnosis.problem import Problem, full_parameters
+from oed.dynamics.effects.catalogue import Context
+from oed.dynamics.effects.effect import Effect
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.torque_model import TorqueModel
+
+Sizes = tuple[float, ...]
+SETTLED = 1e-3  # of a size, below which a step of it is none
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """A candidate that is part of a model.
+
+    Attributes:
+        candidate: What it is.
+        values: Of its shapes.
+        steps: Sizes that were installed in the whole model, one after another, of a candidate
+            that acts on it; others have none.
+        precision: Of a smooth term's prior.
+    """
+
+    candidate: Candidate
+    values: Values
+    steps: tuple[Sizes, ...] = ()
+    precision: Float[ndarray, "columns columns"] | None = field(default=None, repr=False)
+
+    @property
+    def label(self) -> str:
+        """Of the candidate."""
+        return self.candidate.label
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Terms beside the base model, fitted to rows.
+
+    Attributes:
+        problem: What is asked.
+        terms: Beside the base model.
+        installed: The base model with all terms that act on the whole of it.
+        effects: Effect of each term, None of those that have no columns.
+        places: Columns of each term in the design.
+        projection: The fit.
+        variance: (n,) v, the larger of what is left and what is tolerated, in units of noise.
+        tolerated: (n,) phi.
+        context: The same as the problem's with what was fitted.
+        columns: (b,) of the installed model that are estimated.
+        base_columns: White columns of the installed model and the nuisances, with what they were made for.
+    """
+
+    problem: Problem
+    terms: tuple[Term, ...]
+    installed: TorqueModel
+    effects: tuple[Effect | None, ...]
+    places: tuple[slice, ...]
+    projection: Projection
+    variance: Float[ndarray, " joints"]
+    tolerated: Float[ndarray, " joints"]
+    context: Context
+    columns: Int[ndarray, " base"]
+    base_columns: tuple[tuple, Int[ndarray, " base"], Float[ndarray, "joints rows beside"]]
+
+    @property
+    def coefficients(self) -> list[Float[ndarray, " columns"]]:
+        """Of each term."""
+        return [self.projection.coefficients[place] for place in self.places]
+
+    @property
+    def parameters(self) -> Float[ndarray, " parameters"]:
+        """Of all columns of the installed model."""
+        base = self.projection.coefficients[: len(self.columns)]
+        return full_parameters(self.installed, self.columns, base)
+
+    def squares(self, where: Bool[ndarray, " rows"]) -> Float[ndarray, " joints"]:
+        """(n,) sums of squares of what is left of some rows, in units of noise."""
+        return np.sum(self.projection.residual[:, where] ** 2, axis=1)
+
+    def rows(self, where: Bool[ndarray, " rows"]) -> Float[ndarray, " joints"]:
+        """(n,) how many of them count."""
+        return np.maximum(self.problem.rows.counts[:, where].sum(axis=1), 1.0)
+
+    def score(self, where: Bool[ndarray, " rows"]) -> float:
+        """Log score of some rows [nats]."""
+        return log_score(self.squares(where), self.rows(where), self.tolerated)
+
+    def power(self, place: slice) -> Float[ndarray, " joints"]:
+        """(n,) mean square of what columns give, in units of noise."""
+        own = self.projection.columns[:, :, place] @ self.projection.coefficients[place]
+        return np.sum(own**2, axis=1) / self.problem.rows.counted
+
+
+def fit(
+    problem: Problem,
+    terms: tuple[Term, ...],
+    used: Bool[ndarray, " rows"],
+    before: Fitted | None = None,
+    variance: Float[ndarray, " joints"] | None = None,
+) -> Fitted:
+    """Fit a model, effects of its own torque and terms that act on all of it included.
+
+    Args:
+        problem: What is asked.
+        terms: Beside the base model.
+        used: Rows to fit.
+        before: A fit to start from.
+        variance: (n,) of the rows, if it is given; otherwise what is left decides.
+    """
+    context = problem.context if before is None else before.context
+    fitted, follow = before, True
+    for _ in range(ROUNDS):
+        fitted = _once(problem, terms, used, context, before=fitted, variance=variance)
+        context = fitted.context
+        terms, moved = _stepped(fitted)
+        follow = any(e is not None and follows_model(e) for e in fitted.effects) or moved
+        if not follow:
+            break
+    if fitted is None:
+        raise ValueError("a fit needs at least one round")
+    return fitted
+
+
+def _stepped(fitted: Fitted) -> tuple[tuple[Term, ...], bool]:
+    """Terms that act on the whole model, moved on by what their columns still explain."""
+    result, moved = [], False
+    for term, place in zip(fitted.terms, fitted.places, strict=True):
+        own = fitted.projection.coefficients[place]
+        # Steps may differ in length: what a model has of it can depend on what is installed.
+        whole = sum(float(np.linalg.norm(step)) for step in term.steps)
+        if term.steps and len(own) and np.linalg.norm(own) > SETTLED * whole:
+            sizes = tuple(float(x) for x in own)
+            result.append(dataclasses.replace(term, steps=(*term.steps, sizes)))
+            moved = True
+        else:
+            result.append(term)
+    return tuple(result), moved
+
+
+def install(problem: Problem, terms: tuple[Term, ...], context: Context) -> Context:
+    """The context whose model has all terms that act on the whole of it."""
+    context = dataclasses.replace(context, model=problem.base)
+    for term in terms:
+        if isinstance(term.candidate, NamedCandidate):
+            for sizes in term.steps:
+                model = term.candidate.install(context, term.values, np.array(sizes))
+                context = dataclasses.replace(context, model=model)
+    return context
+
+
+def _once(
+    problem: Problem,
+    terms: tuple[Term, ...],
+    used: Bool[ndarray, " rows"],
+    context: Context,
+    *,
+    before: Fitted | None,
+    variance: Float[ndarray, " joints"] | None,
+) -> Fitted:
+    seen = install(problem, terms, context)
+    key = (id(problem.base), *((t.label, t.values, t.steps) for t in terms if t.steps))
+    if before is not None and before.base_columns[0] == key:
+        base_columns = before.base_columns
+    else:
+        own = _visible(problem, seen.model)
+        both = white_model(seen.model, own, problem.rows), problem.nuisances
+        base_columns = key, own, np.concatenate(both, axis=2)
+    visible = base_columns[1]
+    effects, places, blocks, start = [], [], [base_columns[2]], base_columns[2].shape[2]
+    for term in terms:
+        is_fixed = term.candidate.unit_coefficient
+        effect = None if is_fixed else term.candidate.effect(seen, term.values)
+        count = 0 if effect is None else len(effect.parameters)
+        if effect is not None:
+            blocks.append(dense(white_effect(effect, seen.model, problem.rows), problem, count))
+        effects.append(effect)
+        places.append(slice(start, start + count))
+        start += count
+    columns = np.concatenate(blocks, axis=2) if len(blocks) > 1 else blocks[0]
+    precision = np.zeros((start, start))
+    for term, place in zip(terms, places, strict=True):
+        if term.precision is not None:
+            precision[place, place] = term.precision
+    v = np.ones(problem.rows.joints) if before is None else before.variance
+    v = v if variance is None else variance
+    projection = project(problem.rows, columns, used, v, precision)
+    tolerated = _tolerated(problem, places, projection, len(visible))
+    if variance is None:
+        counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
+        left = np.sum(projection.residual[:, used] ** 2, axis=1) / counted
+        v = np.maximum(tolerated, left)
+        projection = project(problem.rows, columns, used, v, precision)
+        tolerated = _tolerated(problem, places, projection, len(visible))
+    base = full_parameters(seen.model, visible, projection.coefficients[: len(visible)])
+    beside = tuple(
+        (effect, projection.coefficients[place])
+        for term, effect, place in zip(terms, effects, places, strict=True)
+        if effect is not None and not term.steps
+    )
+    known = dataclasses.replace(seen, parameters=base, beside=beside)
+    return Fitted(
+        problem,
+        terms,
+        seen.model,
+        tuple(effects),
+        tuple(places),
+        projection,
+        v,
+        tolerated,
+        known,
+        visible,
+        base_columns,
+    )
+
+
+def _visible(problem: Problem, model: TorqueModel) -> Int[ndarray, " base"]:
+    """Columns that any motion shows: under another gravity other combinations are."""
+    if model.robot is problem.base.robot:
+        return problem.columns
+    return np.sort(base_parameters(dataclasses.replace(model, measurement=())).columns)
+
+
+def dense(
+    columns: dict[int, ndarray], problem: Problem, count: int
+) -> Float[ndarray, "joints rows columns"]:
+    """Columns of all joints, zero where they do not act."""
+    result = np.zeros((problem.rows.joints, problem.rows.torque.shape[1], count))
+    for j, own in columns.items():
+        result[j] = own
+    return result
+
+
+def _tolerated(
+    problem: Problem, places: list[slice], projection: Projection, base: int
+) -> Float[ndarray, " joints"]:
+    """(n,) variance that a joint's rows may have without blame: formulas are true to a few per cent."""
+
+    def power(place: slice) -> Float[ndarray, " joints"]:
+        own = projection.columns[:, :, place] @ projection.coefficients[place]
+        return np.sum(own**2, axis=1) / problem.rows.counted
+
+    result = 1 + BASE_ERROR**2 * power(slice(base))
+    for place in places:
+        result = result + FORMULA_ERROR**2 * power(place)
+    return result

@@ -1,0 +1,89 @@
+"""What rows tell of one term of a fitted model, counted by what the whole model leaves."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Bool
+from numpy import ndarray
+
+from oed.diagnosis.evidence.columns import white_effect
+from oed.diagnosis.evidence.criterion import Moments, score_dilution
+from oed.diagnosis.evidence.fit import Projection
+from oed.diagnosis.evidence.model import Fitted, Term
+
+
+def correlated_rows(whole: Fitted, joint: int, where: Bool[ndarray, " rows"]) -> float:
+    """Rows over which what a model leaves of a joint is correlated.
+
+    1 + 2 sum of the autocorrelation up to its first zero (Priestley 1981, section 5.3).
+    """
+    left = whole.projection.residual[joint, where]
+    length = len(left)
+    spectrum = np.abs(np.fft.rfft(left - left.mean(), 2 * length)) ** 2
+    covariance = np.fft.irfft(spectrum)[:length]
+    if covariance[0] <= 0:
+        return 1.0
+    rho = covariance / covariance[0]
+    beyond = np.flatnonzero(rho <= 0)
+    end = int(beyond[0]) if len(beyond) else length
+    return float(max(1.0, 2 * rho[:end].sum() - 1))
+
+
+def moments_of(
+    whole: Fitted,
+    rest: Projection,
+    columns: dict[int, ndarray],
+    used: Bool[ndarray, " rows"],
+    *,
+    gained: float | None = None,
+    tau: float | None = None,
+) -> Moments:
+    """What rows tell of columns beside `rest`, each block's score by what `whole` leaves.
+
+    Args:
+        whole: The model that is judged.
+        rest: The fit beside which the columns stand.
+        columns: joint -> (R, k) white columns of the term.
+        used: Rows that are looked at.
+        gained: As in `Moments`.
+        tau: Dilution if it is known.
+    """
+    problem = whole.problem
+    own = rest.beside(columns)
+    A, g, inside = own.information, own.score, own.within
+    count = len(g)
+    joints = list(columns)
+    main = max(joints, key=lambda j: float(np.sum(columns[j] ** 2)))
+    blocks = problem.rows.blocks(correlated_rows(whole, main, used))[used]
+    number = int(blocks.max()) + 1
+    scores, square = np.zeros((number, count)), np.zeros((number, count, count))
+    for j in range(problem.rows.joints):
+        X = -rest.basis[j] @ inside
+        if j in columns:
+            X = X + columns[j][used] * rest.weights[j]
+        left = whole.projection.residual[j, used] * rest.weights[j]
+        for c in range(count):
+            scores[:, c] += np.bincount(blocks, X[:, c] * left, number)
+            for d in range(c + 1):
+                square[:, c, d] += np.bincount(blocks, X[:, c] * X[:, d], number)
+    lower = square + np.tril(square, -1).transpose(0, 2, 1)
+    values, vectors = np.linalg.eigh(A)
+    kept = values > 1e-9 * max(float(values.max(initial=0.0)), 1e-300)
+    white = vectors[:, kept] / np.sqrt(values[kept])
+    leverage = float(np.sum((white.T @ lower @ white) ** 2))
+    counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
+    rows = float(sum(counted[j] for j in joints))
+    tau = score_dilution(scores, leverage, A) if tau is None else tau
+    return Moments(A, g, rows, tau, gained)
+
+
+def columns_of(term: Term, whole: Fitted, place: slice) -> dict[int, ndarray]:
+    """White columns of a term of a model; of one that is installed, the change that it makes."""
+    if not term.steps:
+        own = whole.projection.columns[:, :, place]
+        return {j: own[j] for j in range(len(own)) if np.any(own[j])}
+    bare = dataclasses.replace(whole.context, model=whole.problem.base)
+    effect = term.candidate.effect(bare, term.values)
+    return white_effect(effect, bare.model, whole.problem.rows)

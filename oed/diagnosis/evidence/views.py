@@ -1,0 +1,153 @@
+"""One model on two channels: the mean over repetitions, and how these differ.
+
+What is alike in all repetitions shows in their mean; what a term explains of their differences as
+well is noise, such as that of a motion which noise of the torque has shaken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
+from oed.diagnosis.candidates.candidate import Candidate
+from oed.diagnosis.evidence.criterion import Moments, log_score
+from oed.diagnosis.evidence.model import Fitted, Term, fit
+from oed.diagnosis.evidence.moments import columns_of, moments_of
+from oed.diagnosis.problem import Problem
+
+Which = Literal["fitted", "held_out", "all"]
+
+
+def chosen(problem: Problem, which: Which) -> Bool[ndarray, " rows"]:
+    """Rows of a kind."""
+    rows = problem.rows
+    return {"fitted": rows.fitted, "held_out": rows.held_out, "all": rows.fitted | rows.held_out}[
+        which
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Views:
+    """One model fitted to all rows, and to the means of repetitions.
+
+    Attributes:
+        every: On all rows.
+        means: On means; the same object where no motion was repeated.
+    """
+
+    every: Fitted
+    means: Fitted
+
+    @classmethod
+    def of(
+        cls,
+        problem: Problem,
+        terms: tuple[Term, ...],
+        which: Which,
+        before: Views | None = None,
+        like: Views | None = None,
+    ) -> Views:
+        """Fit a model on both.
+
+        Args:
+            problem: What is asked.
+            terms: Of the model.
+            which: Rows that are fitted.
+            before: Fits to start from.
+            like: A model whose variance the rows are given; what is left decides if None.
+        """
+        every = fit(
+            problem,
+            terms,
+            chosen(problem, which),
+            before and before.every,
+            like and like.every.variance,
+        )
+        if problem.means is None:
+            return cls(every, every)
+        means = fit(
+            problem.means,
+            terms,
+            chosen(problem.means, which),
+            before and before.means,
+            like and like.means.variance,
+        )
+        return cls(every, means)
+
+    @property
+    def problem(self) -> Problem:
+        """What is asked; its base model's signs turn as they fit best beside these terms."""
+        return self.every.problem
+
+    def grown(self, terms: tuple[Term, ...], which: Which, like: Views | None = None) -> Views:
+        """Other terms beside the same base model."""
+        return Views.of(self.problem, terms, which, self, like)
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """Of the model."""
+        return self.every.terms
+
+    def showing(self, candidate: Candidate) -> Fitted:
+        """The fit that shows a candidate in fewest rows."""
+        return self.every if candidate.changes else self.means
+
+    def left(self, which: Which) -> Float[ndarray, " joints"]:
+        """(n,) mean square of what is left of the mean, less what is left of differences, plus 1."""
+        means = chosen(self.means.problem, which)
+        own = self.means.squares(means) / self.means.rows(means)
+        if self.means is self.every:
+            return own
+        every = chosen(self.every.problem, which)
+        apart = self.every.squares(every) - self.means.squares(means)
+        count = np.maximum(self.every.rows(every) - self.means.rows(means), 1.0)
+        return np.maximum(own + (1 - apart / count), LEAST)
+
+    def score(self, which: Which) -> float:
+        """Log score of rows [nats]: of means, and of differences."""
+        rows = self.means.rows(chosen(self.means.problem, which))
+        total = log_score(self.left(which) * rows, rows, self.means.tolerated)
+        if self.means is self.every or not any(t.candidate.changes for t in self.terms):
+            return total
+        every = chosen(self.every.problem, which)
+        return self.every.score(every)
+
+
+LEAST = 0.1  # of noise: below, rows are too few to tell
+
+
+def moments(
+    whole: Views,
+    number: int,
+    rest: Views,
+    tau: float | None = None,
+    *,
+    changes: bool | None = None,
+) -> Moments:
+    """What rows tell of a term of a model: what it explains of the mean, less what of differences.
+
+    Args:
+        whole: With the term.
+        number: Of the term.
+        rest: Without it, its variance that of the whole.
+        tau: Dilution if it is known.
+        changes: Whether all rows tell, as of what changes between repetitions; as the term has it
+            if None.
+    """
+    term = whole.terms[number]
+    changes = term.candidate.changes if changes is None else changes
+    fitted, without = (v.every if changes else v.means for v in (whole, rest))
+    used = fitted.projection.used
+    tolerated = np.maximum(fitted.tolerated, without.tolerated)
+    rows = fitted.rows(used)
+    if changes:
+        own, others = (f.squares(used) for f in (fitted, without))
+    else:
+        own, others = (v.left("all") * rows for v in (whole, rest))
+    gained = log_score(own, rows, tolerated) - log_score(others, rows, tolerated)
+    columns = columns_of(term, fitted, fitted.places[number])
+    return moments_of(fitted, without.projection, columns, used, gained=gained, tau=tau)

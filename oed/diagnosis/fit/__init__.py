@@ -1,1 +1,0 @@
-"""White rows and linear fits to them."""

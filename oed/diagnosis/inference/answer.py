@@ -1,0 +1,213 @@
+"""What may be said: names with probabilities, classes whose law is open, coordinates without a name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate
+from oed.diagnosis.evidence.model import Fitted
+from oed.diagnosis.evidence.views import Views
+from oed.diagnosis.inference.estimates import Estimated, estimates
+from oed.diagnosis.numbers import ALIKE, NAMED, OUTSIDE
+from oed.diagnosis.selection.search import Judged, Rival, Selected, held_out
+from oed.dynamics.effects.catalogue import EffectPage
+
+Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """What else a term could be.
+
+    Attributes:
+        label: In words.
+        name: Of the effect; of a smooth term, "smooth term".
+        joint: From 0; None for the whole arm.
+        probability: Of it in this place.
+        same: Whether these recordings show the same by it.
+        open: Whether it is not excluded.
+    """
+
+    label: str
+    name: str
+    joint: int | None
+    probability: float
+    same: bool
+    open: bool
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """An effect with a name, or a class of them.
+
+    Attributes:
+        name: Of the most probable member.
+        joint: From 0; None for the whole arm.
+        number: Of its term in the model.
+        probability: Of the name at its place, with all that is the same.
+        parameters: Sizes and shapes.
+        alternatives: What else it could be, most probable first.
+        nats: Log evidence of the term.
+        held_out_gain: Log score of held-out rows with it less without [nats].
+        page: What the catalogue tells of it.
+    """
+
+    name: str
+    joint: int | None
+    number: int
+    probability: float
+    parameters: tuple[Estimated, ...]
+    alternatives: tuple[Alternative, ...]
+    nats: float
+    held_out_gain: float
+    page: EffectPage
+
+    @property
+    def is_open(self) -> bool:
+        """Whether another name is not excluded."""
+        return any(a.open and not a.same and a.name != self.name for a in self.alternatives)
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """What is there and has no name.
+
+    Attributes:
+        joint: From 0.
+        depends_on: Coordinates; none where no term that was tried describes it.
+        label: In words.
+        number: Of the term that describes it; None where none does.
+    """
+
+    joint: int
+    depends_on: tuple[str, ...]
+    label: str
+    number: int | None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a search lets be said.
+
+    Attributes:
+        effects: Named, in the order of what they explain.
+        unexplained: Not named.
+    """
+
+    effects: tuple[FoundEffect, ...]
+    unexplained: tuple[Unexplained, ...]
+
+
+def answer(selected: Selected) -> Answer:
+    """Name what may be named."""
+    whole = selected.views.every
+    effects, unexplained = [], []
+    for number, (own, rivals) in enumerate(zip(selected.judged, selected.rivals, strict=True)):
+        term = whole.terms[number]
+        found = _named(selected.views, number, own, rivals) if term.candidate.is_named else None
+        if found is not None:
+            effects.append(found)
+        else:
+            unexplained.append(_unnamed(whole, number, rivals))
+    effects.sort(key=lambda e: -e.nats)
+    return Answer(tuple(effects), tuple(unexplained))
+
+
+def _named(views: Views, number: int, own: Judged, rivals: Sequence[Rival]) -> FoundEffect | None:
+    """The effect of a term, or None where its name is not certain enough."""
+    whole = views.every
+    term = whole.terms[number]
+    candidate = term.candidate
+    if not isinstance(candidate, NamedCandidate):
+        return None
+    nats = np.array([r.nats for r in rivals])
+    # That there is nothing is one of the alternatives.
+    smooth = np.array([not r.term.candidate.is_named for r in rivals])
+    odds = np.exp(nats - max(float(nats.max()), 0.0)) * np.where(smooth, OUTSIDE, 1.0)
+    share = odds / (odds.sum() + np.exp(-max(float(nats.max()), 0.0)))
+    given = [
+        _given(r.whole.showing(term.candidate), own.rest.showing(term.candidate)) for r in rivals
+    ]
+    mine = next(g for r, g in zip(rivals, given, strict=True) if r.term is term)
+    alternatives, probability, named = [], 0.0, 0.0
+    for rival, p, torque in zip(rivals, share.tolist(), given, strict=True):
+        other = rival.term.candidate
+        same = rival.term is not term and _cosine(mine, torque) > ALIKE
+        if other.is_named:
+            named += p
+        if rival.term is term or (same and other.is_named):
+            probability += p
+        if rival.term is not term:
+            alternatives.append(
+                Alternative(other.label, _name(other), other.joint, p, same, p > (1 - NAMED) / 2)
+            )
+    foremost = max((a.probability for a in alternatives if not a.same), default=0.0)
+    if named < NAMED or probability < foremost:
+        return None
+    gain = held_out_gain(views, number)
+    if gain <= 0:
+        return None
+    parameters = estimates(whole, number, own.moments.dilution)
+    if _undetermined(whole, number, parameters):
+        return None
+    return FoundEffect(
+        candidate.entry.name,
+        candidate.joint,
+        number,
+        probability,
+        parameters,
+        tuple(alternatives),
+        own.worth.nats,
+        gain,
+        candidate.entry.page,
+    )
+
+
+def _undetermined(whole: Fitted, number: int, parameters: Sequence[Estimated]) -> bool:
+    """Whether no size of a term is as large as its own uncertainty."""
+    count = whole.places[number].stop - whole.places[number].start
+    sizes = [p for p in parameters[:count] if p.std is not None]
+    return bool(sizes) and all(abs(p.value) < (p.std or 0.0) for p in sizes)
+
+
+def held_out_gain(views: Views, number: int) -> float:
+    """What a term adds to the log score of rows that neither model was fitted to [nats]."""
+    others = tuple(t for k, t in enumerate(views.terms) if k != number)
+    return held_out(views, views.terms) - held_out(views, others)
+
+
+def _unnamed(whole: Fitted, number: int, rivals: Sequence[Rival]) -> Unexplained:
+    """Coordinates of a term, or of the smooth one that describes best what it does."""
+    term = whole.terms[number]
+    smooth = next((r.term for r in rivals if not r.term.candidate.is_named), None)
+    shown = term if not term.candidate.is_named or smooth is None else smooth
+    effect = shown.candidate.effect(whole.context, shown.values)
+    joint = shown.candidate.joint
+    if joint is None:
+        joint = (
+            int(np.argmax(whole.power(whole.places[number])))
+            if whole.places[number].stop > whole.places[number].start
+            else 0
+        )
+    return Unexplained(joint, effect.depends_on, shown.label, number)
+
+
+def _name(candidate: Candidate) -> str:
+    return candidate.entry.name if isinstance(candidate, NamedCandidate) else "smooth term"
+
+
+def _given(whole: Fitted, rest: Fitted) -> Float[ndarray, "joints rows"]:
+    """White torque that one model has beyond another."""
+    change = rest.projection.residual - whole.projection.residual
+    return change * rest.projection.weights[:, None]
+
+
+def _cosine(one: ndarray, other: ndarray) -> float:
+    lengths = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return float(np.sum(one * other)) / lengths if lengths > 0 else 0.0

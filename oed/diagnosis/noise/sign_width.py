@@ -1,0 +1,134 @@
+"""How sharply friction turns where a joint reverses, read off the data.
+
+Below some creeping speed dry friction does not switch but rises with the velocity: grease, and
+every simulator's stand-in for the sign, do that, some at once and some by and by. A sign that is
+too sharp leaves errors of the size of the friction wherever a joint creeps, and any effect of low
+speed will offer to take them.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+from scipy.optimize import minimize_scalar
+
+from oed.diagnosis.noise.linear_fit import (
+    Projection,
+    project,
+    reversal_nuisances,
+    whitened_regressor,
+)
+from oed.diagnosis.rows.weighted_rows import Rows
+from oed.dynamics.effects import Coulomb
+from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import sign_terms
+
+LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
+# The same where more is missing of the joint: a wide sign may stand in for nearly anything.
+MODEST_WIDTH = 0.05
+COMPLETE = 2.0  # mean squared white residual up to which little is
+SMALLEST_WIDTH = 1e-4
+ABSORBED = 1e-4  # share of a column outside the model, below which nothing of it is new
+POINTS = 14
+# Fall of -2 log likelihood that a wider sign must bring, besides Schwarz's log of the rows.
+DECISIVE = 10.0
+
+
+def with_fitted_sign(
+    model: TorqueModel,
+    columns: Int[ndarray, " parameters"],
+    rows: Rows,
+    beside: Float[ndarray, "joints rows additions"] | None = None,
+) -> TorqueModel:
+    """The model whose Coulomb terms turn over the velocities that fit best, joint by joint.
+
+    Widths stay as they are where the data show no better one.
+
+    Args:
+        model: With a Coulomb term for each joint, or for some.
+        columns: Of its columns that are estimated.
+        rows: White rows.
+        beside: White columns of what else is fitted.
+    """
+    fixed = [whitened_regressor(model, columns, rows), reversal_nuisances(rows)]
+    regressor = np.concatenate([*fixed, *([] if beside is None else [beside])], axis=2)
+    torque = rows.torque()
+    effects = list(model.effects)
+    for place, column, sign in sign_terms(model):
+        own = np.flatnonzero(columns == column)
+        if own.size:
+            projection = project(np.delete(regressor, own[0], axis=2))
+            alone = dataclasses.replace(model, effects=(sign,))
+            left = projection.residual(torque)
+            effects[place] = _best_turn(sign, alone, rows, projection, left)
+    return dataclasses.replace(model, effects=tuple(effects))
+
+
+def usual_speed(rows: Rows, joint: int) -> float:
+    """Root mean square of a joint's velocity [rad/s]: what widths are shares of."""
+    velocity = np.concatenate([p.motion.dq[:, joint] for p in rows.prepared])
+    return float(np.sqrt(np.mean(velocity**2)))
+
+
+def _best_turn(
+    effect: Coulomb,
+    alone: TorqueModel,
+    rows: Rows,
+    projection: Projection,
+    residual: Float[ndarray, "joints rows"],
+) -> Coulomb:
+    """The term of a model that has nothing else, with the turn that gains most, or its own."""
+    joint = effect.joint
+
+    def gain_of(tried: Coulomb) -> float:
+        model = dataclasses.replace(alone, effects=(tried,))
+        fine = [model.columns(p.motion)[:, joint] for p in rows.prepared]
+        column = rows.whiten_fine(fine, joint)[:, 0]
+        inside = projection.basis[joint].T @ column
+        beside = float(column @ column - inside @ inside)
+        moment = float(column @ residual[joint])
+        return moment**2 / beside if beside > ABSORBED**2 * float(column @ column) else 0.0
+
+    scale = usual_speed(rows, joint)
+    lowest = max(effect.width, SMALLEST_WIDTH * scale)
+    squares = float(np.sum(residual[joint] ** 2))
+    weight = max(float(rows.counted[joint]), 1.0)
+    for highest in (LARGEST_WIDTH * scale, MODEST_WIDTH * scale):
+        if lowest >= highest:
+            break
+        tried = [
+            _best_width(dataclasses.replace(effect, gradual=gradual), gain_of, lowest, highest)
+            for gradual in (False, True)
+        ]
+        # What the model lacks is noise to this question.
+        noise = max(1.0, (squares - max(gain for _, gain in tried)) / weight)
+        at_once, by_and_by = tried
+        best, gained = by_and_by if by_and_by[1] > at_once[1] + noise * DECISIVE else at_once
+        if best.width > MODEST_WIDTH * scale and noise > COMPLETE:
+            continue
+        margin = noise * (DECISIVE + np.log(rows.count))
+        return best if gained > gain_of(effect) + margin else effect
+    return effect
+
+
+def _best_width(
+    shaped: Coulomb, gain_of: Callable[[Coulomb], float], lowest: float, highest: float
+) -> tuple[Coulomb, float]:
+    """The term with the width between two that gains most, and how much."""
+    width, gained = _peak(lambda w: gain_of(dataclasses.replace(shaped, width=w)), lowest, highest)
+    return dataclasses.replace(shaped, width=width), gained
+
+
+def _peak(gain: Callable[[float], float], lowest: float, highest: float) -> tuple[float, float]:
+    """The width between two that gains most, and how much."""
+    grid = np.geomspace(lowest, highest, POINTS)
+    best = int(np.argmax([gain(float(w)) for w in grid]))
+    bounds = np.log(grid[max(best - 1, 0)]), np.log(grid[min(best + 1, POINTS - 1)])
+    found = minimize_scalar(
+        lambda x: -gain(float(np.exp(x))), bounds=bounds, method="bounded", options={"xatol": 0.02}
+    )
+    return float(np.exp(found.x)), -float(found.fun)

@@ -1,0 +1,35 @@
+"""The numbers of the method, each with its reason; those that no study has set yet say "assumed"."""
+
+# Evidence.
+BASE_ERROR = 0.002  # share of a base torque that may be left without blame; assumed, not measured
+FORMULA_ERROR = 0.03  # the same of an added term: formulas are true to a few per cent; assumed
+BLOCK_SECONDS = 0.5  # [s] least length of a block: friction at two reversals is two observations
+MOST_BLOCK_SHARE = (
+    1 / 12
+)  # of the rows: fewer blocks leave no estimate of a score's variance; assumed
+SMOOTHNESS = (1e-3, 1e-1, 1e1, 1e3)  # precisions of a smoothing prior, of the columns' own
+NULL_SHARE = 1e-3  # of a smoothing prior's precision, on what it does not penalise
+
+# Selection.
+PREDICTION_GAIN = (
+    1.0  # nats by which a held-out score must rise: one parameter's cost (Akaike 1974)
+)
+POLISHED = 8  # candidates whose shapes are fitted before they are compared
+RIVALS = 4  # of these that are fitted beside all else
+EFFECTS_PER_JOINT, LEAST_EFFECTS = 3, 6  # terms; assumed
+COLUMN_BYTES = 300_000_000  # of all candidates' columns on the rows of a scan; assumed
+HELD_OUT_SHARE = 0.25  # of a recording's end, where no validation recording was made
+ROUNDS = 3  # of refitting effects of the model's own torque (converges as the effect's share)
+
+# Inference.
+NAMED = 0.95  # least posterior probability of a name: one in twenty may be wrong
+CLEAR = 2.0  # noise floors of held-out error from which a joint counts as unexplained
+ALIKE = 0.9998  # cosine of two terms' torques from which on no noise could tell them apart here
+REPLICATES = 400  # of the block bootstrap: an interval's end is known within a tenth of its width
+EXCHANGES = 6  # of a term for another, each of which raises the evidence
+OUTSIDE = 0.05  # prior odds of an effect outside the catalogue against one in it; assumed
+NOISE_LAGS = 4  # of a control loop's answer to noise, a quarter of the band's period apart
+SETTLING = 3  # rounds of shapes one after another: more change the score by less than a nat
+
+# Discrimination.
+REFITTED = 4  # motions on which the alternative is refitted with its shapes; assumed

@@ -1,1 +1,0 @@
-"""Effects that the data cannot tell apart, and the motion that will."""

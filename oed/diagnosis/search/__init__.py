@@ -1,1 +1,0 @@
-"""Which additions the data demand."""

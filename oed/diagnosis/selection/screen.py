@@ -1,0 +1,196 @@
+"""A score test of every candidate over a grid of its shapes, and the best of them polished."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.optimize import minimize, minimize_scalar
+
+from oed.diagnosis.candidates.candidate import Candidate, Values
+from oed.diagnosis.evidence.columns import white_effect
+from oed.diagnosis.evidence.criterion import Moments, Worth, log_score, worth
+from oed.diagnosis.evidence.fit import Beside
+from oed.diagnosis.evidence.model import Fitted
+from oed.diagnosis.numbers import FORMULA_ERROR
+
+NEW = 1e-6  # share of columns outside the model's, below which they add nothing
+EVALUATIONS = 25  # of a shape, and so many more for each further one
+
+
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """A candidate at some shapes beside a fit.
+
+    Attributes:
+        candidate: What.
+        values: Its shapes.
+        worth: What it is worth there.
+        columns: joint -> (R, k) its white columns.
+    """
+
+    candidate: Candidate
+    values: Values
+    worth: Worth
+    columns: dict[int, ndarray] = field(repr=False)
+
+    @property
+    def nats(self) -> float:
+        """Of its worth."""
+        return self.worth.nats
+
+
+def price(candidate: Candidate, values: Values, fitted: Fitted, rows: float) -> float:
+    """-log prior probability of a candidate with these shapes [nats].
+
+    All of a kind are alike before data; a shape that is not at its plain value costs half the log
+    of the rows, or the log of the values that a scan tells apart where these are more.
+    """
+    problem = fitted.problem
+    kind = problem.names if candidate.is_named else problem.smooth
+    total = float(np.log(max(len(kind), 1)))
+    for shape, value in zip(candidate.shapes(fitted.context), values, strict=True):
+        if shape.is_plain(value) or shape.is_idle(value) or shape.upper <= shape.lower:
+            continue
+        if shape.is_estimated:
+            count = max(shape.points, shape.fine, 1)
+            total += max(0.5 * float(np.log(max(rows, 2.0))), float(np.log(count)))
+        elif value != shape.default:
+            total += float(np.log(max(shape.upper - shape.lower + 1, 2.0)))
+    return total
+
+
+def weighed(
+    candidate: Candidate,
+    values: Values,
+    fitted: Fitted,
+    beside: Beside,
+    counted: Float[ndarray, " joints"],
+) -> Worth | None:
+    """Worth of a candidate's columns beside a fit, by the log score that they would have.
+
+    Args:
+        candidate: What.
+        values: Its shapes.
+        fitted: The model beside which it stands.
+        beside: Its columns there.
+        counted: (n,) rows that count.
+    """
+    A, g = beside.information, beside.score
+    if np.trace(A) <= NEW * sum(float(np.trace(x)) for x in beside.squares.values()):
+        return None
+    rows = float(sum(counted[j] for j in beside.squares))
+    cost = price(candidate, values, fitted, rows)
+    penalty, fixed = candidate.precision(len(g)), candidate.unit_coefficient
+    own = worth(Moments(A, g, rows), cost, penalty, fixed=fixed)
+    before = beside.span.squares / beside.span.weights**2
+    after = beside.left_by(own.coefficients)
+    tolerated = fitted.tolerated + FORMULA_ERROR**2 * beside.power(own.coefficients) / counted
+    gained = log_score(after, counted, tolerated) - log_score(before, counted, tolerated)
+    return dataclasses.replace(own, nats=gained - own.occam - cost)
+
+
+def evaluate(candidate: Candidate, values: Values, fitted: Fitted) -> Scored | None:
+    """A candidate at some shapes beside a fit; None where it has no columns or no support."""
+    context = fitted.context
+    try:
+        effect = candidate.effect(context, values)
+    except ValueError:
+        return None
+
+    columns = white_effect(effect, fitted.installed, fitted.problem.rows)
+    if not columns or not all(np.isfinite(c).all() for c in columns.values()):
+        return None
+    beside = fitted.projection.beside(columns)
+    used = fitted.projection.used
+    own = weighed(candidate, values, fitted, beside, fitted.rows(used))
+    if own is None:
+        return None
+    if candidate.excluded(context, values, own.coefficients) is not None:
+        return None
+    return Scored(candidate, values, own, columns)
+
+
+def polish(scored: Scored, fitted: Fitted) -> Scored:
+    """A candidate with the shapes that are worth most near those given (variable projection)."""
+    shapes = scored.candidate.shapes(fitted.context)
+    best = scored
+    for k, shape in enumerate(shapes):
+        if shape.scale == "formula":
+            for option in range(int(shape.lower), int(shape.upper) + 1):
+                values = (*best.values[:k], float(option), *best.values[k + 1 :])
+                other = evaluate(scored.candidate, values, fitted)
+                if other is not None and other.nats > best.nats:
+                    best = other
+    free = [
+        k
+        for k, shape in enumerate(shapes)
+        if shape.is_estimated
+        and shape.upper > shape.lower
+        and not shape.is_idle(best.values[k])
+        and shape.lower <= best.values[k] <= shape.upper
+    ]
+    plain = [k for k in free if shapes[k].is_plain(best.values[k])]
+    for moving in ([k for k in free if k not in plain], free if plain else []):
+        if moving:
+            best = _climbed(best, moving, fitted)
+    return best
+
+
+def _climbed(scored: Scored, moving: list[int], fitted: Fitted) -> Scored:
+    shapes = scored.candidate.shapes(fitted.context)
+    best = scored
+
+    def at(places: Float[ndarray, " moving"]) -> float:
+        nonlocal best
+        values = list(scored.values)
+        for k, place in zip(moving, places, strict=True):
+            values[k] = shapes[k].at(float(place))
+        other = evaluate(scored.candidate, tuple(values), fitted)
+        if other is None:
+            return 1e6
+        if other.nats > best.nats:
+            best = other
+        return -other.nats
+
+    start = np.array([shapes[k].place_of(scored.values[k]) for k in moving])
+    steps = np.array([1 / max(shapes[k].points - 1, shapes[k].fine, 4) for k in moving])
+    if len(moving) == 1:
+        bounds = max(start[0] - steps[0], 0.0), min(start[0] + steps[0], 1.0)
+        minimize_scalar(
+            lambda x: at(np.array([x])),
+            bounds=bounds,
+            method="bounded",
+            options={"maxiter": EVALUATIONS, "xatol": 1e-3 * steps[0]},
+        )
+        return best
+    simplex = np.stack(
+        [
+            start,
+            *(
+                start + np.where(np.arange(len(moving)) == k, _inward(start, steps), 0.0)
+                for k in range(len(moving))
+            ),
+        ]
+    )
+    minimize(
+        at,
+        start,
+        method="Nelder-Mead",
+        options={
+            "maxfev": EVALUATIONS * len(moving),
+            "initial_simplex": np.clip(simplex, 0, 1),
+            "xatol": 1e-3,
+            "fatol": 0.05,
+        },
+    )
+    return best
+
+
+def _inward(
+    start: Float[ndarray, " moving"], steps: Float[ndarray, " moving"]
+) -> Float[ndarray, " moving"]:
+    return np.where(start + steps <= 1.0, steps, -steps)

@@ -1,0 +1,303 @@
+"""The search: look ahead with all rows, then judge backwards by what the whole model leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+
+from oed.diagnosis.candidates.candidate import Candidate
+from oed.diagnosis.evidence.criterion import Moments, Worth, worth
+from oed.diagnosis.evidence.model import Term
+from oed.diagnosis.evidence.views import Views, chosen, moments
+from oed.diagnosis.numbers import EXCHANGES, NAMED, PREDICTION_GAIN, RIVALS, SETTLING
+from oed.diagnosis.problem import Problem
+from oed.diagnosis.selection.screen import Scored, evaluate, polish, price
+from oed.diagnosis.selection.sharpen import sharpened
+from oed.diagnosis.selection.tables import Tables, as_term, few
+
+Say = Callable[[str], None]
+Over = Callable[[], bool]
+
+
+def look_ahead(
+    tables: Tables, start: Views, say: Say, over: Over, refused: frozenset[str] = frozenset()
+) -> Views:
+    """Add what is worth most, one after another, while it predicts rows that were not fitted."""
+    current = start
+    while len(current.terms) < current.problem.most and not over():
+        present = refused | labels(current)
+        found = tables.best(current, present)
+        first = few(found)
+        options = _options(current, first)
+        if not options:  # what is worth most may stand for what predicts no better
+            options = _options(current, [s for s in found if s not in first])
+        if not options:
+            return current
+        options.sort(key=lambda o: -o[0])
+        gain, best, grown = options[0]
+        current = _refined(sharpened(grown, "fitted"))
+        say(
+            f"+ {best.candidate.label} {_short(best.values)} {gain:.1f} nats, left "
+            f"{_short(current.left('fitted'))}, held out {_short(current.left('held_out'))}; beside "
+            + ", ".join(f"{o[1].candidate.label} {o[0]:.1f}" for o in options[1:4])
+        )
+    return current
+
+
+def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Scored, Views]]:
+    """Those that predict held-out rows better, each with what it is worth when all is refitted."""
+    options = []
+    for scored in tried:
+        if scored.nats <= 0:
+            continue
+        grown = current.grown((*current.terms, as_term(scored)), "fitted")
+        ahead = grown.score("held_out") - current.score("held_out")
+        gain = grown.score("fitted") - current.score("fitted")
+        rows = grown.means.rows(chosen(grown.means.problem, "fitted")).mean()
+        occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
+        if ahead > PREDICTION_GAIN and gain > occam:
+            options.append((float(gain - occam), scored, grown))
+    return options
+
+
+def _refined(views: Views) -> Views:
+    """The model with the shapes of each term, and of friction's sign, fitted again beside all else."""
+    for _ in range(SETTLING):
+        before = views.score("fitted")
+        for number, term in enumerate(views.terms):
+            if len(views.terms) == 1:  # as it was profiled when it was added
+                break
+            others = views.terms[:number] + views.terms[number + 1 :]
+            rest = views.grown(others, "fitted").showing(term.candidate)
+            start = evaluate(term.candidate, term.values, rest)
+            if start is None or not term.values:
+                continue
+            best = as_term(polish(start, rest))
+            if best.values == term.values:
+                continue
+            other = views.grown((*others[:number], best, *others[number:]), "fitted")
+            views = other if other.score("fitted") > views.score("fitted") else views
+        views = sharpened(views, "fitted")
+        if views.score("fitted") < before + PREDICTION_GAIN:
+            break
+    return views
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A term of a whole model, and what it is worth there.
+
+    Attributes:
+        term: The one that is judged.
+        rest: The model without it, its variance that of the whole.
+        moments: What rows tell of it.
+        worth: Of the term.
+    """
+
+    term: Term
+    rest: Views
+    moments: Moments
+    worth: Worth
+
+
+def judge(whole: Views, number: int) -> Judged:
+    """What a term is worth beside all else, counted by what the whole model leaves."""
+    others = tuple(t for k, t in enumerate(whole.terms) if k != number)
+    rest = whole.grown(others, "all", like=whole)
+    told = moments(whole, number, rest)
+    return Judged(whole.terms[number], rest, told, _worth(whole, number, told))
+
+
+def _worth(whole: Views, number: int, told: Moments) -> Worth:
+    term = whole.terms[number]
+    fitted = whole.showing(term.candidate)
+    cost = price(term.candidate, term.values, fitted, told.rows / told.dilution)
+    fixed = term.candidate.unit_coefficient
+    return worth(told, cost, term.precision, fixed=fixed, chosen=term.precision is not None)
+
+
+def prune(views: Views, say: Say) -> tuple[Views, list[Judged]]:
+    """Drop the term that is worth least, as long as one is worth nothing."""
+    while True:
+        judged = [judge(views, k) for k in range(len(views.terms))]
+        if not judged:
+            return views, judged
+        least = min(range(len(judged)), key=lambda k: judged[k].worth.nats)
+        if judged[least].worth.nats > 0:
+            return views, judged
+        own = judged[least]
+        say(f"- {own.term.label} {own.worth.nats:.1f} nats, tau {own.moments.dilution:.1f}")
+        terms = tuple(t for k, t in enumerate(views.terms) if k != least)
+        views = views.grown(terms, "all")
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """Something else in the place of a term.
+
+    Attributes:
+        term: It.
+        nats: What it is worth there, at the term's own dilution and variance.
+        whole: The model with it.
+    """
+
+    term: Term
+    nats: float
+    whole: Views
+
+
+# Nats by which a rival is excluded, however many there are of like worth.
+CONTENDING = float(np.log(NAMED / (1 - NAMED))) + float(np.log(RIVALS))
+
+
+def rivals_of(tables: Tables, whole: Views, own: Judged) -> list[Rival]:
+    """What else could stand in the place of a term, best first; the term itself is among them.
+
+    Whatever could be preferred to the term has to predict held-out rows better than nothing does,
+    as the term had to when it was added.
+    """
+    joint = own.term.candidate.joint
+    excluded = frozenset(t.label for t in whole.terms)
+
+    def near(candidate: Candidate) -> bool:
+        return joint is None or candidate.joint in (joint, None) or candidate.is_named
+
+    found = [Rival(own.term, own.worth.nats, whole)]
+    others, nothing = own.rest.terms, held_out(own.rest, own.rest.terms)
+    for scored in few(tables.best(own.rest, excluded, RIVALS, near)):
+        grown = whole.grown((*others, as_term(scored)), "all", like=whole)
+        grown = sharpened(grown, "all")
+        # Rivals of one size are compared at the same, smaller dilution.
+        rival = Rival(grown.terms[-1], _nats_in_place(grown, whole, own), grown)
+        if rival.nats < own.worth.nats - CONTENDING or held_out(grown, grown.terms) > nothing:
+            found.append(rival)
+    return sorted(found, key=lambda r: -r.nats)
+
+
+def _nats_in_place(grown: Views, whole: Views, own: Judged) -> float:
+    """What the last term of a model is worth in the place of another, on the rows that show that one.
+
+    Where only one of the two changes between repetitions, all rows tell how far they differ: on the
+    mean over repetitions any term is worth less.
+    """
+    tau, last = own.moments.dilution, len(grown.terms) - 1
+    one, other = own.term.candidate.changes, grown.terms[-1].candidate.changes
+    if one == other:
+        return _worth(grown, last, moments(grown, last, own.rest, tau)).nats
+    number = whole.terms.index(own.term)
+    here, there = (
+        _worth(v, k, moments(v, k, own.rest, tau, changes=True)).nats
+        for v, k in ((grown, last), (whole, number))
+    )
+    return own.worth.nats + here - there
+
+
+@dataclass(frozen=True, eq=False)
+class Selected:
+    """What a search found.
+
+    Attributes:
+        views: The model that was found, on all rows.
+        judged: Each of its terms.
+        rivals: Of each term, itself among them, best first.
+    """
+
+    views: Views
+    judged: tuple[Judged, ...]
+    rivals: tuple[tuple[Rival, ...], ...]
+
+
+def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: False) -> Selected:
+    """Find what a base model lacks.
+
+    Args:
+        problem: Rows, base model and candidates; no test recording is among them.
+        say: Receives lines of progress.
+        over: Whether the time for it is over: what was found so far is judged and returned.
+    """
+    start = Views.of(problem, (), "fitted")
+    tables = Tables.of(start, problem.candidates)
+    lines = len(tables.alike.lines) + len(tables.changing.lines)
+    say(
+        f"{lines} shapes of {len(problem.candidates)} candidates, left {_short(start.left('fitted'))}"
+    )
+    views, judged = _ahead_and_back(tables, start, say, over)
+    for _ in range(EXCHANGES):
+        if over():
+            break
+        rivals = tuple(tuple(rivals_of(tables, views, own)) for own in judged)
+        better = _better(views, judged, rivals)
+        if better is None:
+            break
+        own, best = better
+        say(f"{own.term.label} {own.worth.nats:.1f} -> {best.term.label} {best.nats:.1f} nats")
+        exchanged = Views.of(best.whole.problem, best.whole.terms, "all", best.whole)
+        views, judged = prune(exchanged, say)
+    foretelling = _foretelling(views, say)
+    if foretelling is not views:
+        views, judged = prune(foretelling, say)
+    say(f"what else the {len(judged)} terms could be")
+    rivals = tuple(tuple(rivals_of(tables, views, own)) for own in judged)
+    return Selected(views, tuple(judged), rivals)
+
+
+def _ahead_and_back(
+    tables: Tables, start: Views, say: Say, over: Over
+) -> tuple[Views, list[Judged]]:
+    """Look ahead and judge backwards, again without what was dropped, until nothing is."""
+    current, refused = start, frozenset[str]()
+    while True:
+        ahead = look_ahead(tables, current, say, over, refused)
+        say(f"judging {len(ahead.terms)} terms by what all of them leave")
+        views, judged = prune(Views.of(ahead.problem, ahead.terms, "all", ahead), say)
+        dropped = labels(ahead) - labels(views)
+        if not dropped or over():
+            return views, judged
+        refused |= dropped
+        current = Views.of(views.problem, views.terms, "fitted", views)
+
+
+def labels(views: Views) -> frozenset[str]:
+    """Of a model's terms."""
+    return frozenset(t.label for t in views.terms)
+
+
+def held_out(views: Views, terms: tuple[Term, ...]) -> float:
+    """Log score of held-out rows by a model that was fitted without them [nats]."""
+    return views.grown(terms, "fitted").score("held_out")
+
+
+def _foretelling(views: Views, say: Say) -> Views:
+    """The model without terms that predict held-out rows no better, one after another."""
+    while views.terms:
+        whole = held_out(views, views.terms)
+        rest = [views.terms[:k] + views.terms[k + 1 :] for k in range(len(views.terms))]
+        gains = [whole - held_out(views, others) for others in rest]
+        least = int(np.argmin(gains))
+        if gains[least] > 0:
+            return views
+        say(f"- {views.terms[least].label}: held-out rows {gains[least]:.1f} nats")
+        views = views.grown(rest[least], "all")
+    return views
+
+
+def _better(
+    views: Views, judged: Sequence[Judged], rivals: Sequence[Sequence[Rival]]
+) -> tuple[Judged, Rival] | None:
+    """The exchange that raises the evidence most and predicts held-out rows no worse, if one does."""
+    pairs = [(own, every[0]) for own, every in zip(judged, rivals, strict=True)]
+    pairs = [
+        (own, best)
+        for own, best in pairs
+        if best.term is not own.term and best.nats > own.worth.nats + PREDICTION_GAIN
+    ]
+    pairs.sort(key=lambda pair: pair[0].worth.nats - pair[1].nats)
+    now = held_out(views, views.terms) if pairs else 0.0
+    return next((p for p in pairs if held_out(p[1].whole, p[1].whole.terms) >= now), None)
+
+
+def _short(values: Sequence[float] | ndarray) -> tuple[float, ...]:
+    return tuple(float(f"{v:.3g}") for v in values)

@@ -1,0 +1,146 @@
+"""A score test of every candidate over a grid of its shapes, all at once.
+
+Columns are laid out once, in single precision and on as many blocks of rows as a number of bytes
+holds: this only tells which candidates are worth a closer look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int
+from numpy import ndarray
+
+from oed.diagnosis.candidates.candidate import Candidate, Values
+from oed.diagnosis.evidence.columns import white_effect
+from oed.diagnosis.evidence.fit import Beside, Span
+from oed.diagnosis.evidence.model import Fitted
+from oed.diagnosis.numbers import COLUMN_BYTES
+from oed.diagnosis.selection.screen import weighed
+
+BLOCK = 50  # rows that are kept together where not all are
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A candidate at some shapes in the table.
+
+    Attributes:
+        candidate: What.
+        values: Its shapes.
+        places: joint -> its columns in that joint's matrix.
+        squares: joint -> (k, k) X' X.
+    """
+
+    candidate: Candidate
+    values: Values
+    places: dict[int, slice]
+    squares: dict[int, ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of all candidates on some rows.
+
+    Attributes:
+        lines: What they are.
+        rows: Which rows.
+        columns: One (R', K) matrix a joint.
+    """
+
+    lines: tuple[Line, ...]
+    rows: Int[ndarray, " rows"]
+    columns: tuple[ndarray, ...]
+
+
+def lay_out(fitted: Fitted, candidates: Sequence[Candidate]) -> Table:
+    """Evaluate all candidates over their grids, for the torque as it is modelled by now."""
+    problem, context = fitted.problem, fitted.context
+    asked = []
+    for candidate in candidates:
+        for values in candidate.grid(context):
+            try:
+                asked.append((candidate, values, candidate.effect(context, values)))
+            except ValueError:
+                continue
+    whole = sum(
+        len(e.parameters) * (1 if c.joint is not None else problem.rows.joints) for c, _, e in asked
+    )
+    used = np.flatnonzero(fitted.projection.used)
+    most = COLUMN_BYTES // (4 * max(whole, 1))
+    every = max(1, -(-len(used) // max(most, 1)))
+    rows = used[(np.arange(len(used)) // BLOCK) % every == 0]
+    lines: list[Line] = []
+    parts: list[list[ndarray]] = [[] for _ in range(problem.rows.joints)]
+    ends = [0] * problem.rows.joints
+    for candidate, values, effect in asked:
+        places, squares = {}, {}
+        columns = white_effect(effect, fitted.installed, problem.rows)
+        if not columns or not all(np.isfinite(c).all() for c in columns.values()):
+            continue
+        for j, own in columns.items():
+            kept = own[rows]
+            places[j] = slice(ends[j], ends[j] + kept.shape[1])
+            squares[j] = kept.T @ kept
+            parts[j].append(kept.astype(np.float32))
+            ends[j] += kept.shape[1]
+        lines.append(Line(candidate, values, places, squares))
+    matrices = []
+    for own in parts:
+        matrices.append(
+            np.concatenate(own, axis=1) if own else np.zeros((len(rows), 0), np.float32)
+        )
+        own.clear()
+    return Table(tuple(lines), rows, tuple(matrices))
+
+
+def ranked(
+    table: Table, fitted: Fitted, excluded: frozenset[str], per_place: int = 3
+) -> list[list[tuple[float, Line]]]:
+    """Lines of each candidate, best first, and the candidates by their best.
+
+    Args:
+        table: Of columns.
+        fitted: Beside which they stand.
+        excluded: Labels that are left out.
+        per_place: Lines of each candidate.
+    """
+    projection, problem = fitted.projection, fitted.problem
+    joints = problem.rows.joints
+    D = np.stack([projection.columns[j, table.rows] * projection.weights[j] for j in range(joints)])
+    left = np.stack(
+        [projection.residual[j, table.rows] * projection.weights[j] for j in range(joints)]
+    )
+    flat = D.reshape(-1, D.shape[2])
+    lengths = np.linalg.norm(flat, axis=0)
+    u, s, _ = np.linalg.svd(flat / np.where(lengths > 0, lengths, 1.0), full_matrices=False)
+    share = len(table.rows) / max(int(projection.used.sum()), 1)
+    basis = u[:, s > 1e-6 * s.max()].reshape(joints, len(table.rows), -1)
+    left = left - basis @ (basis.reshape(-1, basis.shape[2]).T @ left.ravel())
+    span = Span(basis, left / np.sqrt(share), projection.weights)
+    inside, scores = [], []
+    for j in range(joints):
+        both = np.concatenate([basis[j], left[j][:, None]], axis=1) * projection.weights[j]
+        product = (both.astype(np.float32).T @ table.columns[j]).astype(float)
+        inside.append(product[:-1] / np.sqrt(share))
+        scores.append(product[-1] / share)
+    counted = fitted.rows(projection.used)
+    found: dict[str, list[tuple[float, Line]]] = {}
+    for line in table.lines:
+        if line.candidate.label in excluded:
+            continue
+        beside = Beside(
+            span,
+            {j: x * (projection.weights[j] ** 2 / share) for j, x in line.squares.items()},
+            {j: scores[j][place] for j, place in line.places.items()},
+            {j: inside[j][:, place] for j, place in line.places.items()},
+        )
+        own = weighed(line.candidate, line.values, fitted, beside, counted)
+        if own is not None:
+            found.setdefault(line.candidate.label, []).append((own.nats, line))
+    for own in found.values():
+        own.sort(key=lambda x: -x[0])
+        del own[per_place:]
+    return sorted(found.values(), key=lambda own: -own[0][0])

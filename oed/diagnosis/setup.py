@@ -1,0 +1,155 @@
+"""From a data set to a problem: bands, noise, rows, candidates."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.candidates.candidate import SmoothCandidate
+from oed.diagnosis.candidates.smooth_terms import ALL_PAIRED, terms_alone, terms_together
+from oed.diagnosis.evidence.nuisances import nuisances
+from oed.diagnosis.noise.baseline import Baseline, find_baseline
+from oed.diagnosis.noise.linear_fit import LinearFit, fit_model
+from oed.diagnosis.numbers import EFFECTS_PER_JOINT, LEAST_EFFECTS
+from oed.diagnosis.problem import Problem, named_candidates
+from oed.diagnosis.rows.weighted_rows import weigh
+from oed.diagnosis.rows.white_rows import WhiteRows
+from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Drives
+from oed.dynamics.effects.entries.measurement import standing
+from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import with_widths
+from oed.estimation.dissipation import check_dissipation, driven_joints
+from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.mean_repetition import mean_of_repetitions
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.prepared import Prepared
+
+
+@dataclass(frozen=True)
+class Sealed:
+    """All recordings, those for the test among them: for the report alone.
+
+    Attributes:
+        every: The recordings, prepared.
+        baseline: Gives the noise and how certain a row's direction is.
+    """
+
+    every: tuple[Prepared, ...]
+    baseline: Baseline
+
+    @property
+    def floor(self) -> Float[ndarray, " joints"]:
+        """(n,) deviation of the noise [N m]."""
+        return self.baseline.floor.deviation
+
+    @property
+    def source(self) -> str:
+        """Where the noise was read off."""
+        return self.baseline.floor.source
+
+    def weights(self, prepared: Sequence[Prepared]) -> list[Float[ndarray, "_ joints"]]:
+        """Share of noise in the variance of each valid row's error."""
+        return self.baseline.noise_share(prepared)
+
+
+def pose(
+    dataset: DataSet,
+    model: TorqueModel,
+    *,
+    catalogue: Mapping[str, CatalogueEntry] = CATALOGUE,
+    names: Sequence[str] | None = None,
+    most: int | None = None,
+    say: Callable[[str], None] = lambda _: None,
+) -> tuple[Problem, Sealed, tuple[str, ...]]:
+    """Lay out what a search may look at, and seal the rest.
+
+    Args:
+        dataset: Recordings with roles.
+        model: The base model.
+        catalogue: Effects that may be named.
+        names: Of these, those that are tried; all if None.
+        most: Terms that may be added.
+        say: Receives lines of progress.
+
+    Returns:
+        The problem, without any test recording; all recordings for the report; notes on the data.
+
+    Raises:
+        ValueError: If there is no estimation recording, or one is too short.
+        OedError: If a joint stands still, or friction drives every joint.
+    """
+    if not dataset.estimation:
+        raise ValueError(
+            f"data set {dataset.name!r} has no recording with role estimation: give that role to one in "
+            "its dataset.toml"
+        )
+    dataset.check_moves()
+    prepared = prepare(dataset.recordings)
+    say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
+    estimation = tuple(p for p in prepared if p.role == "estimation")
+    validation = tuple(p for p in prepared if p.role == "validation")
+    baseline = find_baseline(standing(model), estimation)
+    rows = WhiteRows.of(weigh((*estimation, *validation), baseline.floor.noise, baseline.coulomb))
+    first = fit_model(
+        baseline.model, baseline.columns, weigh(estimation, baseline.floor.noise, baseline.coulomb)
+    )
+    ratio = dataset.drive.gear_ratio
+    drives = Drives(
+        None if ratio is None else tuple(float(x) for x in ratio),
+        of_motors=dataset.torque != "measured",
+    )
+    context = Context.of(
+        baseline.model,
+        first.full_parameters(),
+        [p.motion for p in estimation],
+        drives,
+        later=[p.motion for p in validation],
+        ordered=len(estimation) < 2 or not estimation[0].laid or any(p.period for p in estimation),
+    )
+    n = model.robot.n
+    smooth = terms_alone(estimation, n)
+    if n <= ALL_PAIRED:
+        smooth += terms_together(estimation, n, range(n))
+    repeated = any(p.period is not None for p in rows.prepared)
+    problem = Problem(
+        rows,
+        baseline.model,
+        with_widths(baseline.model, baseline.least_widths),
+        baseline.columns,
+        context,
+        baseline.floor.deviation,
+        named_candidates(catalogue, tuple(names or catalogue), context),
+        tuple(SmoothCandidate(t) for t in smooth),
+        max(EFFECTS_PER_JOINT * n, LEAST_EFFECTS) if most is None else most,
+        nuisances(rows, context, dataset.estimation, repeated=repeated),
+    )
+    pairs = [mean_of_repetitions(p) for p in (*estimation, *validation)]
+    if any(count > 1 for _, count in pairs):
+        mean = tuple(p for p, _ in pairs)
+        scales = tuple(1 / float(np.sqrt(count)) for _, count in pairs)
+        few = WhiteRows.of(weigh(mean, baseline.floor.noise, baseline.coulomb, scales))
+        own = nuisances(few, context, dataset.estimation, repeated=True)
+        means = dataclasses.replace(problem, rows=few, nuisances=own)
+        problem = dataclasses.replace(problem, means=means)
+    return problem, Sealed(prepared, baseline), _sign_notes(first, estimation, dataset.name)
+
+
+def _sign_notes(first: LinearFit, prepared: Sequence[Prepared], name: str) -> tuple[str, ...]:
+    """What friction says of the torques' signs, joint by joint; refused where all are wrong."""
+    names = (p.name for p in first.model.parameters)
+    friction = dict(zip(names, first.full_parameters().tolist(), strict=True))
+    dq = np.concatenate([p.band.apply(p.motion.dq) for p in prepared])
+    torque = np.concatenate([p.torque for p in prepared])
+    check_dissipation(friction, dq, torque, name)
+    joints = first.model.robot.joint_names
+    return tuple(
+        f"{joints[j]}: in the base model friction drives it instead of braking it "
+        f"(Fc_{j + 1} = {friction.get(f'Fc_{j + 1}', 0.0):.3g}): is the sign of tau_{j + 1} opposite "
+        f"to that of q_{j + 1}, or the order of the columns another?"
+        for j in driven_joints(friction, dq, torque)
+    )

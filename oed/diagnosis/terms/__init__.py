@@ -1,1 +1,0 @@
-"""What may be added: effects of the catalogue over their shapes, and free-form terms."""

@@ -1,1 +1,0 @@
-"""A room of the diagnosis by evidence: see METHOD.md."""

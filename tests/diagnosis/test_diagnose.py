@@ -1,0 +1,191 @@
+"""What is promised of a whole diagnosis, on small data sets."""
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.diagnose import diagnose
+from oed.diagnosis.evidence.moments import correlated_rows
+from oed.diagnosis.inference.covariance import parameter_covariance
+from oed.dynamics.effects import Effect, Parameter
+from oed.dynamics.effects.catalogue import CATALOGUE, EffectPage, Shape, named_effect, register
+from oed.dynamics.torque_model import TorqueModel
+from oed.export.found_models import of_diagnosis
+from oed.export.model_file import load_model, write_model
+from oed.report.provenance import Provenance
+from tests.diagnosis.arm import data_set, stribeck
+from tests.paths import REPO
+
+FEW = ("stribeck", "torque_offset", "joint_spring", "rotor_inertia", "nonlinear_viscous")
+
+
+def _diagnose(dataset, **options):
+    return diagnose(dataset, TorqueModel.standard(dataset.robot), **{"names": FEW, **options})
+
+
+@pytest.fixture(scope="module")
+def found_stribeck():
+    return _diagnose(data_set(31, extra=stribeck(1.5, 0.15), repetitions=2))
+
+
+def test_names_nothing_where_nothing_is_missing():
+    found = _diagnose(data_set(32, repetitions=2))
+    assert found.effects == ()
+    assert found.verdict == "nothing found"
+
+
+def test_finds_what_was_put_in_and_says_its_size(found_stribeck):
+    (effect,) = found_stribeck.effects
+    assert (effect.name, effect.joint) == ("stribeck", 0)
+    assert effect.probability > 0.95
+    sizes = {p.name: p for p in effect.parameters}
+    assert abs(sizes["Fs_1"].value - 1.5) < 4 * sizes["Fs_1"].std
+    assert abs(sizes["speed"].value - 0.15) < 0.1
+
+
+def test_a_constant_is_named_though_any_curve_over_time_holds_one():
+    offset = data_set(
+        34, extra=lambda q, *_: np.stack([0 * q[:, 0], 0 * q[:, 0] + 0.4], axis=1), repetitions=3
+    )
+    found = _diagnose(offset)
+    assert [(e.name, e.joint) for e in found.effects] == [("torque_offset", 1)]
+    (size,) = found.effects[0].parameters
+    assert abs(size.value - 0.4) < 4 * size.std
+
+
+def test_is_handed_on_as_a_model_that_predicts_the_same(found_stribeck, tmp_path):
+    provenance = Provenance.collect(PAGE, seed=0)
+    model = of_diagnosis(found_stribeck, "arm", provenance)
+    again = load_model(write_model(model, tmp_path / "model.json"))
+    after, motion = found_stribeck.after, found_stribeck.selected.views.every.problem.rows.prepared
+    motion = motion[0].motion[:500]
+    assert again.torque(motion.q, motion.dq, motion.ddq, t=motion.t) == pytest.approx(
+        dataclasses.replace(after.model, measurement=()).torque(
+            after.parameters, dataclasses.replace(motion, averaged=False)
+        ),
+        rel=1e-12,
+    )
+    assert [s.name for s in again.shapes[-1]] == ["speed", "exponent", "tail"]
+
+
+def test_covariance_is_the_textbooks_by_blocks(found_stribeck):
+    whole = found_stribeck.selected.views.every
+    projection, rows = whole.projection, whole.problem.rows
+    used = projection.used
+    blocks = rows.blocks(max(correlated_rows(whole, j, used) for j in range(2)))[used]
+    X = projection.columns[:, used] * projection.weights[:, None, None]
+    left = projection.residual[:, used] * projection.weights[:, None]
+    bread = np.linalg.inv(np.einsum("jua,jub->ab", X, X))
+    scores = [
+        np.einsum("jua,ju->a", X[:, blocks == b], left[:, blocks == b]) for b in np.unique(blocks)
+    ]
+    expected = bread @ np.transpose(scores) @ np.array(scores) @ bread
+    found = parameter_covariance(whole)
+    # Nuisances stand between the base model's columns and those of the terms.
+    (place,) = whole.places
+    kept = [*range(len(whole.columns)), *range(place.start, place.stop)]
+    assert np.diag(found)[np.diag(found) > 0] == pytest.approx(np.diag(expected)[kept], rel=1e-4)
+
+
+def test_nothing_is_looked_for_when_the_time_is_over():
+    said = []
+    found = _diagnose(
+        data_set(31, extra=stribeck(1.5, 0.15), repetitions=2), budget=0.0, say=said.append
+    )
+    assert found.effects == ()
+    assert not any(line.startswith("+") for line in said)
+    assert {e.role for e in found.errors} == {"estimation", "validation", "test"}
+
+
+def test_budget_adds_up_to_the_torque(found_stribeck):
+    budget, errors = found_stribeck.budget, found_stribeck.errors
+    held = next(e for e in errors if e.role == budget.role)
+    assert budget.role == "validation"
+    assert budget.left == pytest.approx(held.after, rel=1e-6)
+    (own,) = (s for s in budget.shares if s.label == "stribeck@1")
+    assert own.rms[1] == 0
+    assert own.rms[0] > found_stribeck.noise_floor[0] / 4
+
+
+def test_test_recordings_only_report(found_stribeck):
+    dataset = data_set(31, extra=stribeck(1.5, 0.15), repetitions=2)
+    against = tuple(
+        dataclasses.replace(r, tau=r.tau - 2 * stribeck(1.5, 0.15)(r.q, _rate(r), None))
+        if r.role == "test"
+        else r
+        for r in dataset.recordings
+    )
+    found = _diagnose(dataclasses.replace(dataset, recordings=against))
+    assert [(e.name, e.joint) for e in found.effects] == [("stribeck", 0)]
+    before, after = found_stribeck.effects[0].parameters, found.effects[0].parameters
+    assert [p.value for p in before] == [p.value for p in after]
+    (words,) = found.contradicted
+    assert words.startswith("the test recordings contradict stribeck@1")
+    assert found_stribeck.contradicted == ()
+
+
+def _rate(recording):
+    return np.gradient(recording.q, recording.t, axis=0)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Staircase(Effect):
+    """Friction that rises with the square of speed, up to a speed, and no further."""
+
+    joint: int
+    speed: float
+    name = "capped_drag"
+
+    @property
+    def parameters(self):
+        return (Parameter(f"Fk_{self.joint + 1}", "N m", self.joint),)
+
+    @property
+    def depends_on(self):
+        return (f"dq_{self.joint + 1}",)
+
+    def entries(self, state):
+        share = np.minimum(np.abs(state.dq[self.joint]) / self.speed, 1.0)
+        return [{self.joint: share**2 * np.sign(state.dq[self.joint])}]
+
+
+PAGE = EffectPage("F min(|dq|/v, 1)² s", "a user's own", "F in N m", "a step", (), "speeds")
+
+
+def test_an_effect_from_outside_is_fitted_and_named():
+    entry = named_effect(
+        "capped_drag", page=PAGE, shapes=(Shape("speed", "rad/s", 0.05, 2.0, "log", 8, 0.5),)
+    )(lambda _context, target, values: _Staircase(target, values[0]))
+    assert CATALOGUE["capped_drag"] is entry
+
+    def drag(q, dq, ddq):
+        result = np.zeros_like(q)
+        result[:, 1] = 0.8 * np.minimum(np.abs(dq[:, 1]) / 0.6, 1) ** 2 * np.sign(dq[:, 1])
+        return result
+
+    found = _diagnose(data_set(33, extra=drag, repetitions=2), names=("capped_drag", "stribeck"))
+    (effect,) = found.effects
+    assert (effect.name, effect.joint) == ("capped_drag", 1)
+    assert {p.name: p.value for p in effect.parameters}["speed"] == pytest.approx(0.6, rel=0.2)
+
+
+def test_a_name_that_is_taken_is_refused():
+    with pytest.raises(ValueError, match="'stribeck' already"):
+        named_effect("stribeck", page=PAGE)(lambda *_: _Staircase(0, 1.0))
+    assert register(CATALOGUE["stribeck"]) is CATALOGUE["stribeck"]
+
+
+def test_an_unknown_name_is_refused():
+    with pytest.raises(ValueError, match="no effects"):
+        _diagnose(data_set(32, repetitions=2), names=("sticktion",))
+
+
+def test_nothing_downstream_asks_which_effect_it_is():
+    words = "|".join(sorted(set(CATALOGUE) - {"capped_drag"}))
+    for file in sorted((REPO / "oed" / "diagnosis").rglob("*.py")):
+        code = re.sub(r'"""[\s\S]*?"""|#.*', "", Path(file).read_text(encoding="utf-8"))
+        assert not re.search(rf"\b({words})\b", code), file
+        assert not re.search(r"isinstance\(\w*effect\w*, (?!OnReference)", code), file

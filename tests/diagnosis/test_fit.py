@@ -1,0 +1,97 @@
+"""Projections and white columns against what they stand for."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.evidence.columns import pieces, white_effect, white_model
+from oed.diagnosis.evidence.fit import project
+from oed.diagnosis.rows.weighted_rows import Rows
+from oed.diagnosis.rows.white_rows import WhiteRows
+from oed.diagnosis.setup import pose
+from oed.dynamics.effects import RotorInertia
+from oed.dynamics.effects.delay import FilterLag
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
+
+
+@pytest.fixture(scope="module")
+def problem():
+    dataset = data_set(21, repetitions=2)
+    found, _, _ = pose(dataset, TorqueModel.standard(dataset.robot), names=("stribeck",))
+    return found
+
+
+def test_rows_are_of_estimation_and_validation_alone(problem):
+    assert {p.role for p in problem.rows.prepared} == {"estimation", "validation"}
+    assert not np.any(problem.rows.fitted & problem.rows.held_out)
+
+
+def test_what_no_log_resolves_at_a_reversal_stands_beside_every_model(problem):
+    for own in (problem, problem.means):
+        assert own.nuisances.shape == (2, own.rows.torque.shape[1], 4)
+        assert np.all(own.nuisances[0, :, 2:] == 0)
+        assert np.all(own.nuisances[1, :, :2] == 0)
+        late = project(own.rows, own.nuisances, own.rows.fitted, np.ones(2))
+        assert late.basis.shape[2] == 4
+
+
+def test_residual_is_that_of_weighted_least_squares(problem):
+    rows = problem.rows
+    columns = white_model(problem.base, problem.columns, rows)
+    variance = np.array([1.0, 4.0])
+    found = project(rows, columns, rows.fitted, variance)
+    X = np.concatenate([columns[j, rows.fitted] / np.sqrt(v) for j, v in enumerate(variance)])
+    y = np.concatenate([rows.torque[j, rows.fitted] / np.sqrt(v) for j, v in enumerate(variance)])
+    assert found.coefficients == pytest.approx(np.linalg.lstsq(X, y, rcond=None)[0], rel=1e-6)
+
+
+def test_information_beside_the_model_is_that_of_a_refit(problem):
+    rows = problem.rows
+    columns = white_model(problem.base, problem.columns, rows)
+    found = project(rows, columns, rows.fitted, np.ones(2))
+    further = white_effect(RotorInertia(1), problem.base, rows)
+    beside = found.beside(further)
+    A, g = beside.information, beside.score
+    more = np.zeros((2, rows.torque.shape[1], 1))
+    more[1] = further[1]
+    refit = project(rows, np.concatenate([columns, more], axis=2), rows.fitted, np.ones(2))
+    assert g / A[0] == pytest.approx(refit.coefficients[-1:], rel=1e-5)
+    left = np.sum(refit.residual[:, rows.fitted] ** 2, axis=1)
+    assert beside.left_by(g / A[0]) == pytest.approx(left, rel=1e-6)
+    fall = np.sum(found.residual[:, rows.fitted] ** 2) - np.sum(refit.residual[:, rows.fitted] ** 2)
+    assert fall == pytest.approx(float(g @ np.linalg.solve(A, g)), rel=1e-5)
+
+
+def test_a_prior_is_as_many_rows_of_zeros(problem):
+    rows = problem.rows
+    columns = white_model(problem.base, problem.columns, rows)
+    count = columns.shape[2]
+    precision = 100.0 * np.eye(count)
+    found = project(rows, columns, rows.fitted, np.ones(2), precision)
+    X = columns[:, rows.fitted].reshape(-1, count)
+    y = rows.torque[:, rows.fitted].ravel()
+    assert found.coefficients == pytest.approx(
+        np.linalg.solve(X.T @ X + precision, X.T @ y), rel=1e-6
+    )
+
+
+def test_pieces_of_a_recording_give_the_rows_of_the_whole(problem, monkeypatch):
+    whole = white_model(problem.base, problem.columns, problem.rows)
+    lagged = problem.base.with_measurement(FilterLag(0.01))
+    late = white_model(lagged, problem.columns, problem.rows)
+    monkeypatch.setattr("oed.diagnosis.evidence.columns.SAMPLES", 1500)
+    assert len(list(pieces(problem.rows.prepared[0], remembers=False))) > 2
+    assert np.abs(white_model(problem.base, problem.columns, problem.rows) - whole).max() < 1e-9
+    again = white_model(lagged, problem.columns, problem.rows)
+    assert np.abs(again - late).max() < 1e-6 * np.abs(late).max()
+
+
+def test_blocks_hold_all_repetitions_of_a_phase(problem):
+    rows = problem.rows
+    blocks = rows.blocks(1.0)
+    first = rows.prepared[0]
+    phase, own = np.floor(first.phase / 0.5), blocks[: first.rows]
+    shared = [len(np.unique(own[phase == p])) for p in np.unique(phase)]
+    assert max(shared) <= 2
+    assert isinstance(rows.rows, Rows)
+    assert isinstance(rows, WhiteRows)

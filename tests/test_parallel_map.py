@@ -1,0 +1,95 @@
+"""Work on several processes: the results of one after another, and nothing left behind."""
+
+import os
+import signal
+
+import numpy as np
+import pytest
+
+from oed.errors import DataSetError
+from oed.parallel_map import PROCESSES, one_by_one, parallel_map, processes
+
+
+def test_results_stand_in_the_order_of_the_items():
+    assert parallel_map(lambda x: x**2, list(range(40))) == [x**2 for x in range(40)]
+
+
+def test_nothing_is_made_of_nothing():
+    assert parallel_map(lambda x: x, []) == []
+
+
+def test_nothing_is_at_work_for_one_who_has_stopped(tmp_path):
+    made = one_by_one(lambda x: (tmp_path / str(x)).touch() or x**2, list(range(400)))
+    assert [next(made) for _ in range(4)] == [0, 1, 4, 9]
+    if processes() == 1:
+        assert len(list(tmp_path.iterdir())) == 4
+    made.close()
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+def test_an_error_waits_for_its_turn():
+    def work(x):
+        if x == 2:
+            raise ValueError(f"{x} will not do")
+        return np.full(200_000, x)  # more than a pipe holds
+
+    made = one_by_one(work, list(range(9)))
+    assert [next(made)[0] for _ in range(2)] == [0, 1]
+    with pytest.raises(ValueError, match="2 will not do"):
+        next(made)
+
+
+def test_one_by_one_all_are_made_in_their_order():
+    assert list(one_by_one(lambda x: x**2, list(range(7)))) == [x**2 for x in range(7)]
+
+
+def test_what_one_item_raises_is_raised():
+    def work(x):
+        if x == 5:
+            raise ValueError(f"{x} will not do")
+        return x
+
+    with pytest.raises(ValueError, match="5 will not do"):
+        parallel_map(work, list(range(9)))
+
+
+def test_an_error_arrives_with_its_evidence():
+    def work(x):
+        raise DataSetError(f"{x} is no number", file="a.csv", row=7, column="q_1")
+
+    with pytest.raises(DataSetError, match="no number") as caught:
+        parallel_map(work, list(range(9)))
+    assert (caught.value.file, caught.value.row, caught.value.column) == ("a.csv", 7, "q_1")
+
+
+def test_what_a_process_took_with_it_is_made_here():
+    here = os.getpid()
+
+    def work(x):
+        if os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return x + 1
+
+    assert parallel_map(work, list(range(9))) == list(range(1, 10))
+
+
+def test_no_process_is_left_behind():
+    parallel_map(lambda x: x, list(range(9)))
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+def test_what_is_at_work_side_by_side_is_not_divided_again():
+    inner = parallel_map(
+        lambda _: (os.getpid(), parallel_map(lambda _: os.getpid(), [0, 1])), [0, 1, 2]
+    )
+    for outer, within in inner:
+        if outer != os.getpid():
+            assert set(within) == {outer}
+
+
+def test_a_number_of_processes_that_is_none_is_refused(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "many")
+    with pytest.raises(ValueError, match="OED_PROCESSES='many'"):
+        processes()
