@@ -10,14 +10,14 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
-
-from oed.diagnosis.noise.leverage import left_of_noise, taken_of_noise
+from scipy.ndimage import uniform_filter1d
 
 OCTAVES = 9  # into which frequencies are divided
 # Share of the noise that a fit must leave of an octave to tell how loud it is there. Elsewhere it is
 # as loud as in the octaves next to it that tell; slower than all of these, most is louder still.
 LEAST_LEFT = 0.3
 LAGS = 512  # frequencies from which the autocorrelation is made
+NEIGHBOURS = 9  # frequencies over which it is averaged: noise has a smooth colour
 REMEMBERED = 64  # lengths of recordings
 
 
@@ -129,3 +129,28 @@ def _octaves_of(rows: int) -> tuple[Int[ndarray, " frequencies"], Float[ndarray,
     if rows % 2 == 0:
         both[-1] = 1.0
     return np.clip(octave, 0, OCTAVES - 1), both
+
+
+def taken_of_noise(
+    basis: Float[ndarray, "*joints rows rank"],
+) -> Float[ndarray, "*joints frequencies"]:
+    """Share of the noise of one stretch of rows that a fit takes, at each frequency of `rfft`.
+
+    Args:
+        basis: Orthonormal columns of the fit, over all its stretches; these rows of them.
+    """
+    spectra = np.fft.rfft(basis, axis=-2)
+    return np.sum(spectra.real**2 + spectra.imag**2, axis=-1) / basis.shape[-2]
+
+
+def left_of_noise(
+    taken: Float[ndarray, "*joints frequencies"], seen: Bool[ndarray, "*joints rows"]
+) -> Float[ndarray, "*joints frequencies"]:
+    """Share of the noise of the fitted rows that a fit leaves.
+
+    Args:
+        taken: What it takes.
+        seen: Rows that were fitted.
+    """
+    there = np.maximum(seen.mean(axis=-1, keepdims=True), 1 / seen.shape[-1])
+    return 1 - uniform_filter1d(taken, NEIGHBOURS, axis=-1) / there

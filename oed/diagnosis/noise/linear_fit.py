@@ -13,10 +13,12 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.rows.model_columns import filtered_columns
 from oed.diagnosis.rows.weighted_rows import Rows
+from oed.dynamics.effects import Effect, State
+from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.preparation.direction import reversal_shapes
+from oed.experiment.preparation.prepared import Prepared
 
 RANK_TOLERANCE = 1e-7  # of the largest singular value of the normalised regressor
 NUISANCES = 2  # columns a joint that are fitted beside every model
@@ -223,3 +225,27 @@ def fit_span(
         parameters=asked @ coordinates,
         residual=torque - span.basis @ coordinates,
     )
+
+
+def filtered_columns(
+    model: TorqueModel, prepared: Prepared, columns: Int[ndarray, " kept"]
+) -> Float[ndarray, "rows joints kept"]:
+    """The chosen columns of a model in the analysis band."""
+    fine = model.columns(prepared.motion)[:, :, columns]
+    return prepared.band.apply(fine)
+
+
+def effect_columns(
+    effect: Effect, motion: Motion, sign_width: float
+) -> dict[int, Float[ndarray, "samples columns"]]:
+    """Columns of one effect on the fine grid, for the joints that it acts on."""
+    state = State.along(motion, sign_width)
+    entries = effect.entries(state)
+    acting = sorted({joint for entry in entries for joint in entry})
+    result = {}
+    for joint in acting:
+        rows = np.empty((len(entries), len(motion)))
+        for row, entry in zip(rows, entries, strict=True):
+            row[:] = entry.get(joint, 0.0)
+        result[joint] = rows.T
+    return result

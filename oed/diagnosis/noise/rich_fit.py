@@ -19,8 +19,7 @@ from scipy.linalg import block_diag
 
 from oed.diagnosis.candidates.smooth_terms import PIECES_FINE, coordinate, loop, terms_together
 from oed.diagnosis.noise.colour import Colour, Stretches
-from oed.diagnosis.noise.linear_fit import LinearFit
-from oed.diagnosis.rows.model_columns import effect_columns
+from oed.diagnosis.noise.linear_fit import LinearFit, effect_columns
 from oed.dynamics.effects.smooth_term import SmoothTerm
 from oed.dynamics.velocity_sign import WIDTH_PER_SIGMA
 from oed.experiment.preparation.prepared import Prepared

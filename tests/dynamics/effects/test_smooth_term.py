@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from oed.diagnosis.rows.model_columns import effect_columns
+from oed.diagnosis.noise.linear_fit import effect_columns
 from oed.dynamics.effects import State
 from oed.dynamics.effects.arguments import Factor, Loop, VaryingInertia
 from oed.dynamics.effects.coordinates import Coordinate
