@@ -15,7 +15,7 @@ PREDICTION_GAIN = (
     1.0  # nats by which a held-out score must rise: one parameter's cost (Akaike 1974)
 )
 POLISHED = 8  # candidates whose shapes are fitted before they are compared
-RIVALS = 4  # of these that are fitted beside all else
+COMPARED = 4  # of these that are fitted beside all else
 EFFECTS_PER_JOINT, LEAST_EFFECTS = 3, 6  # terms; assumed
 COLUMN_BYTES = 300_000_000  # of all candidates' columns on the rows of a scan; assumed
 HELD_OUT_SHARE = 0.25  # of a recording's end, where no validation recording was made

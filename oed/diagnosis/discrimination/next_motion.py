@@ -79,11 +79,11 @@ def open_pairs(found: Diagnosis) -> list[Pair]:
     for effect in found.effects:
         term = whole.terms[effect.number]
         still_open = {a.label for a in effect.alternatives if a.open and not a.same}
-        for rival in found.selected.rivals[effect.number]:
-            other = rival.term.candidate
+        for substitute in found.selected.substitutes[effect.number]:
+            other = substitute.term.candidate
             if other.label in still_open and not (other.changes or term.candidate.changes):
                 label = f"{term.label} or {other.label}"
-                pairs.append(Pair(label, whole, rival.whole.means))
+                pairs.append(Pair(label, whole, substitute.whole.means))
     return pairs
 
 

@@ -15,7 +15,7 @@ from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.estimates import Estimated, estimates
 from oed.diagnosis.numbers import ALIKE, NAMED, OUTSIDE
-from oed.diagnosis.selection.search import Judged, Rival, Selected, held_out
+from oed.diagnosis.selection.search import Judged, Selected, Substitute, held_out
 from oed.dynamics.effects.catalogue import EffectPage
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
@@ -108,42 +108,49 @@ def answer(selected: Selected) -> Answer:
     """Name what may be named."""
     whole = selected.views.every
     effects, unexplained = [], []
-    for number, (own, rivals) in enumerate(zip(selected.judged, selected.rivals, strict=True)):
+    for number, (own, substitutes) in enumerate(
+        zip(selected.judged, selected.substitutes, strict=True)
+    ):
         term = whole.terms[number]
-        found = _named(selected.views, number, own, rivals) if term.candidate.is_named else None
+        found = (
+            _named(selected.views, number, own, substitutes) if term.candidate.is_named else None
+        )
         if found is not None:
             effects.append(found)
         else:
-            unexplained.append(_unnamed(whole, number, rivals))
+            unexplained.append(_unnamed(whole, number, substitutes))
     effects.sort(key=lambda e: -e.nats)
     return Answer(tuple(effects), tuple(unexplained))
 
 
-def _named(views: Views, number: int, own: Judged, rivals: Sequence[Rival]) -> FoundEffect | None:
+def _named(
+    views: Views, number: int, own: Judged, substitutes: Sequence[Substitute]
+) -> FoundEffect | None:
     """The effect of a term, or None where its name is not certain enough."""
     whole = views.every
     term = whole.terms[number]
     candidate = term.candidate
     if not isinstance(candidate, NamedCandidate):
         return None
-    nats = np.array([r.nats for r in rivals])
+    nats = np.array([r.nats for r in substitutes])
     # That there is nothing is one of the alternatives.
-    smooth = np.array([not r.term.candidate.is_named for r in rivals])
+    smooth = np.array([not r.term.candidate.is_named for r in substitutes])
     odds = np.exp(nats - max(float(nats.max()), 0.0)) * np.where(smooth, OUTSIDE, 1.0)
     share = odds / (odds.sum() + np.exp(-max(float(nats.max()), 0.0)))
     given = [
-        _given(r.whole.showing(term.candidate), own.rest.showing(term.candidate)) for r in rivals
+        _given(r.whole.showing(term.candidate), own.rest.showing(term.candidate))
+        for r in substitutes
     ]
-    mine = next(g for r, g in zip(rivals, given, strict=True) if r.term is term)
+    mine = next(g for r, g in zip(substitutes, given, strict=True) if r.term is term)
     alternatives, probability, named = [], 0.0, 0.0
-    for rival, p, torque in zip(rivals, share.tolist(), given, strict=True):
-        other = rival.term.candidate
-        same = rival.term is not term and _cosine(mine, torque) > ALIKE
+    for substitute, p, torque in zip(substitutes, share.tolist(), given, strict=True):
+        other = substitute.term.candidate
+        same = substitute.term is not term and _cosine(mine, torque) > ALIKE
         if other.is_named:
             named += p
-        if rival.term is term or (same and other.is_named):
+        if substitute.term is term or (same and other.is_named):
             probability += p
-        if rival.term is not term:
+        if substitute.term is not term:
             alternatives.append(
                 Alternative(other.label, _name(other), other.joint, p, same, p > (1 - NAMED) / 2)
             )
@@ -182,10 +189,10 @@ def held_out_gain(views: Views, number: int) -> float:
     return held_out(views, views.terms) - held_out(views, others)
 
 
-def _unnamed(whole: Fitted, number: int, rivals: Sequence[Rival]) -> Unexplained:
+def _unnamed(whole: Fitted, number: int, substitutes: Sequence[Substitute]) -> Unexplained:
     """Coordinates of a term, or of the smooth one that describes best what it does."""
     term = whole.terms[number]
-    smooth = next((r.term for r in rivals if not r.term.candidate.is_named), None)
+    smooth = next((r.term for r in substitutes if not r.term.candidate.is_named), None)
     shown = term if not term.candidate.is_named or smooth is None else smooth
     effect = shown.candidate.effect(whole.context, shown.values)
     joint = shown.candidate.joint

@@ -12,10 +12,10 @@ from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.criterion import Moments, Worth, worth
 from oed.diagnosis.evidence.model import Term
 from oed.diagnosis.evidence.views import Views, chosen, moments
-from oed.diagnosis.numbers import EXCHANGES, NAMED, PREDICTION_GAIN, RIVALS, SETTLING
+from oed.diagnosis.numbers import COMPARED, EXCHANGES, NAMED, PREDICTION_GAIN, SETTLING
 from oed.diagnosis.problem import Problem
 from oed.diagnosis.selection.screen import Scored, evaluate, polish, price
-from oed.diagnosis.selection.sharpen import sharpened
+from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import Tables, as_term, few
 
 Say = Callable[[str], None]
@@ -38,7 +38,7 @@ def look_ahead(
             return current
         options.sort(key=lambda o: -o[0])
         gain, best, grown = options[0]
-        current = _refined(sharpened(grown, "fitted"))
+        current = _refined(with_refitted_sign(grown, "fitted"))
         say(
             f"+ {best.candidate.label} {_short(best.values)} {gain:.1f} nats, left "
             f"{_short(current.left('fitted'))}, held out {_short(current.left('held_out'))}; beside "
@@ -80,7 +80,7 @@ def _refined(views: Views) -> Views:
                 continue
             other = views.grown((*others[:number], best, *others[number:]), "fitted")
             views = other if other.score("fitted") > views.score("fitted") else views
-        views = sharpened(views, "fitted")
+        views = with_refitted_sign(views, "fitted")
         if views.score("fitted") < before + PREDICTION_GAIN:
             break
     return views
@@ -135,7 +135,7 @@ def prune(views: Views, say: Say) -> tuple[Views, list[Judged]]:
 
 
 @dataclass(frozen=True, eq=False)
-class Rival:
+class Substitute:
     """Something else in the place of a term.
 
     Attributes:
@@ -149,11 +149,11 @@ class Rival:
     whole: Views
 
 
-# Nats by which a rival is excluded, however many there are of like worth.
-CONTENDING = float(np.log(NAMED / (1 - NAMED))) + float(np.log(RIVALS))
+# Nats by which a substitute is excluded, however many there are of like worth.
+NOT_EXCLUDED = float(np.log(NAMED / (1 - NAMED))) + float(np.log(COMPARED))
 
 
-def rivals_of(tables: Tables, whole: Views, own: Judged) -> list[Rival]:
+def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute]:
     """What else could stand in the place of a term, best first; the term itself is among them.
 
     Whatever could be preferred to the term has to predict held-out rows better than nothing does,
@@ -165,34 +165,31 @@ def rivals_of(tables: Tables, whole: Views, own: Judged) -> list[Rival]:
     def near(candidate: Candidate) -> bool:
         return joint is None or candidate.joint in (joint, None) or candidate.is_named
 
-    found = [Rival(own.term, own.worth.nats, whole)]
+    found = [Substitute(own.term, own.worth.nats, whole)]
     others, nothing = own.rest.terms, held_out(own.rest, own.rest.terms)
-    for scored in few(tables.best(own.rest, excluded, RIVALS, near)):
+    for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
         grown = whole.grown((*others, as_term(scored)), "all", like=whole)
-        grown = sharpened(grown, "all")
-        # Rivals of one size are compared at the same, smaller dilution.
-        rival = Rival(grown.terms[-1], _nats_in_place(grown, whole, own), grown)
-        if rival.nats < own.worth.nats - CONTENDING or held_out(grown, grown.terms) > nothing:
-            found.append(rival)
+        grown = with_refitted_sign(grown, "all")
+        # Substitutes of one size are compared at the same, smaller dilution.
+        substitute = Substitute(grown.terms[-1], _nats_in_place(grown, whole, own), grown)
+        if (
+            substitute.nats < own.worth.nats - NOT_EXCLUDED
+            or held_out(grown, grown.terms) > nothing
+        ):
+            found.append(substitute)
     return sorted(found, key=lambda r: -r.nats)
 
 
 def _nats_in_place(grown: Views, whole: Views, own: Judged) -> float:
-    """What the last term of a model is worth in the place of another, on the rows that show that one.
+    """Worth of a model's last term in the place of another; on all rows where one of them changes."""
+    last, number = len(grown.terms) - 1, whole.terms.index(own.term)
+    alike = own.term.candidate.changes == grown.terms[last].candidate.changes
 
-    Where only one of the two changes between repetitions, all rows tell how far they differ: on the
-    mean over repetitions any term is worth less.
-    """
-    tau, last = own.moments.dilution, len(grown.terms) - 1
-    one, other = own.term.candidate.changes, grown.terms[-1].candidate.changes
-    if one == other:
-        return _worth(grown, last, moments(grown, last, own.rest, tau)).nats
-    number = whole.terms.index(own.term)
-    here, there = (
-        _worth(v, k, moments(v, k, own.rest, tau, changes=True)).nats
-        for v, k in ((grown, last), (whole, number))
-    )
-    return own.worth.nats + here - there
+    def nats(views: Views, place: int) -> float:
+        tau, changes = own.moments.dilution, None if alike else True
+        return _worth(views, place, moments(views, place, own.rest, tau, changes=changes)).nats
+
+    return nats(grown, last) if alike else own.worth.nats + nats(grown, last) - nats(whole, number)
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,12 +199,12 @@ class Selected:
     Attributes:
         views: The model that was found, on all rows.
         judged: Each of its terms.
-        rivals: Of each term, itself among them, best first.
+        substitutes: Of each term, itself among them, best first.
     """
 
     views: Views
     judged: tuple[Judged, ...]
-    rivals: tuple[tuple[Rival, ...], ...]
+    substitutes: tuple[tuple[Substitute, ...], ...]
 
 
 def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: False) -> Selected:
@@ -228,20 +225,20 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
     for _ in range(EXCHANGES):
         if over():
             break
-        rivals = tuple(tuple(rivals_of(tables, views, own)) for own in judged)
-        better = _better(views, judged, rivals)
+        substitutes = tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
+        better = _better(views, judged, substitutes)
         if better is None:
             break
         own, best = better
         say(f"{own.term.label} {own.worth.nats:.1f} -> {best.term.label} {best.nats:.1f} nats")
         exchanged = Views.of(best.whole.problem, best.whole.terms, "all", best.whole)
         views, judged = prune(exchanged, say)
-    foretelling = _foretelling(views, say)
-    if foretelling is not views:
-        views, judged = prune(foretelling, say)
+    predictive = _predictive(views, say)
+    if predictive is not views:
+        views, judged = prune(predictive, say)
     say(f"what else the {len(judged)} terms could be")
-    rivals = tuple(tuple(rivals_of(tables, views, own)) for own in judged)
-    return Selected(views, tuple(judged), rivals)
+    substitutes = tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
+    return Selected(views, tuple(judged), substitutes)
 
 
 def _ahead_and_back(
@@ -270,7 +267,7 @@ def held_out(views: Views, terms: tuple[Term, ...]) -> float:
     return views.grown(terms, "fitted").score("held_out")
 
 
-def _foretelling(views: Views, say: Say) -> Views:
+def _predictive(views: Views, say: Say) -> Views:
     """The model without terms that predict held-out rows no better, one after another."""
     while views.terms:
         whole = held_out(views, views.terms)
@@ -285,10 +282,10 @@ def _foretelling(views: Views, say: Say) -> Views:
 
 
 def _better(
-    views: Views, judged: Sequence[Judged], rivals: Sequence[Sequence[Rival]]
-) -> tuple[Judged, Rival] | None:
+    views: Views, judged: Sequence[Judged], substitutes: Sequence[Sequence[Substitute]]
+) -> tuple[Judged, Substitute] | None:
     """The exchange that raises the evidence most and predicts held-out rows no worse, if one does."""
-    pairs = [(own, every[0]) for own, every in zip(judged, rivals, strict=True)]
+    pairs = [(own, every[0]) for own, every in zip(judged, substitutes, strict=True)]
     pairs = [
         (own, best)
         for own, best in pairs

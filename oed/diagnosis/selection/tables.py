@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.model import Term
 from oed.diagnosis.evidence.views import Views
-from oed.diagnosis.numbers import POLISHED, RIVALS
+from oed.diagnosis.numbers import COMPARED, POLISHED
 from oed.diagnosis.selection.screen import Scored, evaluate, polish
 from oed.diagnosis.selection.table import Line, Table, lay_out, ranked
 
@@ -61,7 +61,7 @@ def _spread(lines: list[list[tuple[float, Line]]]) -> list[list[tuple[float, Lin
     for own in lines:
         joint = own[0][1].candidate.joint
         seen[joint] = seen.get(joint, 0) + 1
-        rank.append(seen[joint] > RIVALS)
+        rank.append(seen[joint] > COMPARED)
     return [lines[k] for k in sorted(range(len(lines)), key=lambda k: (rank[k], k))]
 
 
@@ -76,5 +76,5 @@ def as_term(scored: Scored) -> Term:
 
 def few(scored: Sequence[Scored]) -> list[Scored]:
     """The best names, and half as many smooth terms."""
-    names = [s for s in scored if s.candidate.is_named][:RIVALS]
-    return [*names, *[s for s in scored if not s.candidate.is_named][: RIVALS // 2]]
+    names = [s for s in scored if s.candidate.is_named][:COMPARED]
+    return [*names, *[s for s in scored if not s.candidate.is_named][: COMPARED // 2]]

@@ -11,7 +11,7 @@ from oed.diagnosis.problem import Problem
 from oed.dynamics.velocity_sign import signs_of, widths_of, with_signs, with_widths
 
 
-def sharpened(views: Views, which: Which) -> Views:
+def with_refitted_sign(views: Views, which: Which) -> Views:
     """The model whose base's signs turn over the velocities that fit best beside all its terms.
 
     Args:
