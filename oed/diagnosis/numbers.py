@@ -26,6 +26,7 @@ NAMED = 0.95  # least posterior probability of a name: one in twenty may be wron
 CLEAR = 2.0  # noise floors of held-out error from which a joint counts as unexplained
 ALIKE = 0.9998  # cosine of two terms' torques from which on no noise could tell them apart here
 REPLICATES = 400  # of the block bootstrap: an interval's end is known within a tenth of its width
+LOOKS = 2  # ahead and back; what was dropped may have kept something out, once; assumed
 EXCHANGES = 6  # of a term for another, each of which raises the evidence
 OUTSIDE = 0.05  # prior odds of an effect outside the catalogue against one in it; assumed
 NOISE_LAGS = 4  # of a control loop's answer to noise, a quarter of the band's period apart

@@ -88,17 +88,30 @@ class Fitted:
         base = self.projection.coefficients[: len(self.columns)]
         return full_parameters(self.installed, self.columns, base)
 
-    def squares(self, where: Bool[ndarray, " rows"]) -> Float[ndarray, " joints"]:
-        """(n,) sums of squares of what is left of some rows, in units of noise."""
-        return np.sum(self.projection.residual[:, where] ** 2, axis=1)
+    def squares(
+        self, where: Bool[ndarray, " rows"], *, is_ahead: bool = False
+    ) -> Float[ndarray, " joints"]:
+        """(n,) sums of squares of what is left of some rows, in units of noise.
+
+        Args:
+            where: Which rows.
+            is_ahead: Whether they are predicted: nuisances are part of no prediction.
+        """
+        left = self.projection.residual[:, where]
+        if is_ahead:
+            start = len(self.columns)
+            own = self.projection.coefficients[start : start + self.problem.nuisances.shape[2]]
+            left = left + self.problem.nuisances[:, where] @ own
+        return np.sum(left**2, axis=1)
 
     def rows(self, where: Bool[ndarray, " rows"]) -> Float[ndarray, " joints"]:
         """(n,) how many of them count."""
         return np.maximum(self.problem.rows.counts[:, where].sum(axis=1), 1.0)
 
-    def score(self, where: Bool[ndarray, " rows"]) -> float:
-        """Log score of some rows [nats]."""
-        return log_score(self.squares(where), self.rows(where), self.tolerated)
+    def score(self, where: Bool[ndarray, " rows"], *, is_ahead: bool = False) -> float:
+        """Log score of some rows, as in `squares` [nats]."""
+        squares = self.squares(where, is_ahead=is_ahead)
+        return log_score(squares, self.rows(where), self.tolerated)
 
     def power(self, place: slice) -> Float[ndarray, " joints"]:
         """(n,) mean square of what columns give, in units of noise."""

@@ -48,7 +48,7 @@ def _motion_noise(
     joints = rows.joints
     rate = rows.prepared[0].band.rate
     shortest = min(float(np.ptp(p.motion.t)) for p in rows.prepared)
-    edge = search_cutoff(recordings, rate, shortest).band_edge
+    edge = search_cutoff(tuple(recordings), rate, shortest).band_edge
     fine = [_shaken(p, context, edge) for p in rows.prepared]
     count = fine[0].shape[2]
     result = np.zeros((joints, rows.torque.shape[1], count * joints))

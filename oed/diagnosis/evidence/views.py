@@ -97,13 +97,17 @@ class Views:
         return self.every if candidate.changes else self.means
 
     def left(self, which: Which) -> Float[ndarray, " joints"]:
-        """(n,) mean square of what is left of the mean, less what is left of differences, plus 1."""
-        means = chosen(self.means.problem, which)
-        own = self.means.squares(means) / self.means.rows(means)
+        """(n,) mean square of what is left of the mean, less what is left of differences, plus 1.
+
+        Of rows that are held out it is what a prediction leaves, nuisances no part of it.
+        """
+        means, is_ahead = chosen(self.means.problem, which), which == "held_out"
+        squares = self.means.squares(means, is_ahead=is_ahead)
+        own = squares / self.means.rows(means)
         if self.means is self.every:
             return own
         every = chosen(self.every.problem, which)
-        apart = self.every.squares(every) - self.means.squares(means)
+        apart = self.every.squares(every, is_ahead=is_ahead) - squares
         count = np.maximum(self.every.rows(every) - self.means.rows(means), 1.0)
         return np.maximum(own + (1 - apart / count), LEAST)
 
@@ -114,7 +118,7 @@ class Views:
         if self.means is self.every or not any(t.candidate.changes for t in self.terms):
             return total
         every = chosen(self.every.problem, which)
-        return self.every.score(every)
+        return self.every.score(every, is_ahead=which == "held_out")
 
 
 LEAST = 0.1  # of noise: below, rows are too few to tell

@@ -12,7 +12,7 @@ from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.criterion import Moments, Worth, worth
 from oed.diagnosis.evidence.model import Term
 from oed.diagnosis.evidence.views import Views, chosen, moments
-from oed.diagnosis.numbers import COMPARED, EXCHANGES, NAMED, PREDICTION_GAIN, SETTLING
+from oed.diagnosis.numbers import COMPARED, EXCHANGES, LOOKS, NAMED, PREDICTION_GAIN, SETTLING
 from oed.diagnosis.problem import Problem
 from oed.diagnosis.selection.screen import Scored, evaluate, polish, price
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
@@ -244,17 +244,18 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
 def _ahead_and_back(
     tables: Tables, start: Views, say: Say, over: Over
 ) -> tuple[Views, list[Judged]]:
-    """Look ahead and judge backwards, again without what was dropped, until nothing is."""
-    current, refused = start, frozenset[str]()
-    while True:
+    """Look ahead and judge backwards, and once more without what was dropped."""
+    current, views, judged, refused = start, start, list[Judged](), frozenset[str]()
+    for _ in range(LOOKS):
         ahead = look_ahead(tables, current, say, over, refused)
         say(f"judging {len(ahead.terms)} terms by what all of them leave")
         views, judged = prune(Views.of(ahead.problem, ahead.terms, "all", ahead), say)
         dropped = labels(ahead) - labels(views)
         if not dropped or over():
-            return views, judged
+            break
         refused |= dropped
         current = Views.of(views.problem, views.terms, "fitted", views)
+    return views, judged
 
 
 def labels(views: Views) -> frozenset[str]:
