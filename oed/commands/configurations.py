@@ -149,10 +149,6 @@ class Diagnose(Command):
             )
         if self.budget is not None and not self.budget >= 0:
             raise ValueError(f"--budget {self.budget:g} must not be negative: seconds of CPU time")
-        if isinstance(self.model, Path) and self.method != "evidence":
-            raise ValueError(
-                f"--model {self.model}: no model of that name; a model.json needs --method evidence"
-            )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -68,8 +68,7 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     notes = (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0))
     for note in notes:
         say(f"note: {note}")
-    name = str(config.model or base_model(dataset))
-    say(f"base model {name!r}")
+    model = _base_model(config, dataset)
     most = config.max_effects
     found = diagnose(
         dataset,

@@ -104,7 +104,7 @@ def test_least_squares_finds_the_spring_again(calibrated, tmp_path):
 
 def test_a_second_round_finds_nothing_more(calibrated, tmp_path):
     start = calibrated / "diagnosis" / "model.json"
-    told = ("--model", start, "--method", "evidence", "--smoke", "--quiet")
+    told = ("--model", start, "--smoke", "--quiet")
     few = ("--candidates", "joint_spring", "torque_offset", "stribeck")
     data = calibrated.parent / "data"
     assert oed("diagnose", data, "--out", tmp_path, *told, *few) == 0
