@@ -83,8 +83,8 @@ print(list(estimate.unidentifiable) or "everything is determined")
 # %% [markdown]
 # ## How good is it?
 #
-# The error on the validation recording counts, over the torque's root mean square. Here noise alone is left. On measured geared arms most joints
-# end between 1 and 20 % on recordings that were not fitted (`results/measured/summary.md`).
+# The error on the validation recording counts, over the torque's root mean square. Here noise alone is left. On measured geared arms
+# expect several per cent on recordings that were not fitted.
 
 # %%
 print(np.round(calibration.validation["validation"].relative_rms, 4))
