@@ -92,6 +92,11 @@ class Views:
         """Of the model."""
         return self.every.terms
 
+    @property
+    def labels(self) -> frozenset[str]:
+        """Of its terms."""
+        return frozenset(term.label for term in self.terms)
+
     def showing(self, candidate: Candidate) -> Fitted:
         """The fit that shows a candidate in fewest rows."""
         return self.every if candidate.changes else self.means

@@ -28,7 +28,7 @@ def look_ahead(
     """Add what is worth most, one after another, while it predicts rows that were not fitted."""
     current = start
     while len(current.terms) < current.problem.most and not over():
-        present = refused | labels(current)
+        present = refused | current.labels
         found = tables.best(current, present)
         first = few(found)
         options = _options(current, first)
@@ -160,7 +160,7 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     as the term had to when it was added.
     """
     joint = own.term.candidate.joint
-    excluded = frozenset(t.label for t in whole.terms)
+    excluded = whole.labels
 
     def near(candidate: Candidate) -> bool:
         return joint is None or candidate.joint in (joint, None) or candidate.is_named
@@ -237,30 +237,29 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
     if predictive is not views:
         views, judged = prune(predictive, say)
     say(f"what else the {len(judged)} terms could be")
-    substitutes = tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
-    return Selected(views, tuple(judged), substitutes)
+    return Selected(
+        views, tuple(judged), tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
+    )
 
 
 def _ahead_and_back(
-    tables: Tables, start: Views, say: Say, over: Over
+    tables: Tables,
+    start: Views,
+    say: Say,
+    over: Over,
+    *,
+    refused: frozenset[str] = frozenset(),
+    looks: int = LOOKS,
 ) -> tuple[Views, list[Judged]]:
     """Look ahead and judge backwards, and once more without what was dropped."""
-    current, views, judged, refused = start, start, list[Judged](), frozenset[str]()
-    for _ in range(LOOKS):
-        ahead = look_ahead(tables, current, say, over, refused)
-        say(f"judging {len(ahead.terms)} terms by what all of them leave")
-        views, judged = prune(Views.of(ahead.problem, ahead.terms, "all", ahead), say)
-        dropped = labels(ahead) - labels(views)
-        if not dropped or over():
-            break
-        refused |= dropped
-        current = Views.of(views.problem, views.terms, "fitted", views)
-    return views, judged
-
-
-def labels(views: Views) -> frozenset[str]:
-    """Of a model's terms."""
-    return frozenset(t.label for t in views.terms)
+    ahead = look_ahead(tables, start, say, over, refused)
+    say(f"judging {len(ahead.terms)} terms by what all of them leave")
+    views, judged = prune(Views.of(ahead.problem, ahead.terms, "all", ahead), say)
+    dropped = ahead.labels - views.labels
+    if not dropped or over() or looks <= 1:
+        return views, judged
+    again, refused = Views.of(views.problem, views.terms, "fitted", views), refused | dropped
+    return _ahead_and_back(tables, again, say, over, refused=refused, looks=looks - 1)
 
 
 def held_out(views: Views, terms: tuple[Term, ...]) -> float:
