@@ -72,7 +72,6 @@ def _steps(config: Calibrate) -> tuple[tuple[str, Callable[[], int]], ...]:
                     max_effects=config.max_effects,
                     candidates=config.candidates,
                     seed=config.seed,
-                    method="evidence",
                 )
             ),
         ),
