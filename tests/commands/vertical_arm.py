@@ -61,9 +61,3 @@ def write_in_amperes(home, gains):
         write_dataset(
             dataclasses.replace(whole, torque="current", recordings=(currents,)), home / name
         )
-        manifest = home / name / "dataset.toml"
-        text = manifest.read_text(encoding="utf-8")
-        manifest.write_text(
-            text.replace('torque = "current"', 'torque = "current"\nunits = {tau = "A"}'),
-            encoding="utf-8",
-        )
