@@ -59,5 +59,8 @@ def write_in_amperes(home, gains):
         (log,) = whole.recordings
         currents = dataclasses.replace(log, tau=log.tau / gains)
         write_dataset(
-            dataclasses.replace(whole, torque="current", recordings=(currents,)), home / name
+            dataclasses.replace(
+                whole, robot=whole.robot.with_amperes(), torque="current", recordings=(currents,)
+            ),
+            home / name,
         )
