@@ -44,7 +44,10 @@ class GainsReport:
         if self.gains.reference is not None:
             return (f"of {self.gains.reference}",) * self.dataset.robot.n
         per = "A" if self._is_of_amperes else "stated torque"
-        return tuple(f"{joint.unit('N m')}/{per}" for joint in self.dataset.robot.joints)
+        torques = (
+            dataclasses.replace(j, effort="N m").unit("N m") for j in self.dataset.robot.joints
+        )
+        return tuple(f"{torque}/{per}" for torque in torques)
 
     @property
     def drive(self) -> str:

@@ -11,7 +11,14 @@ from oed.diagnosis.diagnose import diagnose
 from oed.diagnosis.evidence.moments import correlated_rows
 from oed.diagnosis.inference.covariance import parameter_covariance
 from oed.dynamics.effects import Effect, Parameter
-from oed.dynamics.effects.catalogue import CATALOGUE, EffectPage, Shape, named_effect, register
+from oed.dynamics.effects.catalogue import (
+    _ENTRIES,
+    CATALOGUE,
+    EffectPage,
+    Shape,
+    named_effect,
+    register,
+)
 from oed.dynamics.torque_model import TorqueModel
 from oed.export.found_models import of_diagnosis
 from oed.export.model_file import load_model, write_model
@@ -155,6 +162,16 @@ class _Staircase(Effect):
 PAGE = EffectPage("F min(|dq|/v, 1)² s", "a user's own", "F in N m", "a step", (), "speeds")
 
 
+@pytest.fixture
+def own_catalogue():
+    """What a test registers is gone after it: the catalogue is the process's."""
+    before = dict(CATALOGUE)
+    yield
+    for name in set(CATALOGUE) - set(before):
+        del _ENTRIES[name]
+
+
+@pytest.mark.usefixtures("own_catalogue")
 def test_an_effect_from_outside_is_fitted_and_named():
     entry = named_effect(
         "capped_drag", page=PAGE, shapes=(Shape("speed", "rad/s", 0.05, 2.0, "log", 8, 0.5),)
