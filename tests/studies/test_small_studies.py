@@ -11,7 +11,7 @@ import pytest
 from oed.experiment.read_dataset import read_dataset
 from oed.report.json_file import read_json
 from oed.report.table import read_csv
-from studies import cross_check, scara_recordings, streaming
+from studies import cross_check, scara_recordings, streaming, undeclared_masses
 from studies.data_folders import data_sets
 from tests.paths import REPO
 from tests.running import oed
@@ -38,6 +38,19 @@ def test_cross_check_leaves_nothing_where_no_folder_is_named(
     monkeypatch.chdir(tmp_path)
     assert oed("cross-check", "builtin:imi_scara", "--states", 50) == 0
     assert not list(tmp_path.iterdir())
+
+
+def test_the_arm_of_undeclared_masses_has_other_bodies_and_declares_nothing() -> None:
+    config = undeclared_masses.Config(seconds=4.0)
+    dataset, truth = undeclared_masses.simulate(config, 62)
+    declared = dataset.robot.parameters[::10]
+    assert np.all((truth / declared >= 0.8) & (truth / declared <= 1.25))
+    assert not np.allclose(truth, declared, rtol=0.02)
+    assert [r.role for r in dataset.recordings] == list(undeclared_masses.ROLES)
+    # Steps that `oed calibrate` takes are tested where they are; what they come to is read here.
+    row = {"seed": 62, "link": "l", "truth [kg]": 2.0, "feasible alone [kg]": 0.5}
+    told = undeclared_masses.summarise([row | {"calibrate [kg]": 2.2}])
+    assert "4 by `oed feasible` alone, 1.1 by `oed calibrate`" in told
 
 
 def test_streaming_finds_the_truth(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.linalg import svd
 
 from oed.estimation.feasible.coordinates import ENTRIES
 from oed.estimation.feasible.problem import FeasibleProblem
@@ -138,7 +139,10 @@ def deviations_from_data(
     rows = combinations @ problem.coordinates.to_parameters
     lengths = np.linalg.norm(problem.factor, axis=0)
     used = lengths > 0
-    _, values, right = np.linalg.svd(problem.factor[:, used] / lengths[used], full_matrices=False)
+    # By QR iteration: LAPACK's divide and conquer, NumPy's choice, fails on some triangles.
+    _, values, right = svd(
+        problem.factor[:, used] / lengths[used], full_matrices=False, lapack_driver="gesvd"
+    )
     kept = values > RANK * values[0]
     scaled = rows[:, used] / lengths[used]
     along = scaled @ right[kept].T
