@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.effects.parameter import Demand, Parameter, not_negative
 from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar, add, mean_sign, mul, sign, tanh
 
@@ -23,36 +24,6 @@ JointTerm = Literal["friction", "damping", "armature"]
 # drives, inertia beside the bodies'.
 Part = Literal["body", "position", "friction", "inertia"]
 Columns = Sequence[Mapping[int, Scalar]]
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A linear parameter of a torque model.
-
-    Attributes:
-        name: Symbol and joint number from 1, such as "Fv_2".
-        unit: SI unit.
-        joint: Index of the joint it belongs to, None for the whole arm.
-    """
-
-    name: str
-    unit: str
-    joint: int | None
-
-
-@dataclass(frozen=True)
-class Demand:
-    """What physics asks of an effect's parameters: weights @ parameters >= bound.
-
-    Attributes:
-        weights: One a parameter.
-        bound: In the unit of their sum.
-        words: What it says.
-    """
-
-    weights: tuple[float, ...]
-    bound: float
-    words: str
 
 
 @dataclass(frozen=True)
@@ -257,14 +228,6 @@ def combined(columns: Columns, coefficients: Float[ndarray, " columns"]) -> dict
         for joint, column in entry.items():
             result[joint] = add(result.get(joint, 0.0), mul(size, column))
     return result
-
-
-def not_negative(parameters: Sequence[Parameter]) -> tuple[Demand, ...]:
-    """That none of some parameters, all of an effect, is negative."""
-    rows = np.eye(len(parameters)).tolist()
-    return tuple(
-        Demand(tuple(row), 0.0, f"{p.name} >= 0") for row, p in zip(rows, parameters, strict=True)
-    )
 
 
 def with_columns(effects: Iterable[Effect]) -> Iterator[tuple[Effect, slice]]:

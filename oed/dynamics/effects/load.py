@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from oed.dynamics.effects.effect import Demand, Parameter, State
+from oed.dynamics.effects.effect import Parameter, State
 from oed.dynamics.effects.on_reference import FollowsTorque
+from oed.dynamics.effects.parameter import Demand
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.scalars import Scalar, add, is_zero, magnitude, mul, power, sign
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from oed.dynamics.effects.effect import Demand, Effect, Parameter, State, not_negative
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.parameter import Demand, not_negative
 from oed.dynamics.scalars import Scalar, magnitude, power
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from oed.dynamics.effects.effect import Demand, Effect, Parameter, State
+from oed.dynamics.effects.effect import Effect, Parameter, State
+from oed.dynamics.effects.parameter import Demand
 from oed.dynamics.scalars import Scalar, add, cos, magnitude, mul, sin
 
 LINEAR, PROGRESSIVE = 1, 3  # orders of a spring

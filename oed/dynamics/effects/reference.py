@@ -20,10 +20,11 @@ from scipy.interpolate import make_interp_spline
 
 from oed.dynamics.effects.effect import Effect, State, recall_effects, with_columns
 from oed.dynamics.effects.rigid_body import RigidBody
+from oed.dynamics.effects.slopes import central_slope
 from oed.dynamics.effects.wiener import expected
 from oed.dynamics.motion import Curve, Motion
 from oed.dynamics.newton_euler import inverse_dynamics, regressor_entries
-from oed.dynamics.scalars import Scalar, add, mul, sub
+from oed.dynamics.scalars import Scalar, add
 from oed.robot import Robot
 
 STEP = 1e-4  # [rad or m] of central differences: their error is its square, far above rounding
@@ -35,8 +36,7 @@ REMEMBERED = 96  # torques of a few recordings: a scan asks for the same ones at
 class ReferenceTorque:
     """A torque model with numbers for its parameters.
 
-    It remembers the torques of the last sampled motions: a scan over shapes asks again and
-    again for the same recordings.
+    It remembers torques of the last sampled motions: a scan asks for the same ones again and again.
 
     Attributes:
         robot: Carries the estimated standard parameters; they need not be physical.
@@ -110,8 +110,7 @@ class ReferenceTorque:
     def expected(self, state: State, joint: int) -> list[Scalar]:
         """Rigid-body torque of a joint [N m] and of a rotor of unit inertia, less encoder noise.
 
-        What the motion is known to drive, and not what differentiated noise would: for what
-        resonates with it.
+        What the motion is known to drive, not what differentiated noise would: for what resonates.
         """
         return self._remembered(f"expected {joint}", state, lambda: self._expected(state, joint))
 
@@ -179,13 +178,7 @@ class ReferenceTorque:
     def recall(
         self, state: State, memory: Sequence[Scalar], step: float
     ) -> tuple[ReferenceAt, list[Scalar]]:
-        """The torque at one instant after others, and what is remembered at the next.
-
-        Args:
-            state: Of that instant, symbolic or in numbers.
-            memory: As `begin`, or the instant before, left it.
-            step: To the next instant [s].
-        """
+        """The torque at one instant after others, and the memory at the next; as `Effect.recall`."""
         sizes = np.array(self.coefficients)
         found = recall_effects(self.others, sizes, state, memory, step)
         beside = tuple(found[0].get(joint, 0.0) for joint in range(self.robot.n))
@@ -246,9 +239,9 @@ class ReferenceTorque:
         def rigid(there: State) -> list[Scalar]:
             return inverse_dynamics(self.robot, there.q, there.dq, there.ddq)
 
-        by_q = _slope(rigid, state, joint, STEP, (1.0, 0.0, 0.0))
+        by_q = central_slope(rigid, state, joint, STEP, (1.0, 0.0, 0.0))
         # Quadratic in dq: a step of one is exact.
-        by_dq = _slope(rigid, state, joint, 1.0, (0.0, 1.0, 0.0))
+        by_dq = central_slope(rigid, state, joint, 1.0, (0.0, 1.0, 0.0))
         return list(zip(by_q, by_dq, self._column(state, joint), strict=True))
 
     def _slopes_beside(self, state: State, joint: int) -> list[tuple[Scalar, Scalar, Scalar]]:
@@ -257,7 +250,7 @@ class ReferenceTorque:
             (STEP, (0.0, state.dq[joint], 0.0)),
             (1.0, (0.0, 0.0, 1.0)),
         )
-        found = [_slope(self._beside_rigid, state, joint, step, way) for step, way in ways]
+        found = [central_slope(self._beside_rigid, state, joint, step, way) for step, way in ways]
         return list(zip(*found, strict=True))
 
     def _beside_rigid(self, state: State) -> list[Scalar]:
@@ -295,7 +288,7 @@ class ReferenceTorque:
 
 @dataclass(frozen=True)
 class ReferenceAt(ReferenceTorque):
-    """A reference torque at one instant after others, what it keeps being worked out.
+    """A reference torque at one instant after others.
 
     Attributes:
         beside: (n,) torque of all other effects at that instant.
@@ -305,19 +298,3 @@ class ReferenceAt(ReferenceTorque):
 
     def _beside_rigid(self, state: State) -> list[Scalar]:  # noqa: ARG002  # of that instant alone
         return list(self.beside)
-
-
-def _slope(
-    torque: Callable[[State], list[Scalar]],
-    state: State,
-    joint: int,
-    step: float,
-    way: tuple[Scalar, Scalar, Scalar],
-) -> list[Scalar]:
-    """Central difference of every joint's torque along a change of one joint's q, dq and ddq."""
-    own = (state.q[joint], state.dq[joint], state.ddq[joint])
-    high, low = (
-        torque(state.with_joint(joint, *(add(x, mul(h, d)) for x, d in zip(own, way, strict=True))))
-        for h in (step, -step)
-    )
-    return [mul(0.5 / step, sub(x, y)) for x, y in zip(high, low, strict=True)]

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.effects import with_columns
-from oed.dynamics.effects.effect import Demand
+from oed.dynamics.effects.parameter import Demand
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot.inertia import pseudo_inertia
 
