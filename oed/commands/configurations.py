@@ -169,7 +169,6 @@ class Payload(Command):
         joints: Names of the joints to use; all if not given.
         cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
         torque_model: Of the arm: as --model of oed identify.
-        sign_width: Velocity over which Coulomb friction turns [rad/s].
         smoke: Do less, to see that it works.
     """
 
@@ -181,7 +180,6 @@ class Payload(Command):
     joints: tuple[str, ...] = ()
     cutoff: float | None = None
     torque_model: ModelName = "rotor"
-    sign_width: float = SIGN_WIDTH
     smoke: bool = False
 
 
@@ -204,7 +202,6 @@ class Gains(Command):
         joints: Names of the joints to use; all if not given.
         cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
         torque_model: Of the arm: as --model of oed identify.
-        sign_width: Velocity over which Coulomb friction turns [rad/s].
         smoke: Do less, to see that it works.
     """
 
@@ -217,7 +214,6 @@ class Gains(Command):
     joints: tuple[str, ...] = ()
     cutoff: float | None = None
     torque_model: ModelName = "rotor"
-    sign_width: float = SIGN_WIDTH
     smoke: bool = False
 
     def __post_init__(self) -> None:
@@ -280,6 +276,12 @@ class Design(Command):
             paper's), or one that was registered from outside.
         optimiser: By name: interior_point, slsqp, hopping, evolution (CMA-ES), genetic (the paper's),
             random_search, or one that was registered from outside.
+        payload: Excite what the arm holds, the arm being known; --horizon 3 to 10 is enough.
+        arm: model.json of the arm, whose errors then count; the arm is taken for known if not given.
+        frame: Link or frame of the robot's file that holds the load; the flange, or the last link,
+            if not given.
+        static: With --payload: postures to stand in, and no motion.
+        poses: How many of these.
         smoke: Do less, to see that it works.
         seed: Of starts and of the states of the bound.
     """
@@ -309,6 +311,11 @@ class Design(Command):
     budget: float = 60.0
     trajectory: str = "fourier"
     optimiser: str = "interior_point"
+    payload: bool = False
+    arm: str = ""
+    frame: str = ""
+    static: bool = False
+    poses: Count = 8
     smoke: bool = False
     seed: Seed = 0
 
@@ -316,6 +323,9 @@ class Design(Command):
         if bool(self.robot) == bool(self.data):
             raise ValueError("name either a robot's file (--robot) or a data set (--data)")
         self._check_numbers()
+        for option in ("arm", "frame", "static"):
+            if getattr(self, option) and not self.payload:
+                raise ValueError(f"--{option}: only with --payload")
         if self.avoid_collision and self.no_clearance:
             raise ValueError("--avoid-collision and --no-clearance contradict each other")
         if self.gravity is not None and self.data:
@@ -351,7 +361,7 @@ class Design(Command):
     @property
     def inputs(self) -> tuple[str, ...]:
         """What is read."""
-        return tuple(given for given in (self.robot, self.data, *self.prior) if given)
+        return tuple(given for given in (self.robot, self.data, *self.prior, self.arm) if given)
 
 
 @dataclass(frozen=True, kw_only=True)

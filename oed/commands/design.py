@@ -12,6 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.commands.configurations import Design
+from oed.commands.design_of_load import of_load, run_static
 from oed.commands.design_output import Result, evaluations_of, told_of, write
 from oed.commands.telling import say, speak
 from oed.design.bound.efficiency import QUICK, NoBound, d_efficiency
@@ -100,6 +101,9 @@ def find(config: Design, robot: Robot) -> Result:
     posed = default_problem(build_model(config.model, robot), _problem(config))
     problem = posed.problem
     notes += posed.notes
+    if config.payload:
+        problem, told = of_load(problem, config)
+        notes += told
     if config.prior:
         problem = _with_prior(problem, config.prior)
     kept = _kept(surroundings, robot, config)
@@ -239,6 +243,8 @@ def _with_prior(problem: DesignProblem, files: Sequence[str]) -> DesignProblem:
 def run(config: Design) -> int:
     """Design, and leave the motion, its proof and its pictures; the exit status."""
     speak(quiet=config.quiet)
+    if config.static:
+        return run_static(config, robot_of(config))
     with DESIGN.in_folder(config.out, config.inputs) as results:
         result = find(config, robot_of(config))
         with results.replaced() as new:

@@ -13,6 +13,7 @@ from oed.commands.from_data_set import Prepared, prepare
 from oed.commands.telling import say, speak
 from oed.errors import NoUsableResult
 from oed.estimation.load.current_equations import CurrentEquations, KnownLoad
+from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.gains import estimate_gains
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.same_arm import check_same_arm
@@ -45,8 +46,9 @@ def measure(config: Config) -> GainsReport:
     # One band for all: what is common to them must be one and the same.
     cutoff = min(prepared.settings.cutoff for prepared in every)
     frame = find_frame(dataset.robot, config.frame)
-    model = LoadedModel.bare(every[0].model, frame)
     say(f"estimating the gains of {dataset.robot.n} joints")
+    first = _estimation(every[0], cutoff)
+    model = LoadedModel.bare(with_friction_curve(every[0].model), frame).turning_as(first)
     equations = CurrentEquations.of(
         model,
         () if bare is None else _estimation(bare, cutoff),
@@ -62,7 +64,6 @@ def _prepared(folder: Path, config: Config) -> Prepared:
         folder,
         joints=config.joints,
         model=config.torque_model,
-        sign_width=config.sign_width,
         cutoff=config.cutoff,
         smoke=config.smoke,
     )

@@ -13,6 +13,7 @@ from oed.commands.from_data_set import Prepared, prepare
 from oed.commands.telling import say, speak
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
+from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.known_arm import FoundArm, KnownArm
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.payload import estimate_payload, with_friction
@@ -105,7 +106,6 @@ def _prepared(folder: Path, config: Config) -> Prepared:
         folder,
         joints=config.joints,
         model=config.torque_model,
-        sign_width=config.sign_width,
         cutoff=config.cutoff,
         smoke=config.smoke,
     )
@@ -130,7 +130,9 @@ def _arm(given: _Given, *, has_load_friction: bool) -> KnownArm:
         return KnownArm.from_model(
             given.frame, given.found, given.recordings, has_load_friction=has_load_friction
         )
-    bare = LoadedModel.bare(given.torque_model, given.frame, has_load_friction=has_load_friction)
+    bare = LoadedModel.bare(
+        with_friction_curve(given.torque_model), given.frame, has_load_friction=has_load_friction
+    ).turning_as(given.bare or given.recordings)
     if given.bare:
         return KnownArm.from_recordings(bare, given.bare)
     return KnownArm.from_file(bare, given.recordings)

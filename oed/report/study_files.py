@@ -64,6 +64,7 @@ DESIGN = ResultFiles(
         "joint_trajectory.yaml",
         "motion.csv",
         "motion.html",
+        "poses.csv",
         "provenance.json",
         "report.html",
     ),

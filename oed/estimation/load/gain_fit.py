@@ -19,6 +19,7 @@ from oed.estimation.triangular import add_prior, solve
 STEPS = 60
 SETTLED = 0.01  # of a standard deviation
 HALVINGS = 12
+EXPLAINED = 0.5  # correlation from which the file's torque tells a joint's gain
 # Of log u about its start: a gain that nothing tells stays open by a factor of twenty.
 OPEN_GAIN = 3.0
 PINNED = 1e-4  # of the log u that is the unit of the others where no mass is known
@@ -72,20 +73,43 @@ def fit_gains(equations: CurrentEquations) -> GainFit:
 
 
 def _start(equations: CurrentEquations) -> Float[ndarray, " x"]:
-    """No friction, nothing held, and gains by which the robot file's arm would explain the currents."""
+    """The robot file's arm with nothing held, and the gains by which it explains most of the currents.
+
+    Friction is most of a small joint's current: each joint's is fitted beside. Joints that the file's arm
+    does not explain begin with the typical gain of the others.
+    """
     x = np.zeros(equations.size)
     model = equations.model
     full = np.zeros(model.base.regrouping.shape[1])
     inertial = 10 * equations.joints
     full[:inertial] = model.arm.robot.parameters
     x[equations.places["beta"]] = model.base.from_standard(full)
-    torque = equations.modelled(x)
-    sizes = [np.sqrt(np.mean(s**2, axis=0)) for s in (equations.current, torque)]
-    known = sizes[1] > 0
-    ratio = np.where(known, sizes[0] / np.where(known, sizes[1], 1.0), np.nan)
-    typical = float(np.nanmedian(ratio)) if known.any() else 1.0
-    x[equations.places["log_u"]] = np.log(np.where(np.isfinite(ratio), ratio, typical))
+    torque, current = equations.modelled(x), equations.current
+    rows, _ = equations.linearised(x)
+    friction = rows[:, : len(model.base)].reshape(*current.shape, -1)[
+        :, :, list(equations.friction)
+    ]
+    found = [_share(torque[:, j], friction[:, j], current[:, j]) for j in range(equations.joints)]
+    told = [share for share in found if share > 0]
+    sizes = [float(np.sqrt(np.mean(s**2))) for s in (current, torque)]
+    typical = float(np.median(told)) if told else sizes[0] / max(sizes[1], np.finfo(float).tiny)
+    x[equations.places["log_u"]] = np.log([share if share > 0 else typical for share in found])
     return x
+
+
+def _share(
+    torque: Float[ndarray, " samples"],
+    friction: Float[ndarray, "samples columns"],
+    current: Float[ndarray, " samples"],
+) -> float:
+    """Current per torque, friction and a constant apart; 0 where the torque does not explain it."""
+    beside = np.column_stack([friction[:, np.any(friction != 0, axis=0)], np.ones(len(current))])
+    pair = np.column_stack([torque, current])
+    left = pair - beside @ np.linalg.lstsq(beside, pair, rcond=None)[0]
+    squares = np.sum(left**2, axis=0)
+    product = float(left[:, 0] @ left[:, 1])
+    explains = product > EXPLAINED * np.sqrt(squares[0] * squares[1]) > 0
+    return product / float(squares[0]) if explains else 0.0
 
 
 def reference_joint(equations: CurrentEquations) -> int:

@@ -21,6 +21,7 @@ from oed.dynamics.effects.load import LoadFriction
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
 from oed.estimation.load.fit import Fit, fit
+from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.loaded_model import ENTRIES, LoadedModel
 from oed.estimation.load.torque_equations import TorqueEquations
 from oed.estimation.prior import Prior
@@ -58,6 +59,17 @@ class FoundArm:
     torque_model: TorqueModel
     parameters: Float[ndarray, " p"]
     covariance: Float[ndarray, "p p"]
+
+    def with_open_curve(self) -> FoundArm:
+        """The same with friction of any shape over speed, of which nothing was estimated."""
+        model = with_friction_curve(self.torque_model)
+        more = len(model.parameters) - len(self.parameters)
+        return FoundArm(
+            self.name,
+            model,
+            np.pad(self.parameters, (0, more)),
+            np.pad(self.covariance, ((0, more), (0, more))),
+        )
 
     def without_load_friction(self) -> tuple[FoundArm, dict[int, tuple[float, float]]]:
         """The same without friction under load, and by joint what that is: mu and its variance.
@@ -176,7 +188,10 @@ class KnownArm:
             has_load_friction: Whether friction grows with what a gear carries.
         """
         arm, mu = found.without_load_friction()
-        model = LoadedModel.bare(arm.torque_model, frame, has_load_friction=has_load_friction)
+        arm = arm.with_open_curve()
+        model = LoadedModel.bare(
+            arm.torque_model, frame, has_load_friction=has_load_friction
+        ).turning_as(recordings)
         wide = _wide(TorqueEquations.of(model, recordings))
         mean, variances = wide.mean.copy(), 1 / np.sum(wide.factor**2, axis=0)
         count = len(model.base)

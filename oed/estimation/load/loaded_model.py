@@ -10,6 +10,8 @@ load itself causes passes for mass.
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,9 +22,12 @@ from numpy import ndarray
 from oed.dynamics.base_parameters import BaseParameters, find_base_parameters
 from oed.dynamics.effects import Coulomb, State, Viscous
 from oed.dynamics.effects.payload import PayloadChange
+from oed.dynamics.effects.stribeck import Stribeck
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.load.sign_width import choose_sign_widths
+from oed.experiment.processing import ProcessedRecording
 from oed.robot import JointLimits
 from oed.robot.attached_frame import AttachedFrame
 from oed.robot.inertia import PARAMETER_SYMBOLS
@@ -58,6 +63,11 @@ class LoadedModel:
         """The arm that holds nothing."""
         return cls(arm, base_parameters(arm), frame, (), has_load_friction)
 
+    def turning_as(self, recordings: Sequence[ProcessedRecording]) -> LoadedModel:
+        """The same with friction that turns its sign over the velocities that recordings tell."""
+        arm = choose_sign_widths(self.arm, self.base, recordings)
+        return dataclasses.replace(self, arm=arm)
+
     def loaded(self) -> LoadedModel:
         """The same arm with a load whose parameters make torque of their own."""
         robot = self.arm.robot.with_limits(JointLimits.unlimited(self.arm.robot.n))
@@ -86,11 +96,11 @@ class LoadedModel:
 
     @cached_property
     def is_friction(self) -> Bool[ndarray, " x"]:
-        """Which of x change with temperature and wear from day to day: Coulomb and viscous."""
+        """Which of x change with temperature and wear from day to day: friction over speed."""
         changing = np.zeros(len(self.names), dtype=bool)
         owners = [e for e in self.arm.effects for _ in e.parameters]
         for k, column in enumerate(self.base.columns):
-            changing[k] = isinstance(owners[column], Coulomb | Viscous)
+            changing[k] = isinstance(owners[column], Coulomb | Viscous | Stribeck)
         return changing
 
     def raw_columns(self, motion: Motion) -> Float[ndarray, "samples joints columns"]:

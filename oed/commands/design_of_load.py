@@ -1,0 +1,140 @@
+"""`oed design --payload`: a motion, or postures, that tell what an arm holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.commands.configurations import Design
+from oed.design.collision import Surroundings
+from oed.design.default_limits import with_default_limits
+from oed.design.default_problem import ProblemSettings, default_problem
+from oed.design.load_problem import FRICTION_CHANGE, KnownTorqueModel, LoadProblem, load_problem
+from oed.design.problem import DesignProblem
+from oed.design.static_poses import static_poses
+from oed.design.still_joints import hold_still_joints
+from oed.dynamics.models import build_model
+from oed.errors import NoUsableResult, OedError
+from oed.estimation.load.same_arm import check_same_robot
+from oed.export.model_file import load_model
+from oed.report.page import Page, Section, Table, Text, Verdict, write_page
+from oed.report.provenance import Provenance
+from oed.report.study_files import DESIGN
+from oed.report.table import Row, text_table, write_csv
+from oed.robot import Robot
+from oed.robot.attached_frame import AttachedFrame, find_frame
+
+ROOM = "torque limits count the arm alone: leave room for the load by --margin or --scale"
+RECORD = (
+    "start the log a second before the motion and end it a second after: what filters need to settle is "
+    "then cut from the standstill, not from the motion"
+)
+STATIC = (
+    "Hold each posture for two seconds or more, come to it slowly, from both sides where friction is "
+    "large, and record positions and torques all the way: weight tells mass and centre of mass, and "
+    "nothing of the inertia."
+)
+
+
+def of_load(arm: DesignProblem, config: Design) -> tuple[LoadProblem, tuple[str, ...]]:
+    """The problem of the load that an arm holds, and what was assumed.
+
+    Raises:
+        RobotError: If there is no such frame.
+        OtherArm: If the model is of another arm.
+    """
+    robot = arm.model.robot
+    frame, known = _frame_and_model(robot, config)
+    problem = load_problem(arm, frame.joint, known)
+    errors = (
+        f"errors of {Path(config.arm).name} count as noise"
+        if known
+        else "the arm is taken for known (--arm model.json: its errors count)"
+    )
+    excited = (
+        f"excited are the ten parameters of a load at {frame.name}, beside friction that changes by "
+        f"{FRICTION_CHANGE:.0%} and grows with the load; the criterion is the sum of their variances, "
+        f"in units of 10 g, 5 g m and 10 g m^2; {errors}"
+    )
+    return problem, (excited, ROOM, RECORD)
+
+
+def _frame_and_model(robot: Robot, config: Design) -> tuple[AttachedFrame, KnownTorqueModel | None]:
+    frame = find_frame(robot, config.frame)
+    if not config.arm:
+        return frame, None
+    known = load_model(config.arm)
+    if known.covariance is None:
+        raise NoUsableResult(
+            f"--arm {config.arm}: this model has no covariance; give that of oed identify"
+        )
+    check_same_robot(known.robot, robot, f"{Path(config.arm).name} and {robot.name}")
+    return frame, KnownTorqueModel(known.torque_model, known.parameters, known.covariance)
+
+
+def run_static(config: Design, robot: Robot) -> int:
+    """Leave postures as poses.csv and report.html."""
+    robot, held = hold_still_joints(robot)
+    robot, assumed = with_default_limits(robot)
+    with DESIGN.in_folder(config.out, config.inputs) as results:
+        settings = ProblemSettings(torque=False)
+        arm = default_problem(build_model(config.model, robot), settings).problem
+        problem, told = of_load(arm, config)
+        frame, _ = _frame_and_model(robot, config)
+        q = static_poses(
+            robot,
+            frame.joint,
+            config.poses,
+            problem.covariance if problem.covariance is not None else np.ones(robot.n),
+            np.random.default_rng(config.seed),
+            is_clear=_clearance(robot, config),
+        )
+        rows = _rows(robot, q)
+        with results.replaced() as new:
+            write_csv(new / "poses.csv", rows)
+            provenance = Provenance.collect(config, seed=config.seed)
+            write_page(
+                new / "report.html",
+                _page(robot, rows, (*robot.notes, *held, *assumed, told[0]), provenance),
+            )
+            provenance.write(new / "provenance.json")
+    print(text_table(rows))
+    print(STATIC)
+    print(f"open {config.out / 'report.html'}")
+    return 0
+
+
+def _clearance(robot: Robot, config: Design) -> Callable[[Float[ndarray, " joints"]], bool]:
+    """Whether a posture is clear; all are, where shapes are not known or may touch."""
+    if config.no_clearance:
+        return lambda _: True
+    walls = None if config.box is None else np.array(config.box).reshape(-1, 2)
+    try:
+        return Surroundings(robot, walls, config.clearance).is_clear
+    except OedError:
+        return lambda _: True
+
+
+def _rows(robot: Robot, q: Float[ndarray, "poses joints"]) -> list[Row]:
+    units = ["rad" if joint.kind == "revolute" else "m" for joint in robot.joints]
+    names = [f"{name} [{unit}]" for name, unit in zip(robot.joint_names, units, strict=True)]
+    return [
+        {"pose": k, **{n: float(x) for n, x in zip(names, posture, strict=True)}}
+        for k, posture in enumerate(q, start=1)
+    ]
+
+
+def _page(robot: Robot, rows: list[Row], notes: tuple[str, ...], provenance: Provenance) -> Page:
+    return Page(
+        title=f"Postures that tell what {robot.name} holds",
+        verdict=Verdict("good", f"{len(rows)} postures, each clear and within its limits.", STATIC),
+        sections=(
+            Section("The postures", (Table(rows),)),
+            Section("What is assumed", tuple(Text(f"{note}.") for note in notes)),
+            Section("How it was made", (Text(f"Commit {provenance.commit}, {provenance.date}."),)),
+        ),
+    )

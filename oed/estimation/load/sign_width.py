@@ -1,0 +1,80 @@
+"""Over which velocity friction turns its sign, joint by joint, from the data.
+
+A drive turns within thousandths of a rad/s, an arm whose encoder is coarse seems to take hundredths. A width
+that is wrong leaves an error at every change of direction, which is larger than the noise and does not
+average out in a short motion. Of a few widths each joint takes the one that leaves least of its torque,
+with all other parameters free and its own: that needs no gains, no masses and no other joint.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.dynamics.base_parameters import BaseParameters
+from oed.dynamics.effects import Coulomb, Effect, RigidBody
+from oed.dynamics.effects.stribeck import Stribeck
+from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.feasible.data_factor import JointFactors
+from oed.experiment.processing import ProcessedRecording
+
+# [rad/s], at a slide that of a pinion: from a quiet drive to what hides behind a coarse encoder.
+WIDTHS = (0.001, 0.003, 0.01, 0.02, 0.04, 0.08)
+
+
+def choose_sign_widths(
+    model: TorqueModel, base: BaseParameters, recordings: Sequence[ProcessedRecording]
+) -> TorqueModel:
+    """The model with each joint's friction turning its sign as the data say.
+
+    Args:
+        model: With any widths; a measurement effect leaves it as it is.
+        base: Its base parameters.
+        recordings: Of the arm.
+    """
+    if model.measurement:
+        return model
+    bodies = TorqueModel(model.robot, tuple(e for e in model.effects if isinstance(e, RigidBody)))
+    kept = base.columns[base.columns < len(bodies.parameters)]
+    rigid = [r.columns(lambda m: bodies.columns(m)[:, :, kept]) for r in recordings]
+    tau = np.concatenate([r.tau for r in recordings])
+    left = [
+        _left(_turning(model, [width] * model.robot.n), rigid, tau, recordings) for width in WIDTHS
+    ]
+    best = np.argmin(left, axis=0)
+    return _turning(model, [WIDTHS[k] for k in best])
+
+
+def _left(
+    model: TorqueModel,
+    rigid: Sequence[Float[ndarray, "_ joints columns"]],
+    tau: Float[ndarray, "samples joints"],
+    recordings: Sequence[ProcessedRecording],
+) -> Float[ndarray, " joints"]:
+    """(n,) what is left of each joint's torque, with parameters of its own."""
+    beside = TorqueModel(
+        model.robot, tuple(e for e in model.effects if not isinstance(e, RigidBody))
+    )
+    columns = np.concatenate(
+        [
+            np.concatenate([own, recording.columns(beside.columns)], axis=2)
+            for own, recording in zip(rigid, recordings, strict=True)
+        ]
+    )
+    return np.array([joint.remainder for joint in JointFactors.of(columns, tau).joints])
+
+
+def _turning(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:
+    """The model with these widths, one a joint [rad/s]."""
+
+    def turned(effect: Effect) -> Effect:
+        if not isinstance(effect, Coulomb | Stribeck):
+            return effect
+        joint = model.robot.joints[effect.joint]
+        return dataclasses.replace(effect, width=joint.speed(widths[effect.joint]))
+
+    return dataclasses.replace(model, effects=tuple(turned(e) for e in model.effects))

@@ -1,0 +1,64 @@
+"""Friction of a shape that nobody declared, and a sign that turns at a speed that nobody knows."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.dynamics.effects import Coulomb
+from oed.dynamics.effects.stribeck import Stribeck
+from oed.dynamics.identifiability import base_parameters
+from oed.estimation.load.friction_curve import SHARES, with_friction_curve
+from oed.estimation.load.known_arm import KnownArm
+from oed.estimation.load.loaded_model import LoadedModel
+from oed.estimation.load.payload import estimate_payload
+from oed.estimation.load.sign_width import WIDTHS, choose_sign_widths
+from tests.estimation.load.carrying_arm import COULOMB, FRAME, MASS, MODEL, recording
+
+
+def widths(model):
+    return [e.width for e in model.effects if isinstance(e, Coulomb)]
+
+
+@pytest.mark.parametrize("true", [WIDTHS[1], WIDTHS[5]])
+def test_the_width_that_made_the_data_is_chosen(true):
+    # The recording's friction turns over 0.02 rad/s: the difference makes another of it.
+    rng = np.random.default_rng(0)
+    log = recording(rng, 10.0, noise=0.3, is_loaded=False)
+    signs = [
+        log.columns(lambda m, w=w: np.tanh(m.dq / w)[:, :, None])[:, :, 0] for w in (0.02, true)
+    ]
+    log = dataclasses.replace(log, tau=log.tau + COULOMB * (signs[1] - signs[0]))
+    found = choose_sign_widths(MODEL, base_parameters(MODEL), [log])
+    assert widths(found) == [true] * 6
+
+
+def test_curves_are_added_once_and_turn_as_coulomb_friction_does():
+    model = with_friction_curve(MODEL)
+    added = [e for e in model.effects if isinstance(e, Stribeck)]
+    assert len(added) == 6 * len(SHARES)
+    assert {e.width for e in added} == {0.02}
+    assert with_friction_curve(model) is model
+
+
+def test_undeclared_stribeck_friction_costs_a_load_little():
+    rng = np.random.default_rng(8)
+    logs = [recording(rng, seconds, is_loaded=x) for seconds, x in ((20.0, False), (10.0, True))]
+    hidden = [
+        log.columns(lambda m: (np.tanh(m.dq / 0.02) * np.exp(-((m.dq / 0.15) ** 2)))[:, :, None])
+        for log in logs
+    ]
+    logs = [
+        dataclasses.replace(log, tau=log.tau + 0.4 * COULOMB * more[:, :, 0])
+        for log, more in zip(logs, hidden, strict=True)
+    ]
+    plain, curved = (
+        estimate_payload(
+            KnownArm.from_recordings(LoadedModel.bare(model, FRAME), logs[:1]), logs[1:]
+        )
+        for model in (MODEL, with_friction_curve(MODEL))
+    )
+    widest = [np.diff(p["mass"].interval)[0] for p in (plain, curved)]
+    assert widest[1] < 0.7 * widest[0]
+    low, high = curved["mass"].interval
+    assert low <= MASS <= high
