@@ -212,13 +212,10 @@ def page(rows: Sequence[dict[str, str]]) -> str:
         "least squares (TLS) and instrumental variables (IV) are given the whole load, all ten "
         "parameters, and no friction that grows with it.\n"
         + tables
-        + "\n## Why the references fail\n\n"
+        + "\n## Why total least squares err\n\n"
         "TLS take the noise of all columns for even. Here the columns of the motion have none and the "
         "currents have that of six different joints, with what the model lacks on top; the last singular "
-        "vector is then the direction that the motion excites least, and the gains follow it, to negative "
-        "ones. IV are consistent, but k stands on both sides of the load's known torque alone: with H beta "
-        "and k i scaled together nearly every row is solved by zero, and only the load's small share "
-        "decides.\n"
+        "vector is then the direction that the motion excites least, and the gains follow it.\n"
     )
 
 
