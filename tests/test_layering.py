@@ -25,7 +25,6 @@ DIAGNOSIS_ORDER = (
     "numbers",
     "candidates",
     "rows",
-    "noise",
     "problem",
     "evidence",
     "selection",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from jaxtyping import TypeCheckError
 
-from oed.diagnosis.rows.autoregression import Autoregression
+from oed.estimation.noise_floor.autoregression import Autoregression
 from oed.report.estimation_plots import plot_torques
 from tests.shape_checks import CALLS, begin_anew
 

@@ -11,19 +11,19 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import SmoothCandidate
-from oed.diagnosis.candidates.smooth_terms import ALL_PAIRED, terms_alone, terms_together
 from oed.diagnosis.evidence.nuisances import nuisances
-from oed.diagnosis.noise.baseline import Baseline, find_baseline
-from oed.diagnosis.noise.linear_fit import LinearFit, fit_model
 from oed.diagnosis.numbers import EFFECTS_PER_JOINT, LEAST_EFFECTS
 from oed.diagnosis.problem import Problem, named_candidates
-from oed.diagnosis.rows.weighted_rows import weigh
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, Drives
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import with_widths
 from oed.estimation.dissipation import check_dissipation, driven_joints
+from oed.estimation.noise_floor.baseline import Baseline, find_baseline
+from oed.estimation.noise_floor.linear_fit import LinearFit, fit_model
+from oed.estimation.noise_floor.smooth_terms import ALL_PAIRED, terms_alone, terms_together
+from oed.estimation.noise_floor.weighted_rows import weigh
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.mean_repetition import mean_of_repetitions
 from oed.experiment.preparation.prepare import prepare

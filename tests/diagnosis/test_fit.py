@@ -5,12 +5,12 @@ import pytest
 
 from oed.diagnosis.evidence.columns import pieces, white_effect, white_model
 from oed.diagnosis.evidence.fit import project
-from oed.diagnosis.rows.weighted_rows import Rows
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.diagnosis.setup import pose
 from oed.dynamics.effects import RotorInertia
 from oed.dynamics.effects.delay import FilterLag
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.noise_floor.weighted_rows import Rows
 from tests.diagnosis.arm import data_set
 
 

@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.noise.baseline import find_baseline
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import widths_of
+from oed.estimation.noise_floor.baseline import find_baseline
 from oed.experiment.preparation.direction import uncertain_direction
 from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis import arm

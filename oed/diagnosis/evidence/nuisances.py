@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.noise.linear_fit import reversal_nuisances
 from oed.diagnosis.numbers import NOISE_LAGS
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.dynamics.effects.catalogue import Context
+from oed.estimation.noise_floor.linear_fit import reversal_nuisances
 from oed.experiment.choose_settings import search_cutoff
 from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.recording import Recording

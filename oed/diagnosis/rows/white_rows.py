@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.numbers import BLOCK_SECONDS, HELD_OUT_SHARE, MOST_BLOCK_SHARE
-from oed.diagnosis.rows.weighted_rows import Rows
+from oed.estimation.noise_floor.weighted_rows import Rows
 from oed.experiment.preparation.prepared import Prepared
 
 

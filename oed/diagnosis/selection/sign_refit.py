@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 from oed.diagnosis.evidence.views import Views, Which
-from oed.diagnosis.noise.sign_width import with_fitted_sign
 from oed.diagnosis.numbers import PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
 from oed.dynamics.velocity_sign import signs_of, widths_of, with_signs, with_widths
+from oed.estimation.noise_floor.sign_width import with_fitted_sign
 
 
 def with_refitted_sign(views: Views, which: Which) -> Views:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from oed.diagnosis.noise.linear_fit import effect_columns
 from oed.dynamics.effects import State
 from oed.dynamics.effects.arguments import Factor, Loop, VaryingInertia
 from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.effects.smooth_term import SmoothTerm
 from oed.dynamics.motion import Motion
+from oed.estimation.noise_floor.linear_fit import effect_columns
 
 RATE = 500.0
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.rows.autoregression import Autoregression
-from oed.diagnosis.rows.weighted_rows import weigh
+from oed.estimation.noise_floor.autoregression import Autoregression
+from oed.estimation.noise_floor.weighted_rows import weigh
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.recording import Recording
 

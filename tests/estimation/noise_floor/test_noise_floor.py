@@ -6,16 +6,16 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from oed.diagnosis.noise import baseline, noise_floor
-from oed.diagnosis.noise.baseline import find_baseline
-from oed.diagnosis.noise.noise_floor import (
+from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.noise_floor import baseline, noise_floor
+from oed.estimation.noise_floor.autoregression import Autoregression
+from oed.estimation.noise_floor.baseline import find_baseline
+from oed.estimation.noise_floor.noise_floor import (
     NoiseFloor,
     differences,
     floor_from_repetitions,
     floor_from_smooth_fit,
 )
-from oed.diagnosis.rows.autoregression import Autoregression
-from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import COULOMB, NOISE, data_set, once
 from tests.diagnosis.arm import RATE as ARM_RATE

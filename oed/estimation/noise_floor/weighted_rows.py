@@ -12,8 +12,8 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 from scipy.ndimage import maximum_filter1d
 
-from oed.diagnosis.rows.autoregression import Autoregression
-from oed.diagnosis.rows.uncertain_sign import UncertainSign, uncertain_in
+from oed.estimation.noise_floor.autoregression import Autoregression
+from oed.estimation.noise_floor.uncertain_sign import UncertainSign, uncertain_in
 from oed.experiment.preparation.direction import direction_error, stopped
 from oed.experiment.preparation.prepared import Prepared
 

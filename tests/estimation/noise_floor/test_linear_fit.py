@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.noise.linear_fit import project
+from oed.estimation.noise_floor.linear_fit import project
 
 
 @pytest.mark.parametrize("added", [0, 3, 40])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.noise.colour import Colour, Stretches
+from oed.estimation.noise_floor.colour import Colour, Stretches
 from tests.diagnosis.noise import coloured
 
 STARTS = (0, 700, 1500)

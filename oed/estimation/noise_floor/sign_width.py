@@ -16,16 +16,16 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.optimize import minimize_scalar
 
-from oed.diagnosis.noise.linear_fit import (
+from oed.dynamics.effects import Coulomb
+from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import sign_terms
+from oed.estimation.noise_floor.linear_fit import (
     Projection,
     project,
     reversal_nuisances,
     whitened_regressor,
 )
-from oed.diagnosis.rows.weighted_rows import Rows
-from oed.dynamics.effects import Coulomb
-from oed.dynamics.torque_model import TorqueModel
-from oed.dynamics.velocity_sign import sign_terms
+from oed.estimation.noise_floor.weighted_rows import Rows
 
 LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
 # The same where more is missing of the joint: a wide sign may stand in for nearly anything.

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import firwin, lfilter
 
-from oed.diagnosis.rows.autoregression import fit_autoregression
+from oed.estimation.noise_floor.autoregression import fit_autoregression
 
 
 def coloured(rng, count):

@@ -1,4 +1,4 @@
-"""The base model's fit with its own noise: where every diagnosis starts."""
+"""The base model's fit with its own noise, off which the noise floor is read."""
 
 from __future__ import annotations
 
@@ -11,19 +11,6 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.noise.linear_fit import LinearFit, fit_model
-from oed.diagnosis.noise.noise_floor import (
-    NoiseFloor,
-    differences,
-    floor_from_repetitions,
-    floor_from_smooth_fit,
-    repetition_samples,
-    repetition_series,
-)
-from oed.diagnosis.noise.rich_fit import RichFit, lay_out, model_columns, rich_fit
-from oed.diagnosis.noise.sign_width import with_fitted_sign
-from oed.diagnosis.rows.autoregression import Autoregression
-from oed.diagnosis.rows.weighted_rows import Rows, weigh
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import (
@@ -31,6 +18,19 @@ from oed.dynamics.velocity_sign import (
     widths_of,
     with_uncertain_sign,
 )
+from oed.estimation.noise_floor.autoregression import Autoregression
+from oed.estimation.noise_floor.linear_fit import LinearFit, fit_model
+from oed.estimation.noise_floor.noise_floor import (
+    NoiseFloor,
+    differences,
+    floor_from_repetitions,
+    floor_from_smooth_fit,
+    repetition_samples,
+    repetition_series,
+)
+from oed.estimation.noise_floor.rich_fit import RichFit, lay_out, model_columns, rich_fit
+from oed.estimation.noise_floor.sign_width import with_fitted_sign
+from oed.estimation.noise_floor.weighted_rows import Rows, weigh
 from oed.experiment.preparation.direction import certainty, trusted_samples
 from oed.experiment.preparation.encoder_steps import fine_encoder_torque
 from oed.experiment.preparation.prepared import Prepared

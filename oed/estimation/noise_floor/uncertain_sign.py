@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from oed.diagnosis.rows.autoregression import Autoregression
+from oed.estimation.noise_floor.autoregression import Autoregression
 from oed.experiment.preparation.direction import hardly_moves, uncertain_direction
 from oed.experiment.preparation.prepared import Prepared
 

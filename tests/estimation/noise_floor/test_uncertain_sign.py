@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from oed.diagnosis.rows import uncertain_sign as module
-from oed.diagnosis.rows.autoregression import Autoregression
-from oed.diagnosis.rows.uncertain_sign import uncertain_in
+from oed.estimation.noise_floor import uncertain_sign as module
+from oed.estimation.noise_floor.autoregression import Autoregression
+from oed.estimation.noise_floor.uncertain_sign import uncertain_in
 from oed.experiment.preparation.direction import uncertain_direction
 from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import data_set

@@ -17,11 +17,11 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy.linalg import block_diag
 
-from oed.diagnosis.candidates.smooth_terms import PIECES_FINE, coordinate, loop, terms_together
-from oed.diagnosis.noise.colour import Colour, Stretches
-from oed.diagnosis.noise.linear_fit import LinearFit, effect_columns
 from oed.dynamics.effects.smooth_term import SmoothTerm
 from oed.dynamics.velocity_sign import WIDTH_PER_SIGMA
+from oed.estimation.noise_floor.colour import Colour, Stretches
+from oed.estimation.noise_floor.linear_fit import LinearFit, effect_columns
+from oed.estimation.noise_floor.smooth_terms import PIECES_FINE, coordinate, loop, terms_together
 from oed.experiment.preparation.prepared import Prepared
 
 ROWS_PER_FREE_COLUMN = 8  # least rows for each column of the first fit

@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.rows.weighted_rows import Rows
 from oed.dynamics.effects import Effect, State
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.noise_floor.weighted_rows import Rows
 from oed.experiment.preparation.direction import reversal_shapes
 from oed.experiment.preparation.prepared import Prepared
 

@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float, Int, Shaped
 from numpy import ndarray
 from scipy.signal import fftconvolve
 
-from oed.diagnosis.rows.autoregression import Autoregression, fit_autoregression
+from oed.estimation.noise_floor.autoregression import Autoregression, fit_autoregression
 from oed.experiment.preparation.prepared import Prepared
 
 NoiseSource = Literal["repetitions", "smooth fit"]

@@ -1,1 +1,0 @@
-"""What no model of the motion explains: its size and colour, and where the sign of friction turns."""
