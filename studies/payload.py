@@ -25,9 +25,9 @@ from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.payload import Payload, estimate_payload
 from oed.estimation.load.quantities import central_inertia
 from oed.estimation.stacking import process_all
-from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
+from oed.experiment.preparation.settings import choose_settings
 from oed.process_end import RESUMES, leave
 from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
@@ -195,7 +195,7 @@ def weigh(
 
 def processed(dataset: DataSet) -> tuple[ProcessedRecording, ...]:
     """As the commands process it."""
-    return process_all(dataset, choose_settings(dataset))["estimation"]
+    return process_all(dataset, choose_settings(dataset.recordings))["estimation"]
 
 
 def judged(found: Payload, body: np.ndarray) -> dict[str, str | float]:

@@ -62,8 +62,8 @@ print(dataset.notes or "nothing is doubtful")
 # %% [markdown]
 # ## Parameters
 #
-# This arm has direct drives, so its model is `standard`: rigid body with Coulomb and viscous friction. For geared arms keep the default,
-# `rotor`.
+# This arm declares no gears, so its model is `standard`: rigid body with Coulomb and viscous friction. Where `[drive]` in dataset.toml
+# declares `gear_ratio` and the data determine it, the model is `rotor`, without a word.
 
 # %%
 calibration = oed.identify(dataset, model="standard")

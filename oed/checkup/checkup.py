@@ -32,7 +32,8 @@ from oed.errors import OedError
 from oed.estimation.calibration import Calibration, calibrate
 from oed.estimation.stacking import process_all
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording, ProcessingSettings
+from oed.experiment.preparation.processed import ProcessedRecording
+from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.recording import Role
 
 
@@ -50,24 +51,22 @@ def check_dataset(dataset: DataSet, model: TorqueModel, settings: ProcessingSett
     Raises:
         ValueError: If there is no recording for estimation, or one is too short.
     """
-    thinned = _thinned(dataset, settings)
-    search = find_cause(dataset, model, thinned)
+    recordings = process_all(dataset, settings)
+    search = find_cause(dataset, model, recordings)
     try:
         fitted = _of_estimate(calibrate(dataset, model, settings), search)
     except OedError as error:
         fitted = (Finding("prediction", "red", f"no estimate can be made: {error}"),)
-    whole = process_all(dataset, settings)
-    fitted += _of_trials(dataset, model, thinned, whole, search)
+    fitted += _of_trials(dataset, model, recordings, search)
     return _assembled(dataset, settings, search, fitted)
 
 
 def check_calibration(calibration: Calibration) -> Checkup:
     """The same of a data set of which an estimate was made."""
     dataset, settings = calibration.dataset, calibration.settings
-    thinned = _thinned(dataset, settings)
-    search = find_cause(dataset, calibration.model, thinned)
+    search = find_cause(dataset, calibration.model, calibration.recordings)
     fitted = _of_estimate(calibration, search)
-    fitted += _of_trials(dataset, calibration.model, thinned, calibration.recordings, search)
+    fitted += _of_trials(dataset, calibration.model, calibration.recordings, search)
     return _assembled(dataset, settings, search, fitted)
 
 
@@ -97,24 +96,18 @@ def _without(checkup: Checkup, topics: tuple[str, ...]) -> tuple[str, ...]:
 Recordings = Mapping[Role, tuple[ProcessedRecording, ...]]
 
 
-def _thinned(dataset: DataSet, settings: ProcessingSettings) -> Recordings:
-    # As few samples as carry the band: a likelihood counts independent ones in any case.
-    return process_all(dataset, settings.thinned())
-
-
 def _of_trials(
     dataset: DataSet,
     model: TorqueModel,
-    thinned: Recordings,
-    whole: Recordings,
+    recordings: Recordings,
     search: Search,
 ) -> tuple[Finding, ...]:
     """Gravity and time of the torque; a log with a named fault is mended before these are asked."""
     if search.cause is not None:
         return ()
     return (
-        gravity_finding(dataset, model, thinned),
-        delay_finding(dataset, model, whole),
+        gravity_finding(dataset, model, recordings),
+        delay_finding(dataset, model, recordings),
     )
 
 

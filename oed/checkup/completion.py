@@ -10,7 +10,7 @@ import numpy as np
 from oed.dynamics.motion import Motion
 from oed.estimation.stacking import process_all
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessingSettings
+from oed.experiment.preparation.settings import ProcessingSettings
 
 # As a design samples its motion: 200 instants in 10 s (`oed.design.default_problem`).
 RATE = 20.0  # [Hz]

@@ -21,8 +21,9 @@ from oed.checkup.repair import VERY_STRONG
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.triangular import triangularise
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
+from oed.experiment.signals.moving_sum import moving_sum
 
 LONGEST = 0.1  # [s] that buses, filters and time stamps of another clock are apart
 STEPS = 20  # shifts tried on either side; a parabola through the best finds the time between them
@@ -61,7 +62,7 @@ def find_delay(model: TorqueModel, recordings: Sequence[ProcessedRecording]) -> 
 
     Args:
         model: Of the torque.
-        recordings: For estimation, processed, at a rate at which a cubic spline is the signal.
+        recordings: For estimation, processed.
 
     Raises:
         ValueError: If every recording is too short to be shifted.
@@ -106,7 +107,7 @@ def delay_finding(
     Args:
         dataset: As read.
         model: Of its robot.
-        recordings: By role, processed, as `find_delay` needs them.
+        recordings: By role, processed.
     """
     topic = "time of the torque"
     step = min(float(np.median(np.diff(r.t))) for r in dataset.estimation)
@@ -166,7 +167,10 @@ def _shifted(
     inside = (t >= t[0] + LONGEST) & (t <= t[-1] - LONGEST)
     if inside.sum() < 2:
         return None
-    spline = CubicSpline(t, recording.tau)
+    band = recording.band
+    # On the fine grid, where a cubic spline is the signal.
+    dense = moving_sum(recording.fine_tau, band.taps)
+    spline = CubicSpline(recording.fine.t[band.reach : len(recording.fine) - band.reach], dense)
     moved = np.stack([spline(t[inside] + shift) for shift in shifts], axis=1)
     return recording.columns(model.columns)[inside], moved
 

@@ -16,7 +16,7 @@ from oed.checkup.suspicion import STANDARD_GRAVITY
 from oed.checkup.trial import Trial, trial_data
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
 
 # Relative to the standard value: from the equator to the poles it differs by 0.3 %.

@@ -10,7 +10,8 @@ from numpy import ndarray
 
 from oed.checkup.finding import EvidenceRow, Finding, share
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessingSettings, fresh_samples
+from oed.experiment.preparation.fresh import fresh_samples
+from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.recording import Recording
 from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample, uniform_grid
@@ -204,7 +205,7 @@ def _noise_above(
     for recording in recordings:
         grid = uniform_grid(recording.t, settings.rate)
         tau = resample(recording.t, recording.tau, grid, "linear")
-        smooth = lowpass(tau, settings.rate, settings.cutoff, settings.order)
+        smooth = lowpass(tau, settings.rate, settings.cutoff)
         above.append(np.mean((tau - smooth) ** 2, axis=0))
         within.append(np.mean(smooth**2, axis=0))
     weights = [recording.duration for recording in recordings]

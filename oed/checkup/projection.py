@@ -18,7 +18,7 @@ from numpy import ndarray
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.dissipation import CLEAR_SHARE
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
 
 SUSPECT = 0.7  # correlation with the wrong sign: half of that variance, reason enough for a look

@@ -4,7 +4,8 @@ A suspicion is named if it alone repairs the fit,
 
 - by a likelihood that is very strong evidence over the log as it is and over every other repair:
   2 log of their ratio beyond 10 (Kass and Raftery 1995, Bayes factors, J. Am. Stat. Assoc. 90, 773-795);
-- with every joint predicted again, but for those that no suspicion helps, which stay as they are;
+- with every joint predicted again, but for those that no suspicion helps, which stay as they are, and
+  are predicted better than by no torque at all;
 - and with all that it needs determined by the recordings for estimation.
 
 Where the joints hardly couple, a reversed sign leaves a fair fit. There a suspicion of signs, order or
@@ -30,7 +31,7 @@ from oed.checkup.trial import Outcome, TrialData, trial_data
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.dissipation import LEAST_SHARE
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
 from oed.progress import told
 
@@ -86,6 +87,8 @@ def _is_repair(outcome: Outcome, as_logged: Outcome, helped: Bool[ndarray, " joi
         and (outcome.relative[helped] <= USELESS).all()
         and (change[bad] <= REPAIRED).all()
         and ((change[~helped] > REPAIRED) & (change[~helped] <= NO_WORSE)).all()
+        # A joint that no torque at all would predict better has a fault of its own.
+        and (outcome.relative < 1).all()
     )
 
 

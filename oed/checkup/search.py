@@ -18,7 +18,7 @@ from oed.checkup.repair import Tried, find_repairs, name_repair
 from oed.checkup.trial import Outcome, Trial, trial_data
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
 
 NEAR_ZERO = 0.02  # of a joint's largest torque

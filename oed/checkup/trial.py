@@ -17,7 +17,7 @@ from numpy import ndarray
 from oed.dynamics.motion import Motion
 from oed.estimation.reach import find_reach
 from oed.estimation.triangular import triangularise
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
 
 Columns = Callable[[Motion], Float[ndarray, "samples joints columns"]]

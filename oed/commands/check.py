@@ -11,10 +11,10 @@ from oed.checkup.checkup import check_dataset
 from oed.checkup.completion import design_command, recorded_motion
 from oed.checkup.finding import Checkup
 from oed.commands.configurations import Check, ModelName
-from oed.commands.from_data_set import Prepared, prepare, prepare_for
+from oed.commands.from_data_set import Prepared, model_name, prepare, prepare_for
 from oed.commands.telling import say, speak
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessingSettings
+from oed.experiment.preparation.settings import ProcessingSettings
 from oed.process_end import NO_USABLE_RESULT
 from oed.report.check_page import write_check
 from oed.report.provenance import Provenance
@@ -28,9 +28,10 @@ class Checked:
     checkup: Checkup
     dataset: DataSet
     settings: ProcessingSettings
+    model: ModelName
 
 
-def check(data: DataSet | str | Path, *, model: ModelName = "rotor") -> Checkup:
+def check(data: DataSet | str | Path, *, model: ModelName | None = None) -> Checkup:
     """Look a data set over before any fit.
 
     Args:
@@ -49,7 +50,8 @@ def check(data: DataSet | str | Path, *, model: ModelName = "rotor") -> Checkup:
 def _checked(prepared: Prepared) -> Checked:
     dataset, settings = prepared.dataset, prepared.settings
     say(f"checking: {dataset.robot.n} joints")
-    return Checked(check_dataset(dataset, prepared.model, settings), dataset, settings)
+    checkup = check_dataset(dataset, prepared.model, settings)
+    return Checked(checkup, dataset, settings, model_name(prepared.model))
 
 
 def run(config: Check) -> int:
@@ -66,22 +68,22 @@ def run(config: Check) -> int:
                 Provenance.collect(config, seed=None),
                 motion=recorded_motion(found.dataset, found.settings),
                 # A page goes to others, whose folders are elsewhere.
-                command=_command(config, _shown),
+                command=_command(config, found.model, _shown),
             )
     for finding in found.checkup.findings:
         print(f"{finding.level:5s}  {finding.topic}: {finding.line}")
-    print(f"to complete these data: {_command(config, str)}")
+    print(f"to complete these data: {_command(config, found.model, str)}")
     print(f"open {config.out / 'report.html'} ({time.perf_counter() - start:.1f} s)")
     return NO_USABLE_RESULT if found.checkup.level == "red" else 0
 
 
-def _command(config: Check, shown: Callable[[Path], str]) -> str:
+def _command(config: Check, model: ModelName, shown: Callable[[Path], str]) -> str:
     """The design that completes the data, with paths as they are shown."""
     return design_command(
         shown(config.data),
         shown(config.out / "recorded_motion.json"),
         shown(config.out.with_name(f"{config.out.name}-design")),
-        model=config.model,
+        model=model,
         joints=config.joints,
     )
 

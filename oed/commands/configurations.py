@@ -17,9 +17,6 @@ from oed.commands.options import Count, OutFolder, Seed
 
 ModelName = Literal["standard", "offset", "rotor"]
 Prior = Literal["auto", "file", "neutral"]
-# Below this velocity the direction of a geared arm's motion is not known to the data; the
-# baselines published with the measured sets use the same figure.
-SIGN_WIDTH = 0.02  # [rad/s]
 MOST_POINTS = 1_000_000  # that a motion is written with
 # Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
 CLEARANCE = 0.01
@@ -47,8 +44,9 @@ class DataSetCommand(Command):
         joints: Names of the joints to identify; all if not given.
         cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
         model: Torque model: rigid body with friction (standard), with constant torques besides
-            (offset), or with rotor inertias besides (rotor).
-        sign_width: Velocity over which Coulomb friction turns [rad/s].
+            (offset), or with rotor inertias besides (rotor); if not given, rotor where the data set
+            declares gears and determines it, else standard.
+        sign_width: Velocity over which Coulomb friction turns [rad/s]; from the data if not given.
         smoke: Do less, to see that it works.
     """
 
@@ -56,8 +54,8 @@ class DataSetCommand(Command):
     out: OutFolder
     joints: tuple[str, ...] = ()
     cutoff: float | None = None
-    model: ModelName = "rotor"
-    sign_width: float = SIGN_WIDTH
+    model: ModelName | None = None
+    sign_width: float | None = None
     smoke: bool = False
 
 
@@ -78,11 +76,12 @@ class Identify(DataSetCommand):
     Leaves model.json, estimate.json, parameters.csv and report.html.
 
     Attributes:
-        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has.
+        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has. As drives
+            and data have it if not given.
         robust: Use Huber's loss in place of least squares.
     """
 
-    model: ModelName | Path = "rotor"  # pyright: ignore[reportIncompatibleVariableOverride]
+    model: ModelName | Path | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
     robust: bool = False
 
 
@@ -94,7 +93,8 @@ class Feasible(DataSetCommand):
     robot file is loaded again and its torques are compared.
 
     Attributes:
-        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has.
+        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has. As drives
+            and data have it if not given.
         prior: What is pulled to: the inertials of the robot's file (file), bodies of the size of
             the links (neutral), or the former where they are no placeholders (auto).
         kind: Of that pull.
@@ -104,7 +104,7 @@ class Feasible(DataSetCommand):
         seed: Of poses and bootstrap.
     """
 
-    model: ModelName | Path = "rotor"  # pyright: ignore[reportIncompatibleVariableOverride]
+    model: ModelName | Path | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
     prior: Prior = "auto"
     kind: Literal["entropic", "quadratic"] = "entropic"
     weight: float | None = None
@@ -124,8 +124,8 @@ class Diagnose(Command):
     Attributes:
         data: Folder of the data set.
         out: Folder for the results.
-        model: Base model; standard if not given, rotor if the data set declares rotor inertias. Or a
-            model.json: a second round, which looks for what that lacks.
+        model: Base model; as of oed identify if not given. Or a model.json: a second round, which looks
+            for what that lacks.
         max_effects: Most effects to add; three a joint if not given, at least six.
         candidates: Effects that may be named; the whole catalogue if not given.
         smoke: Do less, to see that it works.
@@ -179,7 +179,7 @@ class Payload(Command):
     frame: str = ""
     joints: tuple[str, ...] = ()
     cutoff: float | None = None
-    torque_model: ModelName = "rotor"
+    torque_model: ModelName | None = None
     smoke: bool = False
 
 
@@ -213,7 +213,7 @@ class Gains(Command):
     frame: str = ""
     joints: tuple[str, ...] = ()
     cutoff: float | None = None
-    torque_model: ModelName = "rotor"
+    torque_model: ModelName | None = None
     smoke: bool = False
 
     def __post_init__(self) -> None:
@@ -374,7 +374,7 @@ class Calibrate(Command):
     Attributes:
         data: Folder of the data set.
         out: Folder for everything.
-        model: Base model of all steps: standard, offset or rotor.
+        model: Base model of all steps: standard, offset or rotor; as of oed identify if not given.
         to: Forms that the model is exported to, as of oed export.
         rate: At which a controller or a simulation asks for torque [Hz].
         prior: As of oed feasible.
@@ -386,7 +386,7 @@ class Calibrate(Command):
 
     data: Annotated[Path, tyro.conf.Positional]
     out: OutFolder
-    model: ModelName = "rotor"
+    model: ModelName | None = None
     to: tuple[str, ...] = ("c", "mujoco")
     rate: float = 1000.0
     prior: Prior = "auto"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from oed.commands.configurations import Diagnose
-from oed.commands.from_data_set import model_for
+from oed.commands.from_data_set import base_model_name, model_for, processing
 from oed.commands.telling import say, speak
 from oed.diagnosis.diagnose import Diagnosis, diagnose
 from oed.diagnosis.discrimination.next_motion import NextExperiment, design_next
@@ -16,6 +16,7 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.models import build_model
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
 from oed.export.found_models import of_diagnosis
@@ -68,11 +69,13 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     notes = (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0))
     for note in notes:
         say(f"note: {note}")
-    model = _base_model(config, dataset)
+    settings = processing(dataset)
+    model = _base_model(config, dataset, settings)
     most = config.max_effects
     found = diagnose(
         dataset,
         model,
+        settings=settings,
         names=config.candidates or tuple(CATALOGUE),
         most=FEW_TERMS if most is None and config.smoke else most,
         seed=config.seed,
@@ -85,19 +88,12 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     return Outcome(dataset, (*notes, *found.notes), found, following)
 
 
-def base_model(dataset: DataSet) -> str:
-    """What is declared is nothing that the model lacks."""
-    return "standard" if dataset.drive.rotor_inertia is None else "rotor"
-
-
-def _base_model(config: Diagnose, dataset: DataSet) -> TorqueModel:
+def _base_model(config: Diagnose, dataset: DataSet, settings: ProcessingSettings) -> TorqueModel:
     """As it is named, or found before."""
     if isinstance(config.model, Path):
         say(f"base model {config.model}")
         return model_for(dataset, config.model).torque_model
-    name = config.model or base_model(dataset)
-    say(f"base model {name!r}")
-    return build_model(name, dataset.robot)
+    return build_model(config.model or base_model_name(dataset, settings), dataset.robot)
 
 
 def diagnose_into(config: Diagnose) -> Outcome:

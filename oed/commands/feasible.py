@@ -47,7 +47,7 @@ WANTED = {"auto": None, "file": True, "neutral": False}
 def identify_feasible(
     data: DataSet | str | Path,
     *,
-    model: ModelName = "rotor",
+    model: ModelName | None = None,
     cutoff: float | None = None,
     prior: Prior = "auto",
     weight: float | None = None,
@@ -80,7 +80,13 @@ def identify_feasible(
 def estimate(prepared: Prepared, settings: FeasibleSettings) -> FeasibleCalibration:
     """The same from a data set that is ready."""
     prepared.dataset.robot.require_newton_metres(prepared.dataset.name)
-    plain = calibrate(prepared.dataset, prepared.model, prepared.settings, known=prepared.known)
+    plain = calibrate(
+        prepared.dataset,
+        prepared.model,
+        prepared.settings,
+        known=prepared.known,
+        fixed_signs=prepared.fixed_signs,
+    )
     parameters, joints = len(prepared.model.parameters), prepared.dataset.robot.n
     say(f"estimating {parameters} parameters of {joints} joints feasibly")
     return calibrate_feasibly(plain, settings)

@@ -6,16 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from oed.commands.configurations import SIGN_WIDTH, DataSetCommand, ModelName
+from oed.commands.configurations import DataSetCommand, ModelName
 from oed.commands.telling import say
+from oed.dynamics.effects import RotorInertia, TorqueOffset
 from oed.dynamics.models import build_model
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.base_model import choose_base_model
 from oed.estimation.calibration import NOTHING
 from oed.estimation.known_torque import KnownTorque
 from oed.estimation.velocity_choice import choose_velocity
-from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessingSettings
+from oed.experiment.preparation.settings import ProcessingSettings, choose_settings
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
 from oed.export.model import Model
@@ -32,6 +33,7 @@ class Prepared:
         model: Torque model of its robot.
         settings: Of the signal processing, each with its reason.
         known: Torque that is not to be estimated.
+        fixed_signs: Whether friction turns its sign as the model has it, not as the data say.
         started: The model that was named by its file; None for a model by name.
     """
 
@@ -39,6 +41,7 @@ class Prepared:
     model: TorqueModel
     settings: ProcessingSettings
     known: KnownTorque = NOTHING
+    fixed_signs: bool = False
     started: Model | None = None
 
 
@@ -46,20 +49,19 @@ def prepare(
     data: DataSet | str | Path,
     *,
     joints: Sequence[str] = (),
-    model: ModelName | Path = "rotor",
-    sign_width: float = SIGN_WIDTH,
+    model: ModelName | Path | None = None,
+    sign_width: float | None = None,
     cutoff: float | None = None,
-    smoke: bool = False,
 ) -> Prepared:
     """Read a data set, build its model and choose how to process the one for the other; says why.
 
     Args:
         data: A data set, or its folder.
         joints: Names of the joints to identify, where a folder is read; all if empty.
-        model: Name of the torque model, or a model.json whose effects it has.
-        sign_width: Velocity over which Coulomb friction turns [rad/s].
+        model: Name of the torque model, or a model.json whose effects it has; as drives and data
+            have it if None.
+        sign_width: Velocity over which Coulomb friction turns [rad/s]; chosen from the data if None.
         cutoff: Of the low-pass [Hz]; chosen from the data if None.
-        smoke: Whether to keep only as few samples as carry the band.
 
     Raises:
         DataSetError: If the folder holds no data set that can be used.
@@ -71,23 +73,48 @@ def prepare(
         dataset = read_dataset(data, joints=tuple(joints) or None)
     for file, column in dataset.unused:
         say(f"note: {file}: column {column!r} is not used")
-    for note in (*dataset.notes, *gap_notes(gap_record(dataset))):
+    for note in (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0)):
         say(f"note: {note}")
     started = None
     if isinstance(model, Path):
         started = model_for(dataset, model)
         torque_model, known = started.to_estimate()
     else:
-        torque_model, known = build_model(model, dataset.robot, sign_width=sign_width), NOTHING
-    settings = choose_settings(dataset)
-    if cutoff is not None:
-        settings = settings.with_cutoff(cutoff)
-    settings = choose_velocity(dataset, torque_model, settings)
-    if smoke:
-        settings = settings.thinned()
+        torque_model, known = None, NOTHING
+    settings = processing(dataset, cutoff=cutoff)
     for reason in settings.reasons:
         say(f"  {reason}")
-    return Prepared(dataset, torque_model, settings, known, started)
+    if torque_model is None:
+        name = base_model_name(dataset, settings) if model is None else str(model)
+        torque_model = build_model(name, dataset.robot, sign_width=sign_width or 0.0)
+    fixed = sign_width is not None or started is not None
+    return Prepared(dataset, torque_model, settings, known, fixed, started)
+
+
+def model_name(model: TorqueModel) -> ModelName:
+    """Which of the models by name has a model's effects."""
+    kinds = {type(effect) for effect in model.effects}
+    if TorqueOffset in kinds:
+        return "offset"
+    return "rotor" if RotorInertia in kinds else "standard"
+
+
+def processing(dataset: DataSet, *, cutoff: float | None = None) -> ProcessingSettings:
+    """How every command processes a data set.
+
+    Args:
+        dataset: With recordings for estimation.
+        cutoff: Of the low-pass [Hz]; chosen from the data if None.
+    """
+    settings = choose_settings(dataset.recordings, cutoff=cutoff)
+    return choose_velocity(dataset, build_model("standard", dataset.robot), settings)
+
+
+def base_model_name(dataset: DataSet, settings: ProcessingSettings) -> str:
+    """The model that every command starts from where none is named; says why."""
+    name, reason = choose_base_model(dataset, settings)
+    say(f"base model {name!r}: {reason}")
+    return name
 
 
 def model_for(dataset: DataSet, path: Path) -> Model:
@@ -113,5 +140,4 @@ def prepare_for(config: DataSetCommand) -> Prepared:
         model=config.model,
         sign_width=config.sign_width,
         cutoff=config.cutoff,
-        smoke=config.smoke,
     )

@@ -19,7 +19,8 @@ from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.same_arm import check_same_arm
 from oed.estimation.stacking import process_all
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
+from oed.experiment.preparation.settings import choose_settings
 from oed.process_end import NO_USABLE_RESULT
 from oed.report.gains_page import GainsReport, gain_rows, write_gains
 from oed.report.provenance import Provenance
@@ -65,14 +66,14 @@ def _prepared(folder: Path, config: Config) -> Prepared:
         joints=config.joints,
         model=config.torque_model,
         cutoff=config.cutoff,
-        smoke=config.smoke,
     )
 
 
 def _estimation(prepared: Prepared, cutoff: float) -> tuple[ProcessedRecording, ...]:
     settings = prepared.settings
     if settings.cutoff > cutoff:
-        settings = settings.with_cutoff(cutoff)
+        narrower = choose_settings(prepared.dataset.recordings, cutoff=cutoff)
+        settings = narrower.with_velocity(settings.velocity, settings.velocity)
     return process_all(prepared.dataset, settings)["estimation"]
 
 

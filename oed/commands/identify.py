@@ -22,7 +22,7 @@ from oed.report.study_files import IDENTIFY
 def identify(
     data: DataSet | str | Path,
     *,
-    model: ModelName = "rotor",
+    model: ModelName | None = None,
     cutoff: float | None = None,
     robust: bool = False,
 ) -> Calibration:
@@ -31,7 +31,8 @@ def identify(
     Args:
         data: A data set, or its folder.
         model: "standard" (rigid body, Coulomb and viscous friction), "offset" (a constant torque
-            a joint besides) or "rotor" (a rotor inertia a joint besides).
+            a joint besides) or "rotor" (a rotor inertia a joint besides); if None "rotor" where the
+            data set declares gears and determines it, else "standard".
         cutoff: Of the low-pass [Hz]; chosen from the data if None.
         robust: Whether to use Huber's loss in place of least squares.
 
@@ -54,6 +55,7 @@ def estimate(prepared: Prepared, *, robust: bool) -> Calibration:
         prepared.settings,
         robust="huber" if robust else None,
         known=prepared.known,
+        fixed_signs=prepared.fixed_signs,
     )
 
 

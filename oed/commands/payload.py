@@ -21,7 +21,8 @@ from oed.estimation.load.same_arm import check_same_arm, check_same_robot
 from oed.estimation.load.undetermined import open_quantities
 from oed.estimation.stacking import process_all
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
+from oed.experiment.preparation.settings import ProcessingSettings
 from oed.export.load_files import write_load
 from oed.export.model_file import load_model
 from oed.report.payload_page import PayloadReport, write_payload
@@ -38,6 +39,7 @@ class _Given:
 
     Attributes:
         loaded: The data set with the load.
+        settings: How that is processed.
         recordings: Of it, processed.
         bare: Processed recordings of the bare arm; none where there are none.
         found: The model of the bare arm that was given.
@@ -47,6 +49,7 @@ class _Given:
     """
 
     loaded: DataSet
+    settings: ProcessingSettings
     recordings: tuple[ProcessedRecording, ...]
     bare: tuple[ProcessedRecording, ...]
     found: FoundArm | None
@@ -73,6 +76,7 @@ def weigh(config: Config) -> PayloadReport:
         payload=payload,
         open_quantities=open_quantities(payload),
         dataset=given.loaded,
+        settings=given.settings,
         notes=(*given.notes, *_model_note(given, arm)),
     )
 
@@ -92,6 +96,7 @@ def _given(config: Config) -> _Given:
         notes += check_same_robot(found.torque_model.robot, loaded.dataset.robot, both)
     return _Given(
         loaded=loaded.dataset,
+        settings=loaded.settings,
         recordings=_estimation(loaded),
         bare=() if bare is None else _estimation(bare),
         found=found,
@@ -107,7 +112,6 @@ def _prepared(folder: Path, config: Config) -> Prepared:
         joints=config.joints,
         model=config.torque_model,
         cutoff=config.cutoff,
-        smoke=config.smoke,
     )
 
 

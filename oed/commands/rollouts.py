@@ -13,11 +13,11 @@ from oed.commands.telling import say
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.rollout import HORIZONS, SETTLING, Track, roll_out
-from oed.estimation.stacking import between_gaps
-from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import process
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.settings import choose_settings
 from oed.experiment.recording import HELD_OUT
+from oed.experiment.stretches import split_at_gaps
 from oed.export.model_file import load_model
 
 Models = Mapping[str, tuple[TorqueModel, Float[ndarray, " p"]]]
@@ -49,12 +49,17 @@ def rollouts(dataset: DataSet, models: Models, *, windows: int) -> dict[str, obj
 
 def held_out_tracks(dataset: DataSet) -> list[Track]:
     """Recordings that were not fitted and are long enough for the longest horizon."""
-    settings = choose_settings(dataset)
+    settings = choose_settings(dataset.recordings)
     shortest = HORIZONS[-1] + 2 * SETTLING
-    return [
-        Track(process(recording, settings).fine, recording.t, recording.tau)
-        for recording in between_gaps(dataset, settings).recordings
+    long = tuple(
+        recording
+        for recording in split_at_gaps(dataset).recordings
         if recording.role in HELD_OUT and recording.duration > shortest
+    )
+    # Each by itself, in the time of its own log.
+    return [
+        Track(prepare((recording,), settings)[0].motion, recording.t, recording.tau)
+        for recording in long
     ]
 
 

@@ -23,6 +23,7 @@ from oed.diagnosis.setup import Sealed, pose
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.recording import ROLES
 
 
@@ -69,6 +70,7 @@ def diagnose(
     dataset: DataSet,
     model: TorqueModel,
     *,
+    settings: ProcessingSettings | None = None,
     catalogue: Mapping[str, CatalogueEntry] = CATALOGUE,
     names: Sequence[str] | None = None,
     most: int | None = None,
@@ -82,6 +84,7 @@ def diagnose(
         dataset: Recordings with roles. The search sees those for estimation and validation; those
             for the test only report.
         model: The base model.
+        settings: How recordings are processed; chosen from them if None.
         catalogue: Effects that may be named.
         names: Of these, those that are tried; all if None.
         most: Terms that may be added; three a joint if None, at least six.
@@ -96,7 +99,13 @@ def diagnose(
     """
     end = time.process_time() + (np.inf if budget is None else budget)
     problem, sealed, notes = pose(
-        dataset, model, catalogue=catalogue, names=names, most=most, say=say
+        dataset,
+        model,
+        settings,
+        catalogue=catalogue,
+        names=names,
+        most=most,
+        say=say,
     )
     for note in notes:
         say(f"note: {note}")
@@ -114,11 +123,10 @@ def report(
     rng: np.random.Generator,
 ) -> Diagnosis:
     """Errors on all recordings, the sealed ones too: nothing that was found changes by it."""
-    rows = selected.views.every.problem.rows
     here = selected.views.every.problem
-    base = fit(here, (), rows.fitted)
-    whole = fit(here, selected.views.every.terms, rows.fitted, selected.views.every)
-    before, after = predictor(base), predictor(whole)
+    whole = fit(here, selected.views.every.terms, here.rows.fitted, selected.views.every)
+    before = Predictor(sealed.before.model, sealed.before.parameters)
+    after = predictor(whole) if whole.terms else before
     by_role = {role: tuple(p for p in sealed.every if p.role == role) for role in ROLES}
     errors = tuple(
         compare(role, own, sealed.weights(own), before=before, after=after, rng=rng)

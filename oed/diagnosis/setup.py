@@ -19,6 +19,7 @@ from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, D
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import with_widths
+from oed.estimation.calibration import Calibration, calibrate
 from oed.estimation.dissipation import check_dissipation, driven_joints
 from oed.estimation.noise_floor.baseline import Baseline, find_baseline
 from oed.estimation.noise_floor.linear_fit import LinearFit, fit_model
@@ -28,6 +29,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.mean_repetition import mean_of_repetitions
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.preparation.prepared import Prepared
+from oed.experiment.preparation.settings import ProcessingSettings, choose_settings
 
 
 @dataclass(frozen=True)
@@ -36,10 +38,12 @@ class Sealed:
 
     Attributes:
         every: The recordings, prepared.
+        before: The base model's estimate and its errors, as `oed identify` has them.
         baseline: Gives the noise and how certain a row's direction is.
     """
 
     every: tuple[Prepared, ...]
+    before: Calibration
     baseline: Baseline
 
     @property
@@ -60,6 +64,7 @@ class Sealed:
 def pose(
     dataset: DataSet,
     model: TorqueModel,
+    settings: ProcessingSettings | None = None,
     *,
     catalogue: Mapping[str, CatalogueEntry] = CATALOGUE,
     names: Sequence[str] | None = None,
@@ -71,6 +76,7 @@ def pose(
     Args:
         dataset: Recordings with roles.
         model: The base model.
+        settings: How recordings are processed; chosen from them if None.
         catalogue: Effects that may be named.
         names: Of these, those that are tried; all if None.
         most: Terms that may be added.
@@ -89,11 +95,15 @@ def pose(
             "its dataset.toml"
         )
     dataset.check_moves()
-    prepared = prepare(dataset.recordings)
+    settings = settings or choose_settings(dataset.recordings)
+    prepared = prepare(dataset.recordings, settings)
     say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
     estimation = tuple(p for p in prepared if p.role == "estimation")
     validation = tuple(p for p in prepared if p.role == "validation")
-    baseline = find_baseline(standing(model), estimation)
+    model = standing(model)
+    before = calibrate(dataset, model, settings)
+    # Of recordings that are too short it raises what is wrong with them.
+    baseline = before.baseline or find_baseline(model, estimation)
     rows = WhiteRows.of(weigh((*estimation, *validation), baseline.floor.noise, baseline.coulomb))
     first = fit_model(
         baseline.model, baseline.columns, weigh(estimation, baseline.floor.noise, baseline.coulomb)
@@ -136,7 +146,7 @@ def pose(
         own = nuisances(few, context, dataset.estimation, repeated=True)
         means = dataclasses.replace(problem, rows=few, nuisances=own)
         problem = dataclasses.replace(problem, means=means)
-    return problem, Sealed(prepared, baseline), _sign_notes(first, estimation, dataset.name)
+    return problem, Sealed(prepared, before, baseline), _sign_notes(first, estimation, dataset.name)
 
 
 def _sign_notes(first: LinearFit, prepared: Sequence[Prepared], name: str) -> tuple[str, ...]:

@@ -74,6 +74,13 @@ class TorqueModel:
         unit = self.robot.joints[joint].unit(parameter.unit)
         return parameter if unit == parameter.unit else dataclasses.replace(parameter, unit=unit)
 
+    @property
+    def remembers(self) -> bool:
+        """Whether the torque of an instant depends on those before it, or on the time."""
+        return bool(self.measurement) or any(
+            effect.keeps or effect.offline or effect.beyond_state for effect in self.effects
+        )
+
     def with_effects(self, *effects: Effect) -> TorqueModel:
         """This model with more effects."""
         return dataclasses.replace(self, effects=(*self.effects, *effects))

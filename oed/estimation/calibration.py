@@ -19,14 +19,18 @@ from oed.estimation.dissipation import check_dissipation
 from oed.estimation.estimate import Estimate
 from oed.estimation.identify import identify
 from oed.estimation.known_torque import KnownTorque
+from oed.estimation.noise_floor.baseline import Baseline, find_baseline
 from oed.estimation.recursive import RecursiveEstimate, recursive_least_squares
-from oed.estimation.repetition_noise import repetition_noise
 from oed.estimation.robust import RobustLoss
-from oed.estimation.stacking import process_all, stack
+from oed.estimation.sign_width import choose_sign_widths
+from oed.estimation.stacking import stack
 from oed.estimation.validation import Validation, validate
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording, ProcessingSettings
-from oed.experiment.recording import Role
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.prepared import Prepared
+from oed.experiment.preparation.processed import ProcessedRecording, processed
+from oed.experiment.preparation.settings import ProcessingSettings
+from oed.experiment.recording import ROLES, Role
 
 NOTHING = KnownTorque()
 SPECTRUM_SAMPLES = 512  # a segment of Welch's method: resolution against scatter
@@ -48,6 +52,8 @@ class Calibration:
         recordings: By role, the processed recordings.
         estimate: From the recordings with role estimation.
         validation: By role, how well the estimate predicts; only roles that have recordings.
+        baseline: The noise that no model explains, and where the direction of motion is uncertain;
+            None where the recordings are too short to tell.
         known: What was taken off the torque of the recordings before.
     """
 
@@ -58,7 +64,20 @@ class Calibration:
     recordings: Mapping[Role, tuple[ProcessedRecording, ...]]
     estimate: Estimate
     validation: Mapping[Role, Validation]
+    baseline: Baseline | None = None
     known: KnownTorque = NOTHING
+
+    @property
+    def noise_floor(self) -> Float[ndarray, " joints"] | None:
+        """(n,) deviation of the noise in the band [N m]; None where nothing tells."""
+        return None if self.baseline is None else self.baseline.floor.deviation
+
+    @property
+    def parameters(self) -> Float[ndarray, " parameters"]:
+        """Of all columns of the model, regrouped ones at zero."""
+        values = np.zeros(len(self.base))
+        values[list(self.estimate.columns)] = self.estimate.parameters
+        return self.base.to_standard(values)
 
     def torque(self, motion: Motion) -> Float[ndarray, "samples joints"]:
         """Predicted torque beside what is known [N m or N]."""
@@ -73,11 +92,12 @@ def calibrate(
     *,
     robust: RobustLoss | None = None,
     known: KnownTorque = NOTHING,
+    fixed_signs: bool = False,
 ) -> Calibration:
     """Estimate a model's base parameters and validate them on what was not used.
 
-    Joints are weighted by the torque variance between repetitions where the recordings have
-    them (Calafiore 2001, section 4), else by the variance of their residuals.
+    Joints are weighted by the noise between repetitions where the recordings have them (Calafiore
+    2001, section 4), else by the variance of their residuals; rows by how certain their direction is.
 
     Args:
         dataset: At least one recording for estimation.
@@ -85,16 +105,24 @@ def calibrate(
         settings: Of the signal processing.
         robust: Loss of a robust estimate; least squares if None.
         known: Torque that is not to be estimated.
+        fixed_signs: Whether friction turns its sign as the model has it, not as the data say.
 
     Raises:
         ValueError: If there is nothing to estimate from, or a recording is too short.
         TooFewSamples: If there are fewer equations than base parameters.
         OedError: If friction drives every joint, as with torques of the opposite sign.
     """
-    recordings = known.taken_off(process_all(dataset, settings), model)
+    prepared = known.taken_off(prepare(dataset.recordings, settings), model)
+    training = tuple(p for p in prepared if p.role == "estimation")
+    try:
+        baseline = find_baseline(model, training)
+    except ValueError:  # too short to tell noise from motion
+        baseline = None
+    recordings = _by_role(prepared, baseline)
     base = base_parameters(model)
-    training = recordings["estimation"]
-    regressor, torque = stack(model, base, training)
+    if not fixed_signs:
+        model = choose_sign_widths(model, base, recordings["estimation"])
+    regressor, torque = stack(model, base, recordings["estimation"])
     if torque.size <= len(base):
         raise TooFewSamples(
             f"{dataset.name}: {len(torque)} samples of {torque.shape[1]} joints after processing "
@@ -108,21 +136,49 @@ def calibrate(
         torque,
         base.names,
         base.units,
-        noise=None if robust else repetition_noise(training),
+        noise=None if robust else _noise_between_repetitions(baseline),
         robust=robust,
-        segments=tuple(len(recording) for recording in training),
+        segments=tuple(len(recording) for recording in recordings["estimation"]),
         others=tuple(rows for rows, _ in held_out.values()),
         usual_torque=_usual_torque(recordings),
+        certainty=_certainty(recordings["estimation"]),
     )
-    dq = np.concatenate([recording.motion.dq for recording in training])
+    dq = np.concatenate([recording.motion.dq for recording in recordings["estimation"]])
     friction = dict(zip(estimate.names, estimate.parameters.tolist(), strict=True))
     check_dissipation(friction, dq, torque, dataset.name)
     stacked: dict[Role, tuple[ndarray, ndarray]] = {"estimation": (regressor, torque), **held_out}
     validation = {
-        role: validate(estimate.predict(rows).reshape(measured.shape), measured)
+        role: validate(
+            estimate.predict(rows).reshape(measured.shape), measured, _certainty(recordings[role])
+        )
         for role, (rows, measured) in stacked.items()
     }
-    return Calibration(dataset, settings, model, base, recordings, estimate, validation, known)
+    return Calibration(
+        dataset, settings, model, base, recordings, estimate, validation, baseline, known
+    )
+
+
+def _by_role(
+    prepared: tuple[Prepared, ...], baseline: Baseline | None
+) -> dict[Role, tuple[ProcessedRecording, ...]]:
+    shares = [None] * len(prepared) if baseline is None else baseline.noise_share(prepared)
+    pairs = list(zip(prepared, shares, strict=True))
+    found: dict[Role, tuple[ProcessedRecording, ...]] = {
+        role: tuple(r for p, share in pairs if p.role == role for r in processed(p, share))
+        for role in ROLES
+    }
+    return {role: recordings for role, recordings in found.items() if recordings}
+
+
+def _certainty(recordings: tuple[ProcessedRecording, ...]) -> Float[ndarray, "samples joints"]:
+    return np.concatenate([recording.certainty for recording in recordings])
+
+
+def _noise_between_repetitions(baseline: Baseline | None) -> Float[ndarray, " joints"] | None:
+    """(n,) variances [N^2 m^2]; None where nothing was repeated, and residuals decide."""
+    if baseline is None or baseline.floor.source != "repetitions":
+        return None
+    return baseline.floor.deviation**2
 
 
 def _usual_torque(

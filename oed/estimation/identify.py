@@ -26,6 +26,8 @@ from oed.estimation.robust import RobustLoss, robust_least_squares
 from oed.estimation.triangular import NotIdentifiable, Solution
 from oed.estimation.weights import variances_from_residuals
 
+SMALLEST = 1e-12  # of a weight
+
 
 @dataclass(frozen=True)
 class _Fit:
@@ -52,6 +54,7 @@ def identify(
     largest_relative_std: float = LARGEST_RELATIVE_STD,
     others: Sequence[Float[ndarray, "_ p"]] = (),
     usual_torque: Float[ndarray, " joints"] | None = None,
+    certainty: Float[ndarray, "samples joints"] | None = None,
 ) -> Estimate:
     """Estimate what the data determine, and name what they do not.
 
@@ -70,6 +73,8 @@ def identify(
         largest_relative_std: Beyond it a parameter is named and not quoted.
         others: Regressors of further motions that torque is to be foretold for.
         usual_torque: (n,) rms torque of each joint on all motions [N m]; of `torque` if None.
+        certainty: (N, n) share of noise in the variance of each row, by which its square counts;
+            one if None.
 
     Raises:
         ValueError: If shapes disagree, entries are not finite, `noise` comes with `robust`, or
@@ -78,7 +83,10 @@ def identify(
             on the others cannot be carried over to the combinations.
     """
     joints = torque.shape[1]
-    rows = torque.reshape(-1)
+    weights = np.ones_like(torque) if certainty is None else certainty
+    root = np.sqrt(weights).reshape(-1)
+    rows, measured = torque.reshape(-1) * root, regressor
+    regressor = regressor * root[:, None]
     check_stack(regressor, rows, joints)
     if robust and noise is not None:
         raise ValueError("a robust estimate finds its own noise: give either")
@@ -96,13 +104,15 @@ def identify(
         method=covariance,
         segments=segments,
     )
+    # Of a row that is certain: others have less than all of it in their squares.
+    variances = fit.variances / np.maximum(weights.mean(axis=0), SMALLEST)
     usual = np.sqrt(np.mean(torque**2, axis=0)) if usual_torque is None else usual_torque
     kept = list(found.kept)
     # With a prior on them no direction is left to the data alone.
     reach = (
         Reach.none(len(kept))
         if prior is not None and len(prior.factor)
-        else find_reach(columns, [h[:, kept] for h in others], np.sqrt(fit.variances), usual)
+        else find_reach(columns, [h[:, kept] for h in others], np.sqrt(variances), usual)
     )
     projection = reach.projection if reach.lost else np.eye(len(kept))
     parameters = projection @ fit.solution.parameters
@@ -123,10 +133,10 @@ def identify(
         parameters=parameters,
         covariance=covariance,
         information_factor=fit.solution.information_factor,
-        residual=torque - (columns @ parameters).reshape(torque.shape),
-        degrees_of_freedom=float(len(rows) - len(parameters)),
+        residual=torque - (measured[:, kept] @ parameters).reshape(torque.shape),
+        degrees_of_freedom=float(max(weights.sum() - len(parameters), 1.0)),
         effective_degrees_of_freedom=spread.degrees_of_freedom,
-        joint_variances=fit.variances,
+        joint_variances=variances,
         status="reduced" if found.removed or reach.lost else "determined",
         method=f"{fit.text}; covariance: {spread.text}",
         unidentifiable=found.removed + tuple(weak),

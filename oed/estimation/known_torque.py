@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +12,7 @@ from numpy import ndarray
 
 from oed.dynamics.effects import Effect
 from oed.dynamics.torque_model import TorqueModel
-from oed.experiment.processing import ProcessedRecording
-from oed.experiment.recording import Role
-
-Recordings = dict[Role, tuple[ProcessedRecording, ...]]
+from oed.experiment.preparation.prepared import Prepared
 
 
 @dataclass(frozen=True)
@@ -29,15 +27,13 @@ class KnownTorque:
     effects: tuple[Effect, ...] = ()
     parameters: Float[ndarray, " k"] = dataclasses.field(default_factory=lambda: np.zeros(0))
 
-    def taken_off(self, recordings: Recordings, model: TorqueModel) -> Recordings:
+    def taken_off(self, recordings: Sequence[Prepared], model: TorqueModel) -> tuple[Prepared, ...]:
         """Recordings without that torque, in their own band and through the model's measurement."""
         if not self.effects:
-            return recordings
+            return tuple(recordings)
         own = dataclasses.replace(model, effects=self.effects)
-        return {
-            role: tuple(
-                dataclasses.replace(r, tau=r.tau - r.columns(own.columns) @ self.parameters)
-                for r in of_role
-            )
-            for role, of_role in recordings.items()
-        }
+        left = [r.fine_torque - own.torque(self.parameters, r.motion) for r in recordings]
+        return tuple(
+            dataclasses.replace(r, fine_torque=fine, torque=r.band.apply(fine))
+            for r, fine in zip(recordings, left, strict=True)
+        )

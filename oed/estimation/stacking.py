@@ -9,40 +9,28 @@ from numpy import ndarray
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessedRecording, ProcessingSettings, process
-from oed.experiment.recording import ROLES, Recording, Role
-from oed.experiment.stretches import LEAST_STRETCH, split_at_gaps
-
-TRIMS_PER_STRETCH = 4.0  # at least half of a stretch between gaps of the log is kept
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.processed import ProcessedRecording, processed
+from oed.experiment.preparation.settings import ProcessingSettings
+from oed.experiment.recording import ROLES, Role
 
 
 def process_all(
     dataset: DataSet, settings: ProcessingSettings
 ) -> dict[Role, tuple[ProcessedRecording, ...]]:
-    """All recordings processed, by role; roles without recordings are left out.
+    """All recordings processed, by role, all rows alike; roles without recordings are left out.
 
-    A recording with gaps in its time is processed stretch by stretch.
+    A recording with gaps in its time comes in a piece for each stretch between them.
 
     Raises:
-        ValueError: If there is no recording for estimation, or one is too short.
+        ValueError: If one is too short.
     """
-    dataset = between_gaps(dataset, settings)
-    by_role: dict[Role, tuple[Recording, ...]] = {
-        role: tuple(r for r in dataset.recordings if r.role == role) for role in ROLES
+    prepared = prepare(dataset.recordings, settings)
+    found: dict[Role, tuple[ProcessedRecording, ...]] = {
+        role: tuple(piece for p in prepared if p.role == role for piece in processed(p))
+        for role in ROLES
     }
-    if not by_role["estimation"]:
-        raise ValueError(f"{dataset.name}: no recording has the role estimation")
-    return {
-        role: tuple(process(recording, settings) for recording in recordings)
-        for role, recordings in by_role.items()
-        if recordings
-    }
-
-
-def between_gaps(dataset: DataSet, settings: ProcessingSettings) -> DataSet:
-    """The data set without gaps, stretches short of the settings' trim left out."""
-    shortest = max(LEAST_STRETCH, TRIMS_PER_STRETCH * settings.trim)
-    return split_at_gaps(dataset, shortest=shortest)
+    return {role: pieces for role, pieces in found.items() if pieces}
 
 
 def stack(
@@ -51,7 +39,9 @@ def stack(
     """Base regressor (sample-major rows) and torque of several recordings (6a), in one band."""
     # Each recording by itself: an effect with a memory must not reach over a boundary.
     columns = [
-        recording.columns(lambda motion: base.reduce(model.columns(motion)))
+        recording.columns(
+            lambda motion: base.reduce(model.columns(motion)), remembers=model.remembers
+        )
         for recording in recordings
     ]
     torque = np.concatenate([recording.tau for recording in recordings])

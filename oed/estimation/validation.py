@@ -8,6 +8,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+SMALLEST = 1e-300
+
 
 @dataclass(frozen=True)
 class Validation:
@@ -15,7 +17,7 @@ class Validation:
 
     Attributes:
         residual: (N, n) measured less predicted torque [N m].
-        rms: (n,) root mean square residual of each joint [N m].
+        rms: (n,) root mean square residual of each joint, rows counted by their certainty [N m].
         relative_rms: (n,) rms residual / rms torque, as in Calafiore 2001, section 5; NaN for
             a joint without torque.
         overall_rms: Root mean square residual over all joints [N m].
@@ -40,12 +42,15 @@ class Validation:
 def validate(
     predicted: Float[ndarray, "samples joints"],
     measured: Float[ndarray, "samples joints"],
+    certainty: Float[ndarray, "samples joints"] | None = None,
 ) -> Validation:
     """Compare predicted with measured torque.
 
     Args:
         predicted: (N, n) torque of the model [N m].
         measured: (N, n) torque [N m].
+        certainty: (N, n) by which squares count: where the direction of motion is uncertain, dry
+            friction makes a row uncertain for every model. All alike if None.
 
     Raises:
         ValueError: If shapes differ, there is no sample, or an entry is not finite.
@@ -55,9 +60,13 @@ def validate(
     residual = measured - predicted
     if not np.isfinite(residual).all():
         raise ValueError("the predicted or measured torque has entries that are not finite")
-    squares = np.mean(residual**2, axis=0)
-    power = np.mean(measured**2, axis=0)
-    deviation = np.mean((measured - measured.mean(axis=0)) ** 2, axis=0)
+    weights = np.ones_like(measured) if certainty is None else certainty
+
+    def mean(values: Float[ndarray, "samples joints"]) -> Float[ndarray, " joints"]:
+        return np.sum(values * weights, axis=0) / np.maximum(weights.sum(axis=0), SMALLEST)
+
+    squares, power = mean(residual**2), mean(measured**2)
+    deviation = mean((measured - mean(measured)) ** 2)
     return Validation(
         residual=residual,
         rms=np.sqrt(squares),

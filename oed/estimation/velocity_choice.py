@@ -10,10 +10,14 @@ from numpy import ndarray
 
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.stacking import between_gaps, stack
+from oed.estimation.stacking import stack
 from oed.estimation.weights import variances_from_residuals
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessingSettings, process
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.processed import processed
+from oed.experiment.preparation.settings import ProcessingSettings, VelocitySource
+
+SOURCES: tuple[VelocitySource, ...] = ("differentiated", "logged")
 
 
 def choose_velocity(
@@ -28,11 +32,10 @@ def choose_velocity(
     if any(recording.dq is None for recording in dataset.recordings):
         return settings
     base = base_parameters(model)
-    estimation = between_gaps(dataset, settings).estimation
-    scores = {}
-    for source in ("differentiated", "logged"):
+    scores: dict[VelocitySource, float] = {}
+    for source in SOURCES:
         candidate = dataclasses.replace(settings, velocity=source)
-        training = tuple(process(recording, candidate) for recording in estimation)
+        training = tuple(r for p in prepare(dataset.estimation, candidate) for r in processed(p))
         regressor, torque = stack(model, base, training)
         variances = variances_from_residuals(
             _identifiable(regressor), torque.ravel(), model.robot.n
@@ -40,11 +43,10 @@ def choose_velocity(
         scores[source] = float(np.exp(0.5 * np.mean(np.log(variances))))
     best = min(scores, key=scores.__getitem__)
     reason = (
-        f"velocity: {best}, the residual of the estimation recordings is {scores[best]:.4g} N m "
+        f"{best}, the residual of the estimation recordings is {scores[best]:.4g} N m "
         f"(geometric mean over joints) against {max(scores.values()):.4g} N m"
     )
-    kept = tuple(line for line in settings.reasons if not line.startswith("velocity:"))
-    return dataclasses.replace(settings, velocity=best, reasons=(*kept, reason))
+    return settings.with_velocity(best, reason)
 
 
 def _identifiable(regressor: Float[ndarray, "rows base"]) -> Float[ndarray, "rows kept"]:

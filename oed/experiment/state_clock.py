@@ -15,7 +15,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.ndimage import uniform_filter1d
 
-from oed.experiment.processing import fresh_samples
+from oed.experiment.preparation.fresh import fresh_samples
 from oed.experiment.recording import Recording
 from oed.experiment.signals.gaps import find_gaps
 

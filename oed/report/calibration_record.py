@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
@@ -52,6 +51,8 @@ def estimate_record(
         # Of each direction of the parameters, largest first; those beyond 1 are left at zero.
         "reach": calibration.estimate.reach,
         "rms": {role: result.rms for role, result in validation.items()},
+        # Of every joint: the deviation of noise in the band, beside which rms is to be seen.
+        "noise_floor": calibration.noise_floor,
         "relative_rms": {role: result.relative_rms for role, result in validation.items()},
         "overall_relative_rms": {
             role: result.overall_relative_rms for role, result in validation.items()
@@ -66,7 +67,7 @@ def estimate_record(
         "method": estimate.method,
         "settings": {
             "model": [effect.name for effect in calibration.model.effects],
-            "processing": dataclasses.asdict(calibration.settings),
+            "processing": calibration.settings.record(),
             "configuration": provenance.configuration,
         },
         "base_parameters": {
@@ -112,6 +113,7 @@ def parameter_rows(calibration: Calibration) -> list[Row]:
 def validation_rows(calibration: Calibration) -> list[Row]:
     """One row a role and joint, and one for all joints together."""
     rows: list[Row] = []
+    floor = calibration.noise_floor
     for role, result in calibration.validation.items():
         for j, joint in enumerate(calibration.dataset.robot.joint_names):
             rows.append(
@@ -120,6 +122,7 @@ def validation_rows(calibration: Calibration) -> list[Row]:
                     "joint": joint,
                     "rms": float(result.rms[j]),
                     "relative_rms": float(result.relative_rms[j]),
+                    "noise_floor": None if floor is None else float(floor[j]),
                 }
             )
         rows.append(
@@ -128,6 +131,7 @@ def validation_rows(calibration: Calibration) -> list[Row]:
                 "joint": "all",
                 "rms": result.overall_rms,
                 "relative_rms": result.overall_relative_rms,
+                "noise_floor": None,
             }
         )
     return rows

@@ -15,7 +15,7 @@ from oed.checkup.finding import Checkup, share
 from oed.estimation.calibration import Calibration
 from oed.estimation.reach import LARGEST_REACH
 from oed.estimation.recursive import RecursiveEstimate
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
 from oed.report.calibration_record import (
     condition,
@@ -34,7 +34,9 @@ from oed.report.provenance import Provenance
 from oed.report.table import text_table, write_csv
 
 VALIDATION_CAPTION = (
-    "rms: of measured less predicted {}; relative_rms: the same over the rms of what was measured."
+    "rms: of measured less predicted {}, a row counted less where the direction of motion is uncertain; "
+    "relative_rms: the same over the rms of what was measured; noise_floor: the deviation of noise in the "
+    "band, which no model explains."
 )
 LISTED = 8  # names in a line
 PARAMETER_COLUMNS = ("name", "expression", "unit", "value", "std", "lower95", "upper95")

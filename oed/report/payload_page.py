@@ -77,7 +77,7 @@ def payload_record(report: PayloadReport, provenance: Provenance) -> dict[str, o
         "relative_rms": payload.relative_rms,
         "notes": list(report.notes),
         "files": list(report.files),
-        "processing": dataclasses.asdict(payload.equations.recordings[0].settings),
+        "processing": report.settings.record(),
         "configuration": provenance.configuration,
         "versions": provenance.versions,
         "commit": provenance.commit,
@@ -115,7 +115,7 @@ def _page(report: PayloadReport, provenance: Provenance) -> Page:
                 (
                     Text(f"The arm is taken from {payload.arm.words}."),
                     *(Text(f"Note: {note}.") for note in report.notes),
-                    *(Text(reason) for reason in payload.equations.recordings[0].settings.reasons),
+                    *(Text(reason) for reason in report.settings.reasons),
                     Text(f"Data: {dataset.source}. Licence: {dataset.licence}."),
                     Text(f"Commit {provenance.commit}, {provenance.date}, {provenance.cpu}."),
                 ),

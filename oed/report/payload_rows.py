@@ -10,6 +10,7 @@ from oed.estimation.load.payload import Payload
 from oed.estimation.load.quantities import Quantity
 from oed.estimation.load.undetermined import OpenQuantity
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.settings import ProcessingSettings
 from oed.report.table import MISSING, Row
 
 # By SI unit: factor, unit and digits after the point that a teach pendant takes.
@@ -25,6 +26,7 @@ class PayloadReport:
         payload: What was found.
         open_quantities: What was not.
         dataset: With the load.
+        settings: How its signals were processed.
         notes: On the data.
         files: That the load was written to.
     """
@@ -32,6 +34,7 @@ class PayloadReport:
     payload: Payload
     open_quantities: tuple[OpenQuantity, ...]
     dataset: DataSet
+    settings: ProcessingSettings
     notes: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
 

@@ -6,15 +6,15 @@ import numpy as np
 
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
+from oed.estimation.stacking import process_all
 from oed.experiment.dataset import DataSet
-from oed.experiment.processing import ProcessingSettings
+from oed.experiment.preparation.settings import choose_settings
 from oed.experiment.recording import Recording
 from oed.experiment.stretches import split_at_gaps
 from oed.robot import Joint, JointLimits, Robot
 from oed.robot.inertia import parameters_from_pseudo_inertia
 
 RATE = 200.0
-SETTINGS = ProcessingSettings(rate=RATE, cutoff=8.0, decimation=2, trim=0.2)
 NOISE = 0.05  # [N m]
 
 
@@ -43,6 +43,10 @@ def arm(gravity=(0.0, 0.0, -9.81)):
         gravity=np.array(gravity),
         limits=JointLimits.unlimited(3),
     )
+
+
+def processed(data):
+    return process_all(data, choose_settings(data.recordings))
 
 
 def model_of(robot):

@@ -9,8 +9,8 @@ import pytest
 from oed.checkup.search import find_cause
 from oed.dynamics.models import build_model
 from oed.estimation.stacking import process_all
-from oed.experiment.choose_settings import choose_settings
 from oed.experiment.drive import Drive
+from oed.experiment.preparation.settings import choose_settings
 from oed.experiment.read_dataset import read_dataset
 from tests.checkup.arm import changed, data_set, placeholder, robot, with_robot
 from tests.paths import REPO, SHARED_DATA, needs_shared_data
@@ -28,7 +28,7 @@ def sound():
 
 def search(dataset):
     model = build_model("rotor", dataset.robot, sign_width=0.02)
-    settings = choose_settings(dataset).thinned()
+    settings = choose_settings(dataset.recordings)
     return find_cause(dataset, model, process_all(dataset, settings))
 
 

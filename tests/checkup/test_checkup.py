@@ -12,7 +12,7 @@ from oed.checkup.finding import Checkup, Finding, multiple, share
 from oed.design.default_problem import ProblemSettings, default_problem
 from oed.design.prior_experiments import prior_information
 from oed.dynamics.models import build_model
-from oed.experiment.choose_settings import choose_settings
+from oed.experiment.preparation.settings import choose_settings
 from oed.report.json_file import write_json
 from tests.checkup.arm import changed, data_set
 
@@ -24,7 +24,7 @@ def sound():
 
 def check(dataset):
     model = build_model("rotor", dataset.robot, sign_width=0.02)
-    return check_dataset(dataset, model, choose_settings(dataset).thinned())
+    return check_dataset(dataset, model, choose_settings(dataset.recordings))
 
 
 def on(checkup, topic):
@@ -104,7 +104,7 @@ def test_the_record_is_plain_json(sound, tmp_path):
 
 
 def test_what_is_recorded_is_a_prior_of_a_design(sound, tmp_path):
-    write_json(tmp_path / "motion.json", recorded_motion(sound, choose_settings(sound)))
+    write_json(tmp_path / "motion.json", recorded_motion(sound, choose_settings(sound.recordings)))
     model = build_model("standard", sound.robot)
     problem = default_problem(model, ProblemSettings(instants=20)).problem
     information = prior_information([tmp_path / "motion.json"], problem)

@@ -3,13 +3,12 @@
 import pytest
 
 from oed.checkup.delay import delay_finding, find_delay
-from oed.estimation.stacking import process_all
-from tests.checkup.simulated_arm import SETTINGS, dataset, later, model_of
+from tests.checkup.simulated_arm import dataset, later, model_of, processed
 
 
 def found_in(data):
     model = model_of(data.robot)
-    whole = process_all(data, SETTINGS)
+    whole = processed(data)
     return find_delay(model, whole["estimation"]), delay_finding(data, model, whole)
 
 

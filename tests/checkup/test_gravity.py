@@ -3,13 +3,12 @@
 import pytest
 
 from oed.checkup.gravity import gravity_finding
-from oed.estimation.stacking import process_all
-from tests.checkup.simulated_arm import SETTINGS, dataset, model_of
+from tests.checkup.simulated_arm import dataset, model_of, processed
 
 
 def found_with(gravity):
     data = dataset(gravity=gravity)
-    return gravity_finding(data, model_of(data.robot), process_all(data, SETTINGS.thinned()))
+    return gravity_finding(data, model_of(data.robot), processed(data))
 
 
 def test_the_true_gravity_is_left_alone():

@@ -20,6 +20,8 @@ from oed.dynamics.effects.catalogue import (
     register,
 )
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.calibration import calibrate
+from oed.experiment.preparation.settings import choose_settings
 from oed.export.found_models import of_diagnosis
 from oed.export.model_file import load_model, write_model
 from oed.report.provenance import Provenance
@@ -183,7 +185,7 @@ def test_an_effect_from_outside_is_fitted_and_named():
         result[:, 1] = 0.8 * np.minimum(np.abs(dq[:, 1]) / 0.6, 1) ** 2 * np.sign(dq[:, 1])
         return result
 
-    found = _diagnose(data_set(33, extra=drag, repetitions=2), names=("capped_drag", "stribeck"))
+    found = _diagnose(data_set(34, extra=drag, repetitions=2), names=("capped_drag", "stribeck"))
     (effect,) = found.effects
     assert (effect.name, effect.joint) == ("capped_drag", 1)
     assert {p.name: p.value for p in effect.parameters}["speed"] == pytest.approx(0.6, rel=0.2)
@@ -206,3 +208,17 @@ def test_nothing_downstream_asks_which_effect_it_is():
         code = re.sub(r'"""[\s\S]*?"""|#.*', "", Path(file).read_text(encoding="utf-8"))
         assert not re.search(rf"\b({words})\b", code), file
         assert not re.search(r"isinstance\(\w*effect\w*, (?!OnReference)", code), file
+
+
+@pytest.mark.parametrize("repetitions", [1, 2])
+def test_the_base_model_has_the_numbers_of_an_identification(repetitions):
+    """One log, one preparation: a reader finds the same floor and the same errors on both pages."""
+    dataset = data_set(35, repetitions=repetitions, step=2e-4)
+    model = TorqueModel.standard(dataset.robot)
+    plain = calibrate(dataset, model, choose_settings(dataset.recordings))
+    found = _diagnose(dataset, names=("stribeck",), most=0)
+    assert found.noise_floor == pytest.approx(plain.noise_floor, rel=1e-12)
+    for errors in found.errors:
+        validation = plain.validation[errors.role]
+        assert errors.before == pytest.approx(validation.rms, rel=1e-6)
+        assert errors.before / errors.torque == pytest.approx(validation.relative_rms, rel=1e-6)

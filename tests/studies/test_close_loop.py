@@ -7,8 +7,9 @@ from html import unescape
 import numpy as np
 import pytest
 
-from oed.commands.diagnose import base_model
+from oed.estimation.base_model import choose_base_model
 from oed.experiment.drive import Drive
+from oed.experiment.preparation.settings import choose_settings
 from oed.experiment.write_dataset import write_dataset
 from tests.diagnosis.arm import data_set, stribeck
 from tests.running import oed
@@ -117,8 +118,18 @@ def test_refuses_numbers_that_make_no_sense(tmp_path, capsys, option, value):
     assert not (tmp_path / "out").exists()
 
 
-def test_declared_rotors_are_nothing_that_the_model_lacks():
-    bare = data_set(0, roles=("estimation",))
-    assert base_model(bare) == "standard"
-    geared = dataclasses.replace(bare, drive=Drive(rotor_inertia=np.array([1e-4, 2e-4])))
-    assert base_model(geared) == "rotor"
+def test_one_rule_says_which_model_is_the_base():
+    """Rotor inertias where gears are declared and the data tell of one."""
+    rotors = np.array([0.0, 0.05])
+
+    def base(drive, extra):
+        found = dataclasses.replace(
+            data_set(0, roles=("estimation",), extra=lambda _q, _dq, ddq: extra * ddq), drive=drive
+        )
+        return choose_base_model(found, choose_settings(found.recordings))
+
+    geared = Drive(gear_ratio=np.array([101.0, 50.0]))
+    assert base(Drive(), rotors)[0] == "standard"
+    assert base(geared, rotors) == ("rotor", "drives have gears, and the data determine Ia_2")
+    assert base(geared, 0 * rotors)[0] == "standard"
+    assert base(Drive(gear_ratio=np.ones(2)), rotors)[0] == "standard"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from oed.commands.configurations import SIGN_WIDTH, Feasible
+from oed.commands.configurations import Feasible
 from oed.commands.feasible import estimate, settings_of
 from oed.commands.from_data_set import prepare_for
 from oed.dynamics.models import build_model
@@ -19,8 +19,8 @@ from oed.estimation.feasible.calibration import validate_parameters
 from oed.estimation.feasible.data_factor import JointFactors, block_factors
 from oed.estimation.feasible.estimate import estimate_feasible
 from oed.estimation.feasible.regularisation import Regularisation
-from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.settings import choose_settings
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Recording, Role
 from oed.experiment.write_dataset import write_dataset
@@ -51,7 +51,7 @@ def motion_of(rng: np.random.Generator) -> Motion:
 def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rng = np.random.default_rng(31)
     robot = imi_scara()
-    model = build_model("standard", robot, sign_width=SIGN_WIDTH)
+    model = build_model("standard", robot, sign_width=0.02)
     friction = np.column_stack([IMI_COULOMB, IMI_VISCOUS]).reshape(-1)
     truth = np.concatenate([robot.parameters, friction])
     recordings = []
@@ -242,9 +242,11 @@ def test_a_short_log_of_a_seven_joint_arm_gives_masses_near_its_files(tmp_path: 
 @needs_shared_data
 def test_a_feasible_panda_beats_the_published_error_of_its_makers() -> None:
     dataset = read_dataset(SHARED_DATA / "franka_panda")
-    model = build_model("rotor", dataset.robot, sign_width=SIGN_WIDTH)
+    model = build_model("rotor", dataset.robot, sign_width=0.02)
     # The logged velocity is what `choose_velocity` takes for this set.
-    settings = dataclasses.replace(choose_settings(dataset).thinned(), velocity="logged")
+    settings = dataclasses.replace(
+        choose_settings(dataset.recordings, cutoff=8.0), velocity="logged"
+    )
     plain = calibrate(dataset, model, settings)
     blocks = block_factors(model, plain.recordings["estimation"], blocks=1)
     data = JointFactors.join(blocks).weighted(plain.estimate.joint_variances)

@@ -13,7 +13,7 @@ from oed.diagnosis.numbers import NOISE_LAGS
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.dynamics.effects.catalogue import Context
 from oed.estimation.noise_floor.linear_fit import reversal_nuisances
-from oed.experiment.choose_settings import search_cutoff
+from oed.experiment.preparation.motion_band import search_cutoff
 from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.recording import Recording
 from oed.experiment.signals.lowpass import lowpass

@@ -34,7 +34,7 @@ from oed.estimation.feasible.regularisation import Regularisation, Regularisatio
 from oed.estimation.feasible.reweighting import solve_reweighted
 from oed.estimation.feasible.solve import FeasibleSolution, SolverName, solve_problem
 from oed.estimation.validation import Validation, validate
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
 
 
@@ -158,7 +158,7 @@ def calibrate_feasibly(plain: Calibration, settings: FeasibleSettings) -> Feasib
     q = random_poses(model, settings.poses, rng)
     base_values = np.zeros(len(plain.base))
     base_values[list(plain.estimate.columns)] = plain.estimate.parameters
-    plain_parameters = plain.base.to_standard(base_values)
+    plain_parameters = plain.parameters
     feasibility, unanswered = _base_feasibility(plain, base_values, estimate, settings.demands)
     weighted = [block.weighted(variances) for block in blocks]
     spread = bootstrap(estimate, weighted, rng, resamples=settings.resamples)
@@ -191,9 +191,15 @@ def validate_parameters(
     recordings: tuple[ProcessedRecording, ...],
 ) -> Validation:
     """How well full parameters predict the torque of recordings."""
-    predicted = [recording.columns(model.columns) @ parameters for recording in recordings]
-    measured = [recording.tau for recording in recordings]
-    return validate(np.concatenate(predicted), np.concatenate(measured))
+    predicted = [
+        recording.columns(model.columns, remembers=model.remembers) @ parameters
+        for recording in recordings
+    ]
+    measured, certainty = (
+        np.concatenate([getattr(recording, name) for recording in recordings])
+        for name in ("tau", "certainty")
+    )
+    return validate(np.concatenate(predicted), measured, certainty)
 
 
 def _estimate(

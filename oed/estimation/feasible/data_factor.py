@@ -12,7 +12,7 @@ from numpy import ndarray
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.noise import whiten
 from oed.estimation.triangular import augment, triangularise
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 
 # Of a joint's mean squared torque: what seven digits of a log leave undecided.
 ROUNDING = 1e-14
@@ -147,11 +147,12 @@ def block_factors(
     factors = []
     for recording in recordings:
         # The whole recording first: an effect with a memory must not start anew in each piece.
-        columns = recording.columns(model.columns)
+        columns = recording.columns(model.columns, remembers=model.remembers)
+        root = np.sqrt(recording.certainty)
+        columns, tau = columns * root[:, :, None], recording.tau * root
         share = max(1, int(np.ceil(blocks * len(recording) / total)))
         factors += [
-            JointFactors.of(columns[piece], recording.tau[piece])
-            for piece in _pieces(recording, share)
+            JointFactors.of(columns[piece], tau[piece]) for piece in _pieces(recording, share)
         ]
     return tuple(factors)
 

@@ -21,7 +21,7 @@ from numpy import ndarray
 
 from oed.estimation.load.loaded_model import ENTRIES, LoadedModel
 from oed.estimation.load.torque_equations import TorqueEquations
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.loaded_model import ENTRIES, LoadedModel
 from oed.estimation.load.torque_equations import TorqueEquations
 from oed.estimation.prior import Prior
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.robot.attached_frame import AttachedFrame
 from oed.robot.inertia import pseudo_inertia
 from oed.robot.placeholder_inertia import placeholder_reasons

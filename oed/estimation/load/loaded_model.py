@@ -26,8 +26,8 @@ from oed.dynamics.effects.stribeck import Stribeck
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.load.sign_width import choose_sign_widths
-from oed.experiment.processing import ProcessedRecording
+from oed.estimation.sign_width import choose_sign_widths
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.robot import JointLimits
 from oed.robot.attached_frame import AttachedFrame
 from oed.robot.inertia import PARAMETER_SYMBOLS

@@ -24,7 +24,7 @@ from oed.estimation.load.quantities import (
     quantities,
 )
 from oed.estimation.load.torque_equations import TorqueEquations
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.robot.attached_frame import AttachedFrame
 from oed.robot.inertia import pseudo_inertia
 

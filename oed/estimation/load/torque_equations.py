@@ -15,7 +15,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.estimation.load.loaded_model import LoadedModel
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,9 @@ import pinocchio as pin
 
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
-from oed.experiment.processing import ProcessedRecording, ProcessingSettings, process
+from oed.experiment.preparation.prepare import prepare
+from oed.experiment.preparation.processed import ProcessedRecording, processed
+from oed.experiment.preparation.settings import choose_settings
 from oed.experiment.recording import Recording
 from oed.robot import load_robot
 from oed.robot.attached_frame import find_frame
@@ -17,7 +19,8 @@ UR5 = example_robot("ur_description/urdf/ur5_robot.urdf")
 ROBOT = load_robot(UR5)
 FRAME = find_frame(ROBOT)
 MODEL = build_model("standard", ROBOT, sign_width=0.02)
-SETTINGS = ProcessingSettings(rate=125.0, cutoff=5.0, decimation=2, trim=0.4)
+RATE = 125.0  # [Hz]
+CUTOFF = 5.0  # [Hz]
 COULOMB = np.array([9.0, 10.0, 6.0, 1.6, 1.5, 1.2])
 VISCOUS = np.array([11.0, 12.0, 8.0, 1.8, 1.6, 1.3])
 NOISE = np.array([0.8, 0.9, 0.6, 0.15, 0.12, 0.1])  # [N m]
@@ -30,7 +33,7 @@ SPEED = np.array([1.2, 1.0, 1.2, 2.0, 2.0, 3.0])  # [rad/s]
 
 def sweep(rng, seconds):
     """Three sines a joint."""
-    t = np.arange(0.0, seconds, 1 / SETTINGS.rate)
+    t = np.arange(0.0, seconds, 1 / RATE)
     omega = 2 * np.pi * rng.uniform(0.1, 0.8, (6, 3))
     amplitude = rng.uniform(0.4, 1.0, (6, 3))
     amplitude *= (np.minimum(RANGE / amplitude.sum(1), SPEED / (amplitude * omega).sum(1)))[:, None]
@@ -62,4 +65,5 @@ def recording(rng, seconds, *, noise=1.0, **more) -> ProcessedRecording:
     """A processed log."""
     motion = sweep(rng, seconds)
     tau = torque(motion, **more) + noise * NOISE * rng.standard_normal(motion.q.shape)
-    return process(Recording("log", "estimation", motion.t, motion.q, tau), SETTINGS)
+    logs = (Recording("log", "estimation", motion.t, motion.q, tau),)
+    return processed(prepare(logs, choose_settings(logs, cutoff=CUTOFF))[0])[0]

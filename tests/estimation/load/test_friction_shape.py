@@ -8,11 +8,12 @@ import pytest
 from oed.dynamics.effects import Coulomb
 from oed.dynamics.effects.stribeck import Stribeck
 from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.velocity_sign import with_widths
 from oed.estimation.load.friction_curve import SHARES, with_friction_curve
 from oed.estimation.load.known_arm import KnownArm
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.payload import estimate_payload
-from oed.estimation.load.sign_width import WIDTHS, choose_sign_widths
+from oed.estimation.sign_width import WIDTHS, choose_sign_widths
 from tests.estimation.load.carrying_arm import COULOMB, FRAME, MASS, MODEL, recording
 
 
@@ -20,17 +21,21 @@ def widths(model):
     return [e.width for e in model.effects if isinstance(e, Coulomb)]
 
 
-@pytest.mark.parametrize("true", [WIDTHS[1], WIDTHS[5]])
+@pytest.mark.parametrize("true", [WIDTHS[3], WIDTHS[5]])
 def test_the_width_that_made_the_data_is_chosen(true):
-    # The recording's friction turns over 0.02 rad/s: the difference makes another of it.
     rng = np.random.default_rng(0)
     log = recording(rng, 10.0, noise=0.3, is_loaded=False)
-    signs = [
-        log.columns(lambda m, w=w: np.tanh(m.dq / w)[:, :, None])[:, :, 0] for w in (0.02, true)
-    ]
-    log = dataclasses.replace(log, tau=log.tau + COULOMB * (signs[1] - signs[0]))
-    found = choose_sign_widths(MODEL, base_parameters(MODEL), [log])
-    assert widths(found) == [true] * 6
+    base = base_parameters(MODEL)
+
+    def columns(width):
+        model = with_widths(MODEL, [width] * 6)
+        return log.columns(lambda m: base.reduce(model.columns(m)))
+
+    flat = columns(0.02).reshape(-1, len(base))
+    found = np.linalg.lstsq(flat, log.tau.ravel(), rcond=1e-8)[0]
+    made = columns(true) @ found + 0.01 * rng.standard_normal(log.tau.shape)
+    log = dataclasses.replace(log, tau=made)
+    assert widths(choose_sign_widths(MODEL, base, [log])) == [true] * 6
 
 
 def test_curves_are_added_once_and_turn_as_coulomb_friction_does():

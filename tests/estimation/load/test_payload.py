@@ -143,7 +143,7 @@ def test_what_no_joint_feels_is_named():
 def test_a_short_noisy_log_says_what_motion_would_tell(logs):
     arm = KnownArm.from_recordings(BARE, logs[:1])
     rng = np.random.default_rng(3)
-    short = recording(rng, 3.0, is_loaded=True, noise=8.0)
+    short = recording(rng, 3.0, is_loaded=True, noise=16.0)
     told = {each.name: each.remedy for each in open_quantities(estimate_payload(arm, [short]))}
     assert {"Ixx", "Iyy"} <= set(told)
     assert "mass" not in told

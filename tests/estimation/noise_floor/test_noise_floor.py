@@ -208,7 +208,7 @@ def test_recordings_too_short_to_tell_noise_from_motion_are_refused():
     """A rich fit of a second passes through every sample: no noise, and everything significant."""
     dataset = data_set(1, roles=("estimation",), repetitions=1)
     (whole,) = dataset.recordings
-    short = once(whole, slice(0, round(2.5 * ARM_RATE)))
+    short = once(whole, slice(0, round(1.6 * ARM_RATE)))
     prepared = prepare((short,))
     with pytest.raises(ValueError, match="record longer, or repeat the motion"):
         find_baseline(TorqueModel.standard(dataset.robot), prepared)

@@ -5,8 +5,8 @@ import pytest
 
 from oed.dynamics.models import build_model
 from oed.estimation.calibration import calibrate
-from oed.experiment.choose_settings import choose_settings
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.settings import choose_settings
 from oed.experiment.read_dataset import read_dataset
 from oed.robot import load_robot
 from tests.experiment.importing.laboratory_logs import (
@@ -38,7 +38,7 @@ def imported(log, arm, folder, *more: str) -> DataSet:
 
 def estimate(dataset: DataSet) -> np.ndarray:
     model = build_model("standard", dataset.robot, sign_width=0.02)
-    return calibrate(dataset, model, choose_settings(dataset)).estimate.parameters
+    return calibrate(dataset, model, choose_settings(dataset.recordings)).estimate.parameters
 
 
 @pytest.fixture(scope="module")

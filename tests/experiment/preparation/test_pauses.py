@@ -5,7 +5,7 @@ import pytest
 from oed.experiment.preparation.prepare import prepare
 from tests.diagnosis.arm import data_set, once
 
-EVERY, PAUSE = 0.9, 0.15  # [s]
+EVERY, PAUSE = 0.6, 0.15  # [s]
 
 
 @pytest.mark.parametrize("role", ["estimation", "validation", "test"])

@@ -20,7 +20,7 @@ from oed.dynamics.effects import Coulomb, Effect, RigidBody
 from oed.dynamics.effects.stribeck import Stribeck
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.feasible.data_factor import JointFactors
-from oed.experiment.processing import ProcessedRecording
+from oed.experiment.preparation.processed import ProcessedRecording
 
 # [rad/s], at a slide that of a pinion: from a quiet drive to what hides behind a coarse encoder.
 WIDTHS = (0.001, 0.003, 0.01, 0.02, 0.04, 0.08)
