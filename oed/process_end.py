@@ -35,8 +35,7 @@ def leave(main: Callable[[], int | None], name: str, told: str = NOTHING) -> Nev
 def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) -> int:
     """Run a command: the status that its process ends with, and one line where it cannot go on.
 
-    It runs on one BLAS thread: the matrices are small, and threads of one wait for one another,
-    which takes two to eight times as long where the machine has other work.
+    It runs on one thread of linear algebra, see `oed.one_thread`.
 
     Args:
         main: The command. A `ValueError`, an `OSError` or an `OedError` ends it in one line.
@@ -44,17 +43,15 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
         told: What an interrupt leaves, in words.
     """
     # Numerical libraries take seconds to load: not before an interrupt can be met.
-    from threadpoolctl import threadpool_limits  # noqa: PLC0415
-
     from oed.errors import NoUsableResult, OedError, one_line  # noqa: PLC0415
+    from oed.one_thread import on_one_thread  # noqa: PLC0415
 
     before = {
         number: signal.signal(number, signal.default_int_handler)
         for number in (signal.SIGINT, signal.SIGTERM)
     }
     try:
-        with threadpool_limits(limits=1):
-            code = main()
+        code = on_one_thread(main)()
     except (KeyboardInterrupt, SystemError) as error:
         if not is_interrupt(error):
             raise

@@ -19,7 +19,15 @@ ORDER = (
     "export",
     "commands",
 )
-SHARED_BY_ALL = ("errors", "input_file", "parallel_map", "process_end", "progress")
+SHARED_BY_ALL = (
+    "counted",
+    "errors",
+    "input_file",
+    "one_thread",
+    "parallel_map",
+    "process_end",
+    "progress",
+)
 # Within the diagnosis the same holds: folders and files, each of which may import those before it.
 DIAGNOSIS_ORDER = (
     "numbers",

@@ -9,6 +9,7 @@ import numpy as np
 from oed.checkup.cause import USELESS
 from oed.checkup.finding import EvidenceRow, Finding, multiple, share
 from oed.checkup.search import Search
+from oed.counted import counted
 from oed.estimation.calibration import Calibration
 from oed.estimation.reach import LARGEST_REACH
 from oed.experiment.dataset import DataSet
@@ -53,7 +54,7 @@ def cause_finding(dataset: DataSet, search: Search) -> Finding:
     return Finding(
         "units and signs",
         "green",
-        f"{text}; the torque of {telling} of {len(rows)} joints follows the robot file's own inertials",
+        f"{text}; the torque of {telling} of {counted(len(rows), 'joint')} follows the robot file's own inertials",
         "",
         rows,
     )
@@ -75,7 +76,7 @@ def parameter_finding(calibration: Calibration) -> Finding:
     )
     if lost:
         text += (
-            f"; along {lost} of {len(estimate.reach)} directions the recordings for estimation excite "
+            f"; along {lost} of {counted(len(estimate.reach), 'direction')} the recordings for estimation excite "
             f"too little: an error of the size of their residual, hidden there, would change what is "
             f"predicted by up to {estimate.reach.max():.3g} times the torque; these are left at zero"
         )

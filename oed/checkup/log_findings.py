@@ -9,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.checkup.finding import EvidenceRow, Finding, share
+from oed.counted import counted
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.fresh import fresh_samples
 from oed.experiment.preparation.settings import ProcessingSettings
@@ -168,8 +169,7 @@ def reader_finding(dataset: DataSet) -> Finding:
     rows = tuple({"note": note} for note in notes)
     if not rows:
         return Finding("values", "green", "no value that a sensor can hardly have measured")
-    count = f"{len(rows)} doubtful thing" + ("s" if len(rows) > 1 else "")
-    text = f"{count} about the values, the first: {notes[0]}"
+    text = f"{counted(len(rows), 'doubtful thing')} about the values, the first: {notes[0]}"
     return Finding("values", "amber", text, "", rows)
 
 

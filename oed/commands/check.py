@@ -13,8 +13,10 @@ from oed.checkup.finding import Checkup
 from oed.commands.configurations import Check, ModelName
 from oed.commands.from_data_set import Prepared, model_name, prepare, prepare_for
 from oed.commands.telling import say, speak
+from oed.counted import counted
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.settings import ProcessingSettings
+from oed.one_thread import on_one_thread
 from oed.process_end import NO_USABLE_RESULT
 from oed.report.check_page import write_check
 from oed.report.provenance import Provenance
@@ -31,6 +33,7 @@ class Checked:
     model: ModelName
 
 
+@on_one_thread
 def check(data: DataSet | str | Path, *, model: ModelName | None = None) -> Checkup:
     """Look a data set over before any fit.
 
@@ -49,7 +52,7 @@ def check(data: DataSet | str | Path, *, model: ModelName | None = None) -> Chec
 
 def _checked(prepared: Prepared) -> Checked:
     dataset, settings = prepared.dataset, prepared.settings
-    say(f"checking: {dataset.robot.n} joints")
+    say(f"checking: {counted(dataset.robot.n, 'joint')}")
     checkup = check_dataset(dataset, prepared.model, settings)
     return Checked(checkup, dataset, settings, model_name(prepared.model))
 

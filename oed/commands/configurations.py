@@ -501,7 +501,7 @@ class CrossCheck(Command):
 
 @dataclass(frozen=True, kw_only=True)
 class Demo(Command):
-    """Go the whole way once on a simulated arm: design, record, identify, diagnose, export.
+    """Go the whole way once on a simulated arm: design, record, check, identify, diagnose, export.
 
     The arm is the paper's two-link SCARA, with a cable that its model does not declare. Leaves a
     folder for each step, and index.html, which links their pages.

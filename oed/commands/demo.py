@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from oed.commands import design, diagnose, export, feasible, identify
-from oed.commands.configurations import Demo, Design, Diagnose, Export, Feasible, Identify
+from oed.commands import check, design, diagnose, export, feasible, identify
+from oed.commands.configurations import Check, Demo, Design, Diagnose, Export, Feasible, Identify
 from oed.commands.telling import say, speak
 from oed.dynamics.motion import Motion
 from oed.experiment.dataset import DataSet
@@ -28,6 +28,7 @@ FORMS = ("c", "mujoco")  # to which the demo exports its model
 ROLES: tuple[Role, ...] = ("estimation", "validation", "test")
 PAGES = (
     ("The motion", "design/report.html", "designed for this arm; proven to keep its limits"),
+    ("The recordings", "check/report.html", "looked over before any fit"),
     ("The parameters", "identify/report.html", "with 95 % intervals, and their errors held out"),
     ("What the model lacks", "diagnosis/report.html", "the effect found, and what it gains"),
     ("A model for a simulator", "feasible/report.html", "bodies that exist; URDF, SDF, MJCF"),
@@ -65,6 +66,10 @@ def _steps(config: Demo) -> tuple[tuple[str, Callable[[], int]], ...]:
     return (
         ("designing a motion", lambda: design.run(_design(config, out / "design", seed))),
         ("recording it, with another for validation and one for the test", lambda: _record(config)),
+        (
+            "checking the recordings",
+            lambda: check.run(Check(**given, out=out / "check", model=MODEL)),
+        ),
         (
             "estimating parameters",
             lambda: identify.run(Identify(**given, out=out / "identify", model=MODEL)),

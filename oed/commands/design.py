@@ -15,6 +15,7 @@ from oed.commands.configurations import Design
 from oed.commands.design_of_load import of_load, run_static
 from oed.commands.design_output import Result, evaluations_of, told_of, write
 from oed.commands.telling import say, speak
+from oed.counted import counted
 from oed.design.bound.efficiency import QUICK, NoBound, d_efficiency
 from oed.design.clear_search import search_clear
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
@@ -32,6 +33,7 @@ from oed.design.still_joints import hold_still_joints
 from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError, RobotError
 from oed.experiment.read_dataset import read_robot
+from oed.one_thread import on_one_thread
 from oed.process_end import NO_USABLE_RESULT
 from oed.report.design_summary import summary
 from oed.report.study_files import DESIGN
@@ -46,6 +48,7 @@ ROTORS = (
 )
 
 
+@on_one_thread
 def design_motion(
     robot: Robot | str | Path,
     *,
@@ -114,9 +117,9 @@ def find(config: Design, robot: Robot) -> Result:
     if search.is_cut_short:
         notes.append(
             f"stopped by --budget {config.budget:g} CPU s after {found.evaluations} of "
-            f"{evaluations_of(config)} evaluations: the same seed may give another motion"
+            f"{counted(evaluations_of(config), 'evaluation')}: the same seed may give another motion"
         )
-    say(f"found after {found.evaluations} evaluations; proving what it keeps")
+    say(f"found after {counted(found.evaluations, 'evaluation')}; proving what it keeps")
     problem = slowed
     design = FoundDesign.from_result(
         problem, found, optimiser=config.optimiser, seed=config.seed, others=posed.others

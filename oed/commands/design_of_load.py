@@ -10,6 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.commands.configurations import Design
+from oed.counted import counted
 from oed.design.collision import Surroundings
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
@@ -131,7 +132,9 @@ def _rows(robot: Robot, q: Float[ndarray, "poses joints"]) -> list[Row]:
 def _page(robot: Robot, rows: list[Row], notes: tuple[str, ...], provenance: Provenance) -> Page:
     return Page(
         title=f"Postures that tell what {robot.name} holds",
-        verdict=Verdict("good", f"{len(rows)} postures, each clear and within its limits.", STATIC),
+        verdict=Verdict(
+            "good", f"{counted(len(rows), 'posture')}, each clear and within its limits.", STATIC
+        ),
         sections=(
             Section("The postures", (Table(rows),)),
             Section("What is assumed", tuple(Text(f"{note}.") for note in notes)),

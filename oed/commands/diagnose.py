@@ -22,6 +22,7 @@ from oed.experiment.stretches import gap_notes, gap_record
 from oed.export.found_models import of_diagnosis
 from oed.export.model_file import NAME as MODEL
 from oed.export.model_file import write_model
+from oed.one_thread import on_one_thread
 from oed.report.diagnosis_report import write_diagnosis
 from oed.report.joint_words import over_floor, place_words
 from oed.report.provenance import Provenance
@@ -48,6 +49,7 @@ class Outcome:
     following: NextExperiment | None
 
 
+@on_one_thread
 def diagnose_data(data: DataSet | str | Path, *, seed: int = 0) -> Outcome:
     """Find out what the torque model of an arm lacks, and what adding it gains.
 

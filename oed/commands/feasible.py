@@ -12,6 +12,7 @@ from oed.checkup.checkup import check_calibration, doubts_of_data
 from oed.commands.configurations import Feasible, ModelName, Prior
 from oed.commands.from_data_set import Prepared, prepare, prepare_for
 from oed.commands.telling import say, speak
+from oed.counted import counted
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.calibration import calibrate
@@ -33,6 +34,7 @@ from oed.export.parameter_file import ParameterTable, write_parameters
 from oed.export.round_trip import require_round_trip, torque_by_pinocchio
 from oed.export.sdf import write_sdf
 from oed.export.urdf import write_urdf
+from oed.one_thread import on_one_thread
 from oed.report.feasible_report import write_feasible
 from oed.report.feasible_rows import change_rows, link_rows, solver_comparison, validation_rows
 from oed.report.provenance import Provenance
@@ -44,6 +46,7 @@ ROUND_TRIP_SAMPLES = 200
 WANTED = {"auto": None, "file": True, "neutral": False}
 
 
+@on_one_thread
 def identify_feasible(
     data: DataSet | str | Path,
     *,
@@ -87,8 +90,8 @@ def estimate(prepared: Prepared, settings: FeasibleSettings) -> FeasibleCalibrat
         known=prepared.known,
         fixed_signs=prepared.fixed_signs,
     )
-    parameters, joints = len(prepared.model.parameters), prepared.dataset.robot.n
-    say(f"estimating {parameters} parameters of {joints} joints feasibly")
+    parameters = counted(len(prepared.model.parameters), "parameter")
+    say(f"estimating {parameters} of {counted(prepared.dataset.robot.n, 'joint')} feasibly")
     return calibrate_feasibly(plain, settings)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from oed.commands.configurations import Gains as Config
 from oed.commands.from_data_set import Prepared, prepare
 from oed.commands.telling import say, speak
+from oed.counted import counted
 from oed.errors import NoUsableResult
 from oed.estimation.load.current_equations import CurrentEquations, KnownLoad
 from oed.estimation.load.friction_curve import with_friction_curve
@@ -47,7 +48,7 @@ def measure(config: Config) -> GainsReport:
     # One band for all: what is common to them must be one and the same.
     cutoff = min(prepared.settings.cutoff for prepared in every)
     frame = find_frame(dataset.robot, config.frame)
-    say(f"estimating the gains of {dataset.robot.n} joints")
+    say(f"estimating the gains of {counted(dataset.robot.n, 'joint')}")
     first = _estimation(every[0], cutoff)
     model = LoadedModel.bare(with_friction_curve(every[0].model), frame).turning_as(first)
     equations = CurrentEquations.of(

@@ -9,16 +9,19 @@ from oed.checkup.checkup import check_calibration
 from oed.commands.configurations import Identify, ModelName
 from oed.commands.from_data_set import Prepared, prepare, prepare_for
 from oed.commands.telling import say, speak
+from oed.counted import counted
 from oed.estimation.calibration import Calibration, calibrate, convergence, residual_spectrum
 from oed.experiment.dataset import DataSet
 from oed.export.found_models import of_calibration
 from oed.export.model_file import NAME as MODEL
 from oed.export.model_file import write_model
+from oed.one_thread import on_one_thread
 from oed.report.calibration_report import print_summary, write_calibration
 from oed.report.provenance import Provenance
 from oed.report.study_files import IDENTIFY
 
 
+@on_one_thread
 def identify(
     data: DataSet | str | Path,
     *,
@@ -48,7 +51,7 @@ def identify(
 
 def estimate(prepared: Prepared, *, robust: bool) -> Calibration:
     """The same from a data set that is ready."""
-    say(f"estimating: {prepared.dataset.robot.n} joints")
+    say(f"estimating: {counted(prepared.dataset.robot.n, 'joint')}")
     return calibrate(
         prepared.dataset,
         prepared.model,

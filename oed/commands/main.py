@@ -56,10 +56,14 @@ def run(arguments: Sequence[str]) -> int:
 
 
 def _run(module: str, config: configurations.Command) -> int:
-    from oed.report.progress import shown  # noqa: PLC0415  # `--help` has nothing to show
+    # `--help` has nothing to show, and no use for numerical libraries.
+    from oed.one_thread import on_one_thread  # noqa: PLC0415
+    from oed.report.progress import shown  # noqa: PLC0415
 
     with shown(quiet=config.quiet):
-        return importlib.import_module(f"oed.commands.{module}").run(config)
+        command = importlib.import_module(f"oed.commands.{module}").run
+        # Only now are all libraries loaded of which each has threads of its own.
+        return on_one_thread(command)(config)
 
 
 def configuration_of(arguments: Sequence[str]) -> configurations.Command:

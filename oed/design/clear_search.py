@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.design.clear_posture import clear_posture
 from oed.design.clearance import ClearanceCheck
 from oed.design.collision import Surroundings
@@ -72,7 +73,7 @@ def search_clear(
         cost=clear.cost,
         evaluations=free.evaluations + clear.evaluations,
         cpu_s=time.process_time() - started,
-        status=f"{free.status}; {clear.rounds} rounds to keep clear",
+        status=f"{free.status}; {counted(clear.rounds, 'round')} to keep clear",
     )
     before = free.z if clear.rounds else None
     return ClearSearch(found, before, _is_cut_short(free, half), clear.check)

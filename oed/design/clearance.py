@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.design.collision import FAR, Surroundings, is_wall
 from oed.design.extrema import FIRST_INTERVALS, first_intervals, split_intervals
 from oed.design.posed_shapes import Pair
@@ -203,10 +204,10 @@ def _of_bodies(check: ClearanceCheck, is_wanted: bool) -> tuple[Standing, str]:
     if check.bodies is not None and check.bodies.spare < 0.0:
         return ("not kept" if is_wanted else "given up"), _shortfall(check.bodies, check.wanted)
     if check.missing:
-        count, names = len(check.missing), ", ".join(check.missing)
+        names = ", ".join(check.missing)
         rest = "" if check.bodies is None else f"; the others keep {wanted}"
-        noun = "collision mesh is" if count == 1 else "collision meshes are"
-        return "not checked", f"{count} {noun} not found ({names}): name --package NAME=DIR{rest}"
+        lost = counted(len(check.missing), "collision mesh is", "collision meshes are")
+        return "not checked", f"{lost} not found ({names}): name --package NAME=DIR{rest}"
     if check.bodies is None:
         return "not checked", check.note.removeprefix("not checked: ")
     return "proven", f"by {wanted}" if check.wanted > 0.0 else ""

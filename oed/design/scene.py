@@ -18,6 +18,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
+from oed.counted import counted
 from oed.design.meshes import ReadableUrdf, with_readable_meshes
 from oed.errors import RobotError
 from oed.robot import Robot, described
@@ -136,7 +137,8 @@ def _parse(robot: Robot, edited: Path | None, readable: _Readable | None, note: 
 def _missing_note(missing: tuple[str, ...]) -> str:
     if not missing:
         return ""
-    return f"{len(missing)} meshes cannot be found or read and are left out, such as {missing[0]}"
+    lost = counted(len(missing), "mesh", "meshes")
+    return f"{lost} cannot be found or read (the first is {missing[0]}): left out"
 
 
 def _without(text: str, kinds: tuple[str, ...]) -> str:

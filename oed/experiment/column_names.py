@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import get_args
 
+from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.log_format import REPETITION, TEMPERATURE, TIME, LogFormat
 from oed.experiment.logs.table import Log, Table
@@ -116,7 +117,8 @@ def _elements(table: Table, names: tuple[str, ...], robot: Robot) -> tuple[str, 
         return names
     elements = table.elements(name)
     if elements and len(elements) != robot.n:
-        message = f"holds lists of {len(elements)}, for {robot.n} joints; name its elements instead"
+        joints = counted(robot.n, "joint")
+        message = f"holds lists of {len(elements)}, for {joints}; name its elements instead"
         raise DataSetError(message, file=table.file, column=name)
     return elements or names
 

@@ -11,6 +11,7 @@ import pandas as pd
 from jaxtyping import Int
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.experiment.column_names import find_columns, joint_columns
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import Drive, TorqueKind
@@ -113,7 +114,9 @@ def _dataset(
         parts, why = propose_roles(timed)
     else:
         if len(roles) != len(tables):
-            raise ValueError(f"{len(roles)} roles for {len(tables)} recordings; give one for each")
+            raise ValueError(
+                f"{counted(len(roles), 'role')} for {counted(len(tables), 'recording')}; give one for each"
+            )
         parts, why = tuple(Part(i, role) for i, role in enumerate(roles)), ""
     recordings = []
     for part in parts:

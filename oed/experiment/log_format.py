@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.experiment.toml_table import TomlTable
 from oed.experiment.units import (
     CURRENTS,
@@ -143,7 +144,7 @@ def _names(table: TomlTable, key: str, joints: int) -> tuple[str, ...]:
     if key in (TIME, REPETITION) and len(names) != 1:
         table.fail(key, "must be the name of one column")
     if key in JOINT_QUANTITIES and len(names) not in (1, joints):
-        table.fail(key, f"has {len(names)} names for {joints} joints")
+        table.fail(key, f"has {counted(len(names), 'name')} for {counted(joints, 'joint')}")
     return tuple(map(str, names))
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oed.counted import counted
 from oed.errors import DataSetError, OedError
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import DRIVE_KEYS, Drive
@@ -154,7 +155,7 @@ def _check_all_listed(folder: Path, manifest: Manifest, robot: Robot) -> None:
     missing = [name for name in robot.locked if name not in (*manifest.fixed, *followers)]
     if missing:
         message = (
-            f"lists {robot.n} joints, {manifest.robot} has {robot.n + len(missing)} that "
+            f"lists {counted(robot.n, 'joint')}, {manifest.robot} has {robot.n + len(missing)} that "
             f"move; not listed: {', '.join(missing)}. Record these too, or say in [fixed] where "
             f"they stood, as in {missing[0]} = 0.0"
         )

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.column_names import ColumnNames, find_columns
 from oed.experiment.consistency_checks import check_repeats, check_speed, check_velocity
@@ -118,7 +119,8 @@ def take_samples(
     notes = ()
     if repeats.any():
         first = int(rows[repeats.argmax()]) + table.first_row
-        what = f"{int(repeats.sum())} rows that repeat the row before exactly are left out"
+        some = counted(int(repeats.sum()), "row that repeats", "rows that repeat")
+        what = f"without {some} the row before exactly"
         notes = (f"{table.file}: {what}, the first of them row {first}",)
     rows = rows[~repeats]
     lines = rows + table.first_row

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.manifest import RecordingEntry
 from oed.experiment.recording import LEAST_TRAVEL
@@ -184,7 +185,7 @@ def check_repetitions(
         return
     if repetition is not None and len(np.unique(repetition)) != entry.repetitions:
         message = (
-            f"the column holds {len(np.unique(repetition))} repetitions, "
+            f"the column holds {counted(len(np.unique(repetition)), 'repetition')}, "
             f"dataset.toml says repetitions = {entry.repetitions}; correct one of them"
         )
         raise DataSetError(message, file=file, column="repetition")

@@ -15,6 +15,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.ndimage import uniform_filter1d
 
+from oed.counted import counted
 from oed.experiment.preparation.fresh import fresh_samples
 from oed.experiment.recording import Recording
 from oed.experiment.signals.gaps import find_gaps
@@ -55,8 +56,8 @@ def in_state_time(recording: Recording) -> Recording:
     note = (
         f"{recording.name}: time stamps err by {1e3 * error.std():.2g} ms rms, "
         f"{1e3 * np.abs(error).max():.2g} ms at most, against whole ticks of {1e3 * tick:.4g} ms "
-        f"that the positions tell; time is taken from these, and {int((~fresh).sum())} rows that "
-        "read a tick again are left out"
+        "that the positions tell; time is taken from these, without "
+        f"{counted(int((~fresh).sum()), 'row that reads', 'rows that read')} a tick again"
     )
     # Whatever has a row for each sample.
     rows = {

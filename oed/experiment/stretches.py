@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import Recording
 from oed.experiment.signals.gaps import find_gaps
@@ -85,7 +86,7 @@ def _stretches(recording: Recording, shortest: float) -> tuple[Recording, ...]:
     if not kept:
         longest = max(part.duration for part in parts)
         raise ValueError(
-            f"{recording.name}: {len(gaps)} gaps in the log's time leave no stretch of "
+            f"{recording.name}: with {counted(len(gaps), 'gap')} in the log's time there is no stretch of "
             f"{shortest:.3g} s, the longest is {longest:.3g} s; repair the logger, record again, "
             "or leave this recording out"
         )

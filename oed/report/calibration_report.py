@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from oed.checkup.checkup import doubts
 from oed.checkup.finding import Checkup, share
+from oed.counted import counted
 from oed.estimation.calibration import Calibration
 from oed.estimation.reach import LARGEST_REACH
 from oed.estimation.recursive import RecursiveEstimate
@@ -81,12 +82,14 @@ def print_summary(calibration: Calibration, checkup: Checkup) -> None:
     weak = calibration.estimate.unidentifiable
     if weak:
         listed = ", ".join(weak[:LISTED]) + (", ..." if len(weak) > LISTED else "")
-        say(f"not identified: {len(weak)} parameters ({listed}); report.html lists all and why\n")
+        say(
+            f"not identified: {counted(len(weak), 'parameter')} ({listed}); report.html lists all and why\n"
+        )
     say("\n" + text_table(validation_rows(calibration)) + "\n")
     figures = condition(calibration)
     say(
         f"J_k = cond Lambda = {figures['J_k']:.4g}, J_d = log10 det Lambda = "
-        f"{figures['J_d_log10']:.4g}, {figures['rows']} rows\n"
+        f"{figures['J_d_log10']:.4g}, {counted(figures['rows'], 'row')}\n"
     )
     for note in doubts(checkup):
         say(f"note: {note}\n")
@@ -226,12 +229,12 @@ def _residual_section(calibration: Calibration, spectrum: Spectrum) -> Section:
 def _verdict(calibration: Calibration, checkup: Checkup) -> Verdict:
     held_out: list[Role] = [role for role in HELD_OUT if role in calibration.validation]
     figures = condition(calibration)
-    count = int(calibration.estimate.determined.sum())
+    found = counted(int(calibration.estimate.determined.sum()), "parameter")
     lost = len(calibration.estimate.unidentifiable)
     if not held_out:
         return Verdict(
             "warning",
-            f"{count} parameters identified, but no recording was kept for validation.",
+            f"{found} identified, but no recording was kept for validation.",
             "Add a recording with role validation before trusting these figures.",
         )
     shares = ", ".join(
@@ -242,10 +245,10 @@ def _verdict(calibration: Calibration, checkup: Checkup) -> Verdict:
     level = "bad" if checkup.level == "red" else "warning" if lost or notes else "good"
     return Verdict(
         level,
-        f"{count} parameters identified; residual {shares}.",
-        f"{first}{lost} parameters could not be identified. cond Lambda (J_k) = "
+        f"{found} identified; residual {shares}.",
+        f"{first}{counted(lost, 'parameter')} could not be identified. cond Lambda (J_k) = "
         f"{figures['J_k']:.3g}, log10 det Lambda (J_d) = {figures['J_d_log10']:.4g} on "
-        f"{figures['rows']} rows.",
+        f"{counted(figures['rows'], 'row')}.",
     )
 
 

@@ -8,6 +8,7 @@ from typing import Literal
 
 from oed.checkup.checkup import checkup_record
 from oed.checkup.finding import Checkup, Finding, Level
+from oed.counted import counted
 from oed.experiment.dataset import DataSet
 from oed.report.chart import THINNED, Chart
 from oed.report.check_charts import range_chart, signal_charts
@@ -66,7 +67,8 @@ def _page(checkup: Checkup, dataset: DataSet, provenance: Provenance, command: s
     told = ", ".join(f"{count[level]} {word}" for level, word in WORDS.items() if count[level])
     return Page(
         title=f"Checkup of {checkup.name}",
-        subtitle=f"{len(dataset.recordings)} recordings of {dataset.robot.n} joints",
+        subtitle=f"{counted(len(dataset.recordings), 'recording')} of "
+        f"{counted(dataset.robot.n, 'joint')}",
         verdict=Verdict(
             COLOURS[checkup.level],
             HEADLINES[checkup.level],

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.design.bound.efficiency import DEfficiency
 from oed.design.clearance import ClearanceCheck
 from oed.design.design import Design
@@ -110,8 +111,10 @@ def _worth(design: Design, efficiency: DEfficiency | None) -> tuple[Text | Table
         Table(rows),
         Text(f"D-efficiency: {efficiency_line(efficiency)}."),
         Text(
-            f"{problem.model.robot.n} joints, {len(problem.base)} base parameters, "
-            f"{len(problem.instants)} instants; {design.evaluations} evaluations in "
+            f"{counted(problem.model.robot.n, 'joint')}, "
+            f"{counted(len(problem.base), 'base parameter')}, "
+            f"{counted(len(problem.instants), 'instant')}; "
+            f"{counted(design.evaluations, 'evaluation')} in "
             f"{design.cpu_s:.1f} s of CPU time."
         ),
     )

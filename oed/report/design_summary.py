@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from oed.counted import counted
 from oed.design.bound.efficiency import DEfficiency
 from oed.design.clearance import ClearanceCheck, Nearest
 from oed.design.design import Design
@@ -29,8 +30,9 @@ def summary(
     elsewhere = f"continuous {design.J_k_continuous:.4g}" + (
         "" if scaled is None else f"; J_k_scaled {scaled:.4g}"
     )
-    size = f"{problem.model.robot.n} joints, {len(problem.base)} base parameters"
-    rows = f"{len(problem.instants)} instants, {problem.rows} rows"
+    joints = counted(problem.model.robot.n, "joint")
+    size = f"{joints}, {counted(len(problem.base), 'base parameter')}"
+    rows = f"{counted(len(problem.instants), 'instant')}, {counted(problem.rows, 'row')}"
     spare = -design.certificate.violation
     lines = [
         f"{problem.model.robot.name}: {size}, {rows}",
@@ -40,7 +42,7 @@ def summary(
         f"  nearest limit  {design.certificate.worst}, proven {spare:.2e} of it to spare",
         f"  D-efficiency  {efficiency_line(efficiency)}",
         f"  clearance  {clearance_line(clearance)}",
-        f"  {design.evaluations} evaluations in {design.cpu_s:.1f} s of CPU time",
+        f"  {counted(design.evaluations, 'evaluation')} in {design.cpu_s:.1f} s of CPU time",
     ]
     return "\n".join(lines + [f"  note: {note}" for note in notes])
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oed.counted import counted
 from oed.estimation.load.gains import Gains
 from oed.experiment.dataset import DataSet
 from oed.report.chart import Chart
@@ -204,6 +205,6 @@ def _verdict(report: GainsReport) -> Verdict:
         text = f"Ratios to {report.gains.reference} only, as no mass is known. {text}"
     return Verdict(
         "bad" if not told else "good" if told == len(gains) else "warning",
-        f"The gain is told for {told} of {len(gains)} joints.",
+        f"The gain is told for {told} of {counted(len(gains), 'joint')}.",
         text,
     )

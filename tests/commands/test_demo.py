@@ -15,8 +15,9 @@ def test_the_demo_finds_the_cable_and_links_every_page(tmp_path: Path) -> None:
     # 1.2 N m/rad is hidden.
     found = next(v for k, v in effect["parameters"].items() if k.startswith("spring"))
     assert abs(found["value"] - 1.2) < 4 * found["std"]
+    assert read_json(out / "check" / "check.json")["level"] != "red"
     page = (out / "index.html").read_text(encoding="utf-8")
     linked = re.findall(r'<a href="([^"#]+)"', page)
-    assert len(linked) >= 5
+    assert len(linked) >= 6
     assert all((out / address).is_file() for address in linked)
     assert {path.name for path in (out / "export").glob("*.py")} == {"simulate_mujoco.py"}

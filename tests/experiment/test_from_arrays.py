@@ -48,7 +48,7 @@ def test_shapes_that_disagree(motion):
         DataSet.from_arrays(imi_scara(), t=t, q=q[:, :1], tau=tau)
     with pytest.raises(ValueError, match="numbers of recordings disagree"):
         DataSet.from_arrays(imi_scara(), t=[t, t], q=[q], tau=[tau])
-    with pytest.raises(ValueError, match="1 roles for 2"):
+    with pytest.raises(ValueError, match="1 role for 2"):
         DataSet.from_arrays(imi_scara(), t=[t, t], q=[q, q], tau=[tau, tau], roles=["test"])
 
 

@@ -129,7 +129,7 @@ def test_rows_that_repeat_the_one_before_exactly_are_left_out_with_a_note(tmp_pa
     files["test.csv"] = b"".join([*rows[:5], rows[4], rows[4], *rows[5:]])
     read = read_dataset(write_files(tmp_path / "x", files)).test[0]
     assert np.array_equal(read.t, plain.t)
-    assert "2 rows that repeat the row before exactly are left out" in read.notes[0]
+    assert "without 2 rows that repeat the row before exactly" in read.notes[0]
     assert "row 6" in read.notes[0]
 
 

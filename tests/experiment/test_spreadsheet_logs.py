@@ -81,12 +81,36 @@ def test_utf_16_reads_as_utf_8(tmp_path, plain, encoding):
     assert "UTF-16" in str(refused(write_files(tmp_path / "y", files)))
 
 
+def test_windows_1252_reads_as_utf_8(tmp_path, plain):
+    text = in_degrees("{} [{}]").decode().replace("[deg]", "[\N{DEGREE SIGN}]")
+    content = f"# messung in der k\u00e4lte\n{text}".encode("cp1252")
+    files = tiny_files() | {"test.csv": content}
+    assert agrees(read_dataset(write_files(tmp_path / "x", files)).test[0], plain)
+    (table,) = read_log(tmp_path / "x/test.csv").tables
+    assert table.text == ("read as Windows-1252 text",)
+    # A byte that no letter has in it, in the third line.
+    rows = content.splitlines(keepends=True)
+    files["test.csv"] = b"".join([*rows[:2], b"\x81", *rows[2:]])
+    error = refused(write_files(tmp_path / "y", files))
+    assert error.row == 3
+    assert "save the file as UTF-8" in str(error)
+
+
 def clocked(t: np.ndarray, form: str) -> list[str]:
     start = pd.Timestamp("2026-01-31T23:59:59")
     return [f"{start + pd.Timedelta(since, unit='s'):{form}}" for since in t]
 
 
-@pytest.mark.parametrize("form", ["%Y-%m-%dT%H:%M:%S.%f", "%Y-%m-%d %H:%M:%S.%fZ", "%H:%M:%S.%f"])
+@pytest.mark.parametrize(
+    "form",
+    [
+        "%Y-%m-%dT%H:%M:%S.%f",
+        "%Y-%m-%d %H:%M:%S.%fZ",
+        "%H:%M:%S.%f",
+        "%m/%d/%Y %I:%M:%S.%f %p",
+        "%d.%m.%Y %H:%M:%S.%f",
+    ],
+)
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 def test_times_that_are_written_out(tmp_path, plain, form, kind):
     frame = pd.read_csv(io.BytesIO(tiny_files()["test.csv"]))

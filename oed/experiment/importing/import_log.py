@@ -12,6 +12,7 @@ from pathlib import Path
 
 import tomli_w
 
+from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import TorqueKind
@@ -100,7 +101,9 @@ def propose_import(logs: Sequence[str | Path], choices: ImportChoices, out: str 
     if not paths or len({path.resolve() for path in paths}) < len(paths):
         raise ValueError("give at least one log, and each once")
     if choices.roles and len(choices.roles) != len(paths):
-        raise ValueError(f"{len(choices.roles)} roles for {len(paths)} logs; give one for each")
+        raise ValueError(
+            f"{counted(len(choices.roles), 'role')} for {counted(len(paths), 'log')}; give one for each"
+        )
     columns = _columns(paths, choices)
     robot = load_robot(
         choices.robot, joints=columns[0].joints, locked=choices.fixed or {}, gravity=choices.gravity

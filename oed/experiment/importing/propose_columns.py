@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.joint_names import match_joints
@@ -157,7 +158,7 @@ def _assigned(
             if len(names) == len(order):
                 return order, names
         message = (
-            f"holds positions of {len(order)} joints ({_few([one.column for one in order])}), the "
+            f"holds positions of {counted(len(order), 'joint')} ({_few([one.column for one in order])}), the "
             f"robot has {len(joints.arm)} in its arm and {len(joints.movable)} in all; say which "
             "they are with --joints, in the order of the log"
         )

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.experiment.importing.repetition import find_period
 from oed.experiment.recording import ROLES, Role
 from oed.experiment.recording_checks import PARAMETERS_PER_JOINT
@@ -95,7 +96,7 @@ def _by_files(logs: Sequence[Timed]) -> tuple[tuple[Part, ...], str]:
         )
     roles = _shared_out([float(log.t[-1] - log.t[0]) for log in logs])
     parts = tuple(Part(i, role) for i, role in enumerate(roles))
-    return parts, f"roles: {len(logs)} logs in the order given, {_counts(roles)}"
+    return parts, f"roles: {counted(len(logs), 'log')} in the order given, {_counts(roles)}"
 
 
 def _named_role(stem: str) -> Role | None:

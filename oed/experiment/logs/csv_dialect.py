@@ -1,7 +1,7 @@
 """How a text file separates its numbers, and the same numbers separated by commas.
 
-Whatever a spreadsheet or a logger wrote (semicolons, tabs, blanks, decimal commas, quotes, UTF-16,
-a byte-order mark, comments above, a header or none, a line of units, times of day) becomes one kind
+Whatever a spreadsheet or a logger wrote (semicolons, tabs, blanks, decimal commas, quotes, comments
+above, a header or none, a line of units, times of day) becomes one kind
 of text, line for line, so that a fault is still named by the line that the user sees.
 """
 
@@ -14,13 +14,13 @@ from typing import get_args
 
 from oed.errors import DataSetError
 from oed.experiment.logs.clock_text import DATE, clock_seconds, is_clock
+from oed.experiment.logs.csv_encoding import decode
 from oed.experiment.logs.csv_fault import NUMBER
 from oed.experiment.units import Quantity
 from oed.experiment.units_in_names import is_unit
 
 SAMPLE = 20  # lines that tell how a file is written
 COMMENTS = ("#", "%")
-UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # its byte-order marks
 SEPARATOR_LINE = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)  # spreadsheets write it as line 1
 TWO_NUMBERS = re.compile(r"[\d.,eE+-]*\d\s+[+-]?[\d.,][\d.,eE+-]*")
 
@@ -36,6 +36,7 @@ class CsvText:
         first_row: Line of the file that is the first of `body`.
         header_row: Line of the header; None if there is none.
         is_complete: Whether the last line of the file ends with a line break.
+        encoding: Of the file, by name.
     """
 
     header: tuple[str, ...]
@@ -43,15 +44,17 @@ class CsvText:
     first_row: int
     header_row: int | None
     is_complete: bool
+    encoding: str
 
 
 def read_csv_text(content: bytes, file: str) -> CsvText:
     """Find out how a file is written, and write it with commas.
 
     Raises:
-        DataSetError: If it is no UTF-8 text, holds no row, or a quote is left open.
+        DataSetError: If it is no text, holds no row, or a quote is left open.
     """
-    text = _decoded(content, file).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    decoded, encoding = decode(content, file)
+    text = decoded.encode().replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     skipped, separator, comment, text = _without_top(text)
     if not text.strip():
         raise DataSetError("empty; it needs one row per sample", file=file)
@@ -78,28 +81,7 @@ def read_csv_text(content: bytes, file: str) -> CsvText:
         raise DataSetError("holds a header but no row", file=file, row=first_row)
     header = tuple(name or f"column {i + 1}" for i, name in enumerate(names))
     body = _with_seconds(_with_commas(body, separator, file, first_row))
-    return CsvText(header, body, first_row, header_row, is_complete)
-
-
-def _decoded(content: bytes, file: str) -> bytes:
-    """The content as UTF-8 without a byte-order mark, once it is known to be text."""
-    if content.startswith(UTF_16):
-        try:
-            content = content.decode("utf-16").encode()
-        except UnicodeError as error:
-            message = f"is damaged UTF-16 text ({error}); save the file as UTF-8"
-            raise DataSetError(message, file=file) from error
-    zero = content.find(b"\0")
-    if zero >= 0:
-        row = content[:zero].count(b"\n") + 1
-        raise DataSetError("holds a zero byte; it is not a text file", file=file, row=row)
-    try:
-        content.decode("utf-8")
-    except UnicodeDecodeError as error:
-        row = content[: error.start].count(b"\n") + 1
-        message = f"byte 0x{content[error.start]:02x} is not UTF-8 text; save the file as UTF-8"
-        raise DataSetError(message, file=file, row=row) from error
-    return content.removeprefix(b"\xef\xbb\xbf")
+    return CsvText(header, body, first_row, header_row, is_complete, encoding)
 
 
 def _without_top(text: bytes) -> tuple[int, str, str, bytes]:

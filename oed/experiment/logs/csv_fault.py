@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection
 from math import isfinite
 
+from oed.counted import counted
 from oed.errors import DataSetError
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
@@ -55,10 +56,16 @@ def _line_fault(
     if len(cells) < len(header):
         what = "the last line is truncated: it" if is_last else "the row"
         missing = header[len(cells)]
-        return f"{what} holds {len(cells)} of {len(header)} columns; delete or repair it", missing
+        return (
+            f"{what} holds {len(cells)} of {counted(len(header), 'column')}; delete or repair it",
+            missing,
+        )
     if len(cells) > len(header):
         hint = "decimal commas?" if ";" in line else "a comma inside a number or text?"
-        return f"the row holds {len(cells)} cells for {len(header)} columns ({hint})", None
+        return (
+            f"the row holds {len(cells)} cells for {counted(len(header), 'column')} ({hint})",
+            None,
+        )
     for name, cell in zip(header, cells, strict=True):
         fault = _cell_fault(cell.strip()) if name in wanted else ""
         if fault:

@@ -18,6 +18,7 @@ from numpy import ndarray
 
 from oed.errors import DataSetError
 from oed.experiment.logs.csv_dialect import CsvText, read_csv_text
+from oed.experiment.logs.csv_encoding import WINDOWS
 from oed.experiment.logs.csv_fault import find_fault
 from oed.experiment.logs.registry import log_reader
 from oed.experiment.logs.ros_echo import NANOSEC, SEC, EchoLayout, echo_layout
@@ -54,6 +55,7 @@ def read_csv(path: Path) -> Log:
                 file,
                 first_row=text.first_row,
                 header_row=text.header_row,
+                text=() if text.encoding != WINDOWS else (f"read as {WINDOWS} text",),
             ),
         ),
     )
