@@ -30,8 +30,17 @@ from oed.report.input_files import data_digest
 from oed.report.json_file import plain_value, read_json
 from oed.report.progress import progress
 from studies.row_file import Outcome, RowFile
+from studies.study_options import CaseOptions
 
-__all__ = ["CaseRunner", "Outcome", "RowFile", "all_failed", "failure", "is_finished"]
+__all__ = [
+    "CaseRunner",
+    "Outcome",
+    "RowFile",
+    "all_failed",
+    "failure",
+    "is_finished",
+    "work_through",
+]
 
 DIGITS = 16  # of a digest: enough that no two of a table are the same by chance
 FAILED = "failed"
@@ -141,6 +150,34 @@ def is_finished(
     if not record.is_file() or not {case.key for case in cases} <= rows.done(digests):
         return False
     return read_json(record).get("configuration") == plain_value(configuration)
+
+
+def work_through(
+    runner: CaseRunner[CaseT],
+    cases: Sequence[CaseT],
+    options: CaseOptions,
+    configuration: object,
+    write: Callable[[Path], None],
+) -> int:
+    """What a study of many cases does: those that are left, then its results; its exit status.
+
+    Where all is done with this configuration nothing is written again.
+
+    Args:
+        runner: Works through the cases.
+        cases: All cases.
+        options: Of the command line.
+        configuration: The study's, an instance of a dataclass.
+        write: Leaves the results of the runner's rows in a folder.
+    """
+    if is_finished(runner.rows, cases, configuration, runner.digest):
+        print(f"nothing left to do; {options.results} stays as it is")
+        return 0
+    with options.held() as results:
+        runner.run(cases, workers=options.workers, scheduler=options.scheduler)
+        with results.replaced() as new:
+            write(new)
+    return int(all_failed(runner.rows.rows()))
 
 
 def all_failed(rows: Sequence[Mapping[str, str]]) -> bool:

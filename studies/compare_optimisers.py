@@ -33,7 +33,7 @@ from oed.dynamics.torque_model import TorqueModel
 from oed.process_end import RESUMES, leave
 from oed.report.provenance import Provenance
 from oed.robot import JointLimits, Robot, arm_joints, load_robot
-from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed, is_finished
+from studies.case_runner import CaseRunner, Outcome, RowFile, work_through
 from studies.data_folders import PANDA
 from studies.optimiser_summary import write_summary
 from studies.study_options import CaseOptions
@@ -223,18 +223,10 @@ def runner(out: Path) -> CaseRunner[Case]:
     return CaseRunner(run_case, RowFile(out / "runs.csv", KEY, VALUES), "optimiser runs")
 
 
-def run(config: Config, out: Path, *, workers: int = 1, scheduler: str | None = None) -> RowFile:
-    """Do all cases that `out`/runs.csv does not hold yet."""
-    todo = runner(out)
-    todo.run(config.cases(), workers=workers, scheduler=scheduler)
-    return todo.rows
-
-
 def write(config: Config, rows: RowFile, out: Path) -> None:
     """Leave summary, figure and provenance beside the rows."""
-    wanted = {case.key for case in config.cases()}
     sizes = {problem: len(_model(problem)[1]) for problem, _ in config.problems}
-    chosen = [row for row in rows.rows() if tuple(row[c] for c in KEY) in wanted]
+    chosen = rows.rows_of(case.key for case in config.cases())
     write_summary(chosen, sizes, LONGEST, out)
     Provenance.collect(config, seed=None).write(out / "provenance.json")
 
@@ -278,16 +270,11 @@ class Options(CaseOptions):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
     options = parse(Options, prog="python -m studies.compare_optimisers", arguments=arguments)
-    config, out = options.config, options.results
-    todo = runner(out)
-    if is_finished(todo.rows, config.cases(), config, todo.digest):
-        print(f"nothing left to do; {out} stays as it is")
-        return 0
-    with options.held() as results:
-        rows = run(config, out, workers=options.workers, scheduler=options.scheduler)
-        with results.replaced() as new:
-            write(config, rows, new)
-    return int(all_failed(rows.rows()))
+    config = options.config
+    todo = runner(options.results)
+    return work_through(
+        todo, config.cases(), options, config, lambda out: write(config, todo.rows, out)
+    )
 
 
 if __name__ == "__main__":

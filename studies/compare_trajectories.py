@@ -32,7 +32,7 @@ from oed.process_end import RESUMES, leave
 from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
 from oed.robot import JointLimits, imi_scara, load_arm
-from studies.case_runner import CaseRunner, Outcome, all_failed, is_finished
+from studies.case_runner import CaseRunner, Outcome, work_through
 from studies.data_folders import EXAMPLE_ROBOTS, PANDA
 from studies.row_file import RowFile
 from studies.study_options import CaseOptions
@@ -217,8 +217,7 @@ def runner(out: Path) -> CaseRunner[Case]:
 
 def write(config: Config, rows: RowFile, out: Path) -> None:
     """Leave the summary and provenance beside the rows."""
-    wanted = {case.key for case in config.cases()}
-    chosen = [row for row in rows.rows() if tuple(row[c] for c in KEY) in wanted]
+    chosen = rows.rows_of(case.key for case in config.cases())
     write_atomically(out / "summary.md", summarise(chosen, config.seconds))
     Provenance.collect(config, seed=None).write(out / "provenance.json")
 
@@ -226,16 +225,11 @@ def write(config: Config, rows: RowFile, out: Path) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
     options = parse(Options, prog="python -m studies.compare_trajectories", arguments=arguments)
-    config, out = options.config, options.results
-    todo = runner(out)
-    if is_finished(todo.rows, config.cases(), config, todo.digest):
-        print(f"nothing left to do; {out} stays as it is")
-        return 0
-    with options.held() as results:
-        todo.run(config.cases(), workers=options.workers, scheduler=options.scheduler)
-        with results.replaced() as new:
-            write(config, todo.rows, new)
-    return int(all_failed(todo.rows.rows()))
+    config = options.config
+    todo = runner(options.results)
+    return work_through(
+        todo, config.cases(), options, config, lambda out: write(config, todo.rows, out)
+    )
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ from studies.bench.forms import forms_of
 from studies.bench.make_dataset import make_dataset
 from studies.bench.plan import TWO_JOINTS
 from studies.bench.truth import HiddenTruth
-from studies.case_runner import CaseRunner, RowFile, all_failed
+from studies.case_runner import CaseRunner, RowFile, work_through
 from studies.interval_summary import Interval, packed, page
 from studies.study_options import CaseOptions
 
@@ -144,16 +144,6 @@ def compare(hidden: HiddenTruth, found: FoundEffect, joints: int) -> list[Interv
     ]
 
 
-def run(
-    config: Config, out: Path, *, workers: int = 1, scheduler: str | None = None
-) -> list[dict[str, str]]:
-    """Do the cases that have no line yet, and return all lines."""
-    rows = RowFile(out / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
-    runner = CaseRunner(work, rows, "effect intervals")
-    runner.run(cases_of(config), workers=workers, scheduler=scheduler)
-    return rows.rows()
-
-
 def write(rows: Sequence[dict[str, str]], config: Config, out: Path) -> None:
     """Save the summary and where it comes from; the lines are there already."""
     out.mkdir(parents=True, exist_ok=True)
@@ -190,13 +180,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 1 if all failed, else 0."""
     options = parse(Options, prog="python -m studies.effect_intervals", arguments=arguments)
     config = SMOKE if options.smoke else Config(options.forms, options.seeds, options.first_seed)
-    out, workers = options.results, options.workers
-    with options.held() as results:
-        rows = run(config, out, workers=workers, scheduler=options.scheduler)
-        with results.replaced() as new:
-            write(rows, config, new)
-    print(page(rows))
-    return int(all_failed(rows))
+    rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
+    runner = CaseRunner(work, rows, "effect intervals")
+    return work_through(
+        runner, cases_of(config), options, config, lambda out: write(rows.rows(), config, out)
+    )
 
 
 if __name__ == "__main__":

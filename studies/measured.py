@@ -170,12 +170,12 @@ def _change(before: str, after: str) -> str:
 
 def run(cases: Sequence[Case], config: Config, results: ResultFolder) -> list[dict[str, str]]:
     """Do the data sets that have no line yet, write the summary of all, return their lines."""
-    rows, asked = RowFile(results.folder / RUNS, KEY, VALUES), {case.key for case in cases}
+    rows = RowFile(results.folder / RUNS, KEY, VALUES)
     runner = CaseRunner(work, rows, "measured arms", data=lambda case: case.folder)
     finished = is_finished(rows, cases, config, runner.digest)
     # One after another: each works on all processors, as its user's would.
     runner.run(cases)
-    lines = [line.row for key, line in rows.lines().items() if key in asked]
+    lines = rows.rows_of(case.key for case in cases)
     if not finished:
         with results.replaced() as new:
             write_atomically(new / "summary.md", page(lines))

@@ -13,6 +13,7 @@ import time
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -31,8 +32,9 @@ from oed.experiment.preparation.settings import choose_settings
 from oed.process_end import RESUMES, leave
 from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
-from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed
-from studies.payload_arms import ARMS, TrueArm, draw_load, random_motion_of, record
+from studies.carrying_arms import ARMS
+from studies.case_runner import CaseRunner, Outcome, RowFile, work_through
+from studies.payload_arms import TrueArm, draw_load, random_motion_of, record
 from studies.payload_motion import designed_motion
 from studies.payload_summary import page
 from studies.study_options import CaseOptions
@@ -257,16 +259,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 1 if all failed, else 0."""
     options = parse(Options, prog="python -m studies.payload", arguments=arguments)
     config = SMOKE if options.smoke else Config()
-    with options.held() as results:
-        rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
-        runner = CaseRunner(work, rows, "payload")
-        runner.run(cases_of(config), workers=options.workers, scheduler=options.scheduler)
-        found = rows.rows()
-        with results.replaced() as new:
-            write_atomically(new / "summary.md", page(found))
-            Provenance.collect(config, seed=None).write(new / "provenance.json")
-    print(page(found))
-    return int(all_failed(found))
+    rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
+
+    def write(out: Path) -> None:
+        write_atomically(out / "summary.md", page(rows.rows()))
+        Provenance.collect(config, seed=None).write(out / "provenance.json")
+
+    runner = CaseRunner(work, rows, "payload")
+    return work_through(runner, cases_of(config), options, config, write)
 
 
 if __name__ == "__main__":

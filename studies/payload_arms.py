@@ -9,11 +9,7 @@ by encoders with steps.
 from __future__ import annotations
 
 import dataclasses
-import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
@@ -25,12 +21,11 @@ from oed.dynamics.drake_plant import drake_torque
 from oed.dynamics.motion import Motion
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import Recording
-from oed.robot import Robot, load_robot
-from oed.robot.attached_frame import AttachedFrame, find_frame
+from oed.robot import Robot
+from oed.robot.attached_frame import AttachedFrame
 from oed.robot.inertia import transform_parameters
 from studies.bench.excitation import random_fourier_motion
-from studies.bench.robots import ROBOTS
-from studies.data_folders import EXAMPLE_ROBOTS
+from studies.carrying_arms import CarryingArm
 
 PERIOD = 0.008  # [s] between rows of a log
 LINK_SPREAD = 0.05  # relative scatter of each link's true mass about the file's
@@ -44,91 +39,6 @@ ENCODER = 2 * np.pi / 2**18  # [rad]
 MASSES = (0.1, 5.0)  # [kg]
 SIZES = (0.04, 0.25)  # [m] of a load's sides
 OFFSETS = (0.08, 0.15)  # [m] sideways, and away from the flange
-# A four-axis arm for assembly, after the data sheets of 600 mm arms.
-SCARA = """
-convention = "standard"
-angles = "deg"
-[[joint]]
-a = 0.325
-alpha = 0.0
-d = 0.2
-theta = 0.0
-name = "arm_1"
-lower = -130
-upper = 130
-velocity = 200
-mass = 6.0
-com = [-0.15, 0.0, 0.0]
-inertia = [0.02, 0.0, 0.0, 0.08, 0.0, 0.09]
-[[joint]]
-a = 0.275
-alpha = 180.0
-d = 0.0
-theta = 0.0
-name = "arm_2"
-lower = -140
-upper = 140
-velocity = 250
-mass = 5.0
-com = [-0.12, 0.0, 0.0]
-inertia = [0.02, 0.0, 0.0, 0.05, 0.0, 0.05]
-[[joint]]
-kind = "prismatic"
-a = 0.0
-alpha = 0.0
-d = 0.0
-theta = 0.0
-name = "quill"
-lower = 0.0
-upper = 0.2
-velocity = 1.1
-mass = 1.2
-com = [0.0, 0.0, -0.08]
-inertia = [0.004, 0.0, 0.0, 0.004, 0.0, 0.0006]
-[[joint]]
-a = 0.0
-alpha = 0.0
-d = 0.0
-theta = 0.0
-name = "turn"
-lower = -350
-upper = 350
-velocity = 600
-mass = 0.5
-com = [0.0, 0.0, -0.02]
-inertia = [0.0005, 0.0, 0.0, 0.0005, 0.0, 0.0003]
-"""
-
-
-@dataclass(frozen=True)
-class CarryingArm:
-    """An arm of the studies.
-
-    Attributes:
-        key: Its name.
-        load: Gives the robot, as its file has it.
-        coulomb: (n,) [N m or N].
-        viscous: (n,) [N m s/rad or N s/m].
-        noise: (n,) standard deviation of the torque [N m or N].
-        highest: Frequency up to which the motion has harmonics [Hz].
-    """
-
-    key: str
-    load: Callable[[], Robot]
-    coulomb: tuple[float, ...]
-    viscous: tuple[float, ...]
-    noise: tuple[float, ...]
-    highest: float = 0.6
-
-    @property
-    def robot(self) -> Robot:
-        """As its file has it."""
-        return _loaded(self.key)
-
-    @property
-    def frame(self) -> AttachedFrame:
-        """Where it holds a load."""
-        return find_frame(self.robot)
 
 
 @dataclass(frozen=True)
@@ -255,69 +165,3 @@ def record(
     q = (np.floor(motion.q / ENCODER + jitter) + 0.5) * ENCODER
     recording = Recording(name, "estimation", motion.t, q, tau)
     return DataSet(name, "simulated", "CC0-1.0", arm.robot, "measured", recordings=(recording,))
-
-
-def _scara() -> Robot:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scara.toml"
-        path.write_text(SCARA, encoding="utf-8")
-        robot = load_robot(path)
-    acceleration = np.array([20.0, 25.0, 10.0, 60.0])  # [rad/s^2, m/s^2]
-    bounds = np.stack([-acceleration, acceleration], axis=1)
-    return robot.with_limits(robot.limits.with_(acceleration=bounds))
-
-
-def _of_bench(key: str) -> Callable[[], Robot]:
-    def load() -> Robot:
-        with tempfile.TemporaryDirectory() as folder:
-            return ROBOTS[key].declared(Path(folder))
-
-    return load
-
-
-def _ur10() -> Robot:
-    robot = load_robot(EXAMPLE_ROBOTS / "ur_description/urdf/ur10_robot.urdf")
-    n = robot.n
-    return robot.with_limits(
-        robot.limits.with_(
-            position=np.array([[-2.8, 2.8], [-2.6, -0.5], [-2.2, 2.2], *[[-2.6, 2.6]] * 3]),
-            velocity=np.tile([-2.0, 2.0], (n, 1)),
-            acceleration=np.tile([-5.0, 5.0], (n, 1)),
-        )
-    )
-
-
-def _as_of_bench(key: str) -> CarryingArm:
-    bench = ROBOTS[key]
-    return CarryingArm(
-        key, _of_bench(key), bench.coulomb, bench.viscous, bench.noise, bench.highest
-    )
-
-
-ARMS = {
-    arm.key: arm
-    for arm in (
-        _as_of_bench("ur5"),
-        _as_of_bench("panda"),
-        CarryingArm(
-            "scara",
-            _scara,
-            coulomb=(3.0, 2.0, 12.0, 0.25),
-            viscous=(2.0, 1.2, 40.0, 0.08),
-            noise=(0.5, 0.3, 1.5, 0.03),
-            highest=1.2,
-        ),
-        CarryingArm(
-            "ur10",
-            _ur10,
-            coulomb=(12.0, 14.0, 9.0, 2.2, 2.0, 1.7),
-            viscous=(15.0, 17.0, 11.0, 2.4, 2.1, 1.8),
-            noise=(1.0, 1.2, 0.8, 0.2, 0.17, 0.15),
-        ),
-    )
-}
-
-
-@cache
-def _loaded(key: str) -> Robot:
-    return ARMS[key].load()

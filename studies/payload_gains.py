@@ -13,6 +13,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -31,9 +32,10 @@ from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table
 from oed.robot.inertia import transform_parameters
-from studies.case_runner import CaseRunner, Outcome, RowFile, all_failed
+from studies.carrying_arms import ARMS
+from studies.case_runner import CaseRunner, Outcome, RowFile, work_through
 from studies.payload import SIGN_WIDTH, processed
-from studies.payload_arms import ARMS, TrueArm, draw_load, random_motion_of, record
+from studies.payload_arms import TrueArm, draw_load, random_motion_of, record
 from studies.study_options import CaseOptions
 
 RUNS = "runs.csv"
@@ -111,7 +113,7 @@ def work(case: Case) -> Outcome:
     bare, loaded = (processed(log) for log in logs)
     centre = body[1:4] / body[0] if case.knows != "mass" else None
     model = LoadedModel.bare(
-        with_friction_curve(build_model("rotor", arm.robot, sign_width=SIGN_WIDTH)), arm.frame
+        with_friction_curve(build_model("rotor", logs[0].robot, sign_width=SIGN_WIDTH)), arm.frame
     ).turning_as(bare)
     equations = CurrentEquations.of(model, bare, [loaded], [KnownLoad(MASS, centre)])
     found = estimate_gains(equations)
@@ -248,8 +250,11 @@ def _rms(values: Float[ndarray, " k"]) -> float:
 
 
 def _in_amperes(dataset: DataSet, gains: Float[ndarray, " joints"]) -> DataSet:
+    """As the reader gives a log of currents."""
     (log,) = dataset.recordings
-    return replace(dataset, torque="current", recordings=(replace(log, tau=log.tau / gains),))
+    currents = replace(log, tau=log.tau / gains)
+    robot = dataset.robot.with_amperes()
+    return replace(dataset, robot=robot, torque="current", recordings=(currents,))
 
 
 def _listed(values: Sequence[float] | Float[ndarray, " joints"]) -> str:
@@ -268,16 +273,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 1 if all failed, else 0."""
     options = parse(Options, prog="python -m studies.payload_gains", arguments=arguments)
     config = SMOKE if options.smoke else Config()
-    with options.held() as results:
-        rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
-        runner = CaseRunner(work, rows, "payload_gains")
-        runner.run(cases_of(config), workers=options.workers, scheduler=options.scheduler)
-        found = rows.rows()
-        with results.replaced() as new:
-            write_atomically(new / "summary.md", page(found))
-            Provenance.collect(config, seed=None).write(new / "provenance.json")
-    print(page(found))
-    return int(all_failed(found))
+    rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
+
+    def write(out: Path) -> None:
+        write_atomically(out / "summary.md", page(rows.rows()))
+        Provenance.collect(config, seed=None).write(out / "provenance.json")
+
+    runner = CaseRunner(work, rows, "payload_gains")
+    return work_through(runner, cases_of(config), options, config, write)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,8 @@ from oed.design.optimisers.interior_point import optimise
 from oed.design.optimisers.result import Budget
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
-from studies.payload_arms import ARMS, PERIOD
+from studies.carrying_arms import ARMS
+from studies.payload_arms import PERIOD
 
 MARGIN = 0.9  # share of velocity and acceleration limits, as of the command
 EVALUATIONS = 1000

@@ -6,7 +6,7 @@ import csv
 import io
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,6 +59,15 @@ class RowFile:
             ValueError: If the file has other columns.
         """
         return [line.row for line in self.lines().values()]
+
+    def rows_of(self, keys: Iterable[tuple[str, ...]]) -> list[dict[str, str]]:
+        """The same, of some cases alone.
+
+        Args:
+            keys: Of the cases.
+        """
+        asked = set(keys)
+        return [line.row for key, line in self.lines().items() if key in asked]
 
     def lines(self) -> dict[tuple[str, ...], Line]:
         """The last complete line of each case, in the order in which the cases came.

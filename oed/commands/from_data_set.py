@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from oed.commands.configurations import DataSetCommand, ModelName
+from oed.commands.configurations import DataSetCommand, LoadCommand, ModelName
 from oed.commands.telling import say
 from oed.dynamics.effects import RotorInertia, TorqueOffset
 from oed.dynamics.models import build_model
@@ -130,6 +130,16 @@ def model_for(dataset: DataSet, path: Path) -> Model:
             f"{path}: its joints are {', '.join(said)}; those of {dataset.name} are {', '.join(meant)}"
         )
     return found
+
+
+def prepare_at(folder: Path, config: LoadCommand) -> Prepared:
+    """The same for one folder of a command that compares several.
+
+    Args:
+        folder: Of a data set.
+        config: What holds for all of them.
+    """
+    return prepare(folder, joints=config.joints, model=config.torque_model, cutoff=config.cutoff)
 
 
 def prepare_for(config: DataSetCommand) -> Prepared:

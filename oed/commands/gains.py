@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from oed.commands.configurations import Gains as Config
-from oed.commands.from_data_set import Prepared, prepare
+from oed.commands.from_data_set import Prepared, prepare_at
 from oed.commands.telling import say, speak
 from oed.counted import counted
 from oed.errors import NoUsableResult
@@ -37,8 +36,8 @@ def measure(config: Config) -> GainsReport:
         OtherArm: If the data sets are not of one arm.
         NoUsableResult: If torques are no currents.
     """
-    loaded = [_prepared(folder, config) for folder in config.loaded]
-    bare = None if config.bare is None else _prepared(config.bare, config)
+    loaded = [prepare_at(folder, config) for folder in config.loaded]
+    bare = None if config.bare is None else prepare_at(config.bare, config)
     every = [*([bare] if bare else []), *loaded]
     notes: tuple[str, ...] = ()
     for other in every[1:]:
@@ -59,15 +58,6 @@ def measure(config: Config) -> GainsReport:
     )
     gains = estimate_gains(equations, dataset.drive.current_to_torque)
     return GainsReport(gains, dataset, notes)
-
-
-def _prepared(folder: Path, config: Config) -> Prepared:
-    return prepare(
-        folder,
-        joints=config.joints,
-        model=config.torque_model,
-        cutoff=config.cutoff,
-    )
 
 
 def _estimation(prepared: Prepared, cutoff: float) -> tuple[ProcessedRecording, ...]:

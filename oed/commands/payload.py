@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from oed.commands.configurations import Payload as Config
-from oed.commands.from_data_set import Prepared, prepare
+from oed.commands.from_data_set import Prepared, prepare_at
 from oed.commands.telling import say, speak
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
@@ -82,12 +82,12 @@ def weigh(config: Config) -> PayloadReport:
 
 
 def _given(config: Config) -> _Given:
-    loaded = _prepared(config.loaded, config)
+    loaded = prepare_at(config.loaded, config)
     loaded.dataset.robot.require_newton_metres(loaded.dataset.name)
     frame = find_frame(loaded.dataset.robot, config.frame)
     bare, found, notes = None, None, ()
     if config.bare is not None:
-        bare = _prepared(config.bare, config)
+        bare = prepare_at(config.bare, config)
         bare.dataset.robot.require_newton_metres(bare.dataset.name)
         notes = check_same_arm(bare.dataset, loaded.dataset)
     if config.model is not None:
@@ -103,15 +103,6 @@ def _given(config: Config) -> _Given:
         torque_model=loaded.model,
         frame=frame,
         notes=notes,
-    )
-
-
-def _prepared(folder: Path, config: Config) -> Prepared:
-    return prepare(
-        folder,
-        joints=config.joints,
-        model=config.torque_model,
-        cutoff=config.cutoff,
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,25 +10,9 @@ import pytest
 from jaxtyping import Float
 from numpy import ndarray
 from pydrake.geometry import ReadObjToTriangleSurfaceMesh
-from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-from pydrake.systems.framework import DiagramBuilder
 
-from oed.design.meshes import find_mesh, load_triangles, with_readable_meshes, write_obj
-from oed.robot.packages import read_packages
-
-# Edges of 3, 4 and 5 along the axes: its volume is 3 * 4 * 5 / 6. Exact in single precision.
-CORNERS = np.array([[0.0, 0, 0], [3, 0, 0], [0, 4, 0], [0, 0, 5]])
-FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-TETRAHEDRON = CORNERS[FACES]
-VOLUME = 10.0
-
-
-def write_binary_stl(triangles: ndarray, path: Path, header: bytes = b"") -> Path:
-    """80 bytes, the count, and of each triangle a normal, three corners and two spare bytes."""
-    body = b"".join(struct.pack("<12fH", 0, 0, 0, *t.reshape(-1), 0) for t in triangles)
-    path.write_bytes(header.ljust(80) + struct.pack("<I", len(triangles)) + body)
-    return path
+from oed.design.meshes import load_triangles, with_readable_meshes, write_obj
+from tests.design.tetrahedron import TETRAHEDRON, VOLUME, robot_text, write_binary_stl
 
 
 def write_ascii_stl(triangles: ndarray, path: Path) -> Path:
@@ -50,10 +33,6 @@ def corner_sets(triangles: Float[ndarray, "triangles 3 3"]) -> set[frozenset]:
 def volume(triangles: ndarray) -> float:
     """By the divergence theorem; positive where the faces wind outwards."""
     return float(np.linalg.det(triangles).sum() / 6)
-
-
-def robot_text(*elements: str, materials: str = "") -> str:
-    return f'<robot name="r">{materials}<link name="a">{"".join(elements)}</link></robot>'
 
 
 def shape(kind: str, file: str) -> str:
@@ -116,74 +95,6 @@ def test_drake_reads_the_obj_as_the_same_solid(tmp_path: Path) -> None:
     )
     assert volume(found) == pytest.approx(VOLUME, rel=1e-5)
     np.testing.assert_allclose(found, shifted, atol=1e-6)
-
-
-def test_finds_by_relative_and_absolute_path(tmp_path: Path) -> None:
-    (tmp_path / "meshes").mkdir()
-    mesh = write_binary_stl(TETRAHEDRON, tmp_path / "meshes" / "t.stl")
-    source = tmp_path / "r.urdf"
-    for name in ("meshes/t.stl", str(mesh), f"file://{mesh}"):
-        found = find_mesh(name, source)
-        assert found is not None, name
-        assert found.samefile(mesh)
-    assert find_mesh("meshes/absent.stl", source) is None
-    assert find_mesh("meshes", source) is None
-    assert find_mesh("", source) is None
-
-
-@pytest.mark.parametrize("scheme", ["package", "model"])
-def test_finds_a_package_by_its_folder(scheme: str, tmp_path: Path) -> None:
-    inside = tmp_path / "arm_description" / "meshes"
-    inside.mkdir(parents=True)
-    mesh = write_binary_stl(TETRAHEDRON, inside / "t.stl")
-    name = f"{scheme}://arm_description/meshes/t.stl"
-    # The robot's file within the package, and one in a package beside it.
-    for source in (
-        tmp_path / "arm_description" / "urdf" / "r.urdf",
-        tmp_path / "other" / "r.urdf",
-    ):
-        assert find_mesh(name, source) == mesh
-    assert find_mesh(f"{scheme}://other_description/meshes/t.stl", tmp_path / "r.urdf") is None
-
-
-def test_a_package_is_found_where_the_user_or_the_workspace_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    name, source = "package://arm_description/meshes/t.stl", tmp_path / "here" / "r.urdf"
-    source.parent.mkdir()
-    assert find_mesh(name, source) is None
-    found = {}
-    for root in ("named", "ros/arm_description", "ament/share/arm_description"):
-        mesh = tmp_path / "elsewhere" / root / "meshes" / "t.stl"
-        mesh.parent.mkdir(parents=True)
-        mesh.touch()
-        found[root.partition("/")[0]] = mesh
-    assert find_mesh(name, source) is None
-    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "elsewhere" / "ament"))
-    assert find_mesh(name, source) == found["ament"]
-    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "elsewhere" / "ros"))
-    assert find_mesh(name, source) == found["ros"]
-    named = read_packages([f"arm_description={tmp_path / 'elsewhere' / 'named'}"])
-    assert find_mesh(name, source, named) == found["named"]
-
-
-@pytest.mark.parametrize(
-    ("word", "told"), [("arm", "NAME=DIR"), ("=x", "NAME=DIR"), ("arm=/gone", "no such folder")]
-)
-def test_a_package_that_is_not_named_rightly_is_refused(word: str, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
-        read_packages([word])
-
-
-def test_finds_a_package_by_its_description(tmp_path: Path) -> None:
-    checkout = tmp_path / "some-checkout"
-    (checkout / "meshes").mkdir(parents=True)
-    mesh = write_binary_stl(TETRAHEDRON, checkout / "meshes" / "t.stl")
-    source = checkout / "urdf" / "r.urdf"
-    assert find_mesh("package://arm_description/meshes/t.stl", source) is None
-    (checkout / "package.xml").write_text("<package><name> arm_description </name></package>")
-    assert find_mesh("package://arm_description/meshes/t.stl", source) == mesh
-    assert find_mesh("package://arm/meshes/t.stl", source) is None
 
 
 def test_missing_and_broken_meshes_are_named_and_left_out(tmp_path: Path) -> None:
@@ -252,62 +163,3 @@ def test_a_flat_mesh_has_no_hull_and_stays_itself(tmp_path: Path) -> None:
         robot_text(shape("collision", "flat.stl")), tmp_path / "r.urdf", tmp_path / "scratch"
     )
     assert corner_sets(load_triangles(read_back(found.text)[0])) == corner_sets(flat)
-
-
-RED, BLUE, DEFAULT = "1 0 0 1", "0 0 1 1", "none"
-
-
-def material(name: str, colour: str) -> str:
-    return f'<material name="{name}"><color rgba="{colour}"/></material>'
-
-
-def boxed(*materials: str) -> str:
-    box = '<geometry><box size="1 1 1"/></geometry>'
-    return "".join(f"<visual>{box}{m}</visual>" for m in materials)
-
-
-def drakes_colours(text: str, path: Path) -> list[str]:
-    """Colour of every visual shape as Drake reads it."""
-    path.write_text(text)
-    plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)
-    Parser(plant).AddModels(path)
-    inspector = scene_graph.model_inspector()
-    properties = [inspector.GetIllustrationProperties(g) for g in inspector.GetAllGeometryIds()]
-    return [
-        " ".join(f"{x:g}" for x in p.GetProperty("phong", "diffuse").rgba)
-        if p.HasProperty("phong", "diffuse")
-        else DEFAULT
-        for p in properties
-    ]
-
-
-@pytest.mark.parametrize(
-    ("text", "colours"),
-    [
-        (robot_text(boxed(material("m", RED), material("m", BLUE))), [RED, RED]),
-        (robot_text(boxed(material("m", RED)), materials=material("m", BLUE)), [BLUE]),
-        (
-            robot_text(boxed(material("m", RED))).replace("</robot>", material("m", BLUE))
-            + "</robot>",
-            [BLUE],
-        ),
-        (robot_text(boxed(material("m", RED), '<material name="m"/>')), [RED, RED]),
-        (robot_text(boxed(material("m", RED), material("n", BLUE))), [RED, BLUE]),
-        (robot_text(boxed(material("", RED), material("", BLUE))), [RED, BLUE]),
-        (robot_text(boxed(material("m", RED), '<material name="n"/>')), [DEFAULT, RED]),
-    ],
-    ids=[
-        "twice_in_a_link",
-        "first_in_the_robot",
-        "last_in_the_robot",
-        "used",
-        "two",
-        "unnamed",
-        "undefined",
-    ],
-)
-def test_drake_accepts_a_material_defined_twice(
-    text: str, colours: list[str], tmp_path: Path
-) -> None:
-    found = with_readable_meshes(text, tmp_path / "r.urdf", tmp_path)
-    assert sorted(drakes_colours(found.text, tmp_path / "r.urdf")) == sorted(colours)

@@ -89,8 +89,9 @@ def abs_of(case: Square) -> Outcome:
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("comparison")
-    rows = compare_optimisers.run(TINY, out)
-    compare_optimisers.write(TINY, rows, out)
+    todo = compare_optimisers.runner(out)
+    todo.run(TINY.cases())
+    compare_optimisers.write(TINY, todo.rows, out)
     return out
 
 
@@ -118,7 +119,7 @@ def test_leaves_rows_summary_figure_and_provenance(finished: Path) -> None:
 def test_resumes_without_losing_or_repeating_a_row(finished: Path, tmp_path: Path) -> None:
     text = (finished / "runs.csv").read_text()
     (tmp_path / "runs.csv").write_text("".join(text.splitlines(keepends=True)[:3]))
-    compare_optimisers.run(TINY, tmp_path)
+    compare_optimisers.runner(tmp_path).run(TINY.cases())
     again = RowFile(tmp_path / "runs.csv", KEY, VALUES)
     assert again.done() == {case.key for case in TINY.cases()}
     assert len(again.rows()) == 4

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.running import oed
-from tests.studies.spoiled_inputs import ROBOTS, URDF
+from tests.studies.sound_inputs import ROBOTS, URDF
 
 
 def crossed(folder: Path, text: str, name: str = "robot.urdf") -> tuple[int, Path]:

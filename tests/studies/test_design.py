@@ -1,4 +1,4 @@
-"""The design study, as a user runs it."""
+"""The motion that `oed design` finds, as a user runs it."""
 
 import contextlib
 import io
@@ -10,16 +10,14 @@ import pandas as pd
 import pinocchio
 import pytest
 
-from oed.design.default_problem import ProblemSettings, default_problem
 from oed.design.limits import Certificate
 from oed.design.problem import DesignProblem
 from oed.dynamics.identifiability import base_parameters
-from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.robot import Robot, imi_scara
+from oed.robot import imi_scara
 from tests.design.primitive_arm import arm_and_post, elbow_at, planar_arm, to_post
-from tests.experiment.tiny_dataset import urdf_text
 from tests.running import oed
+from tests.studies.designed import designed, experiment_information, log10_det
 
 
 @pytest.fixture(scope="module")
@@ -65,12 +63,6 @@ def test_one_command_gives_a_motion_within_proven_limits(
             assert proven[joint] <= getattr(limits, kind)[joint, 1] * (1 + 1e-12)
 
 
-def designed(out: Path, *wishes: str) -> tuple[dict, pd.DataFrame]:
-    """The record and the motion of a quick design that must succeed."""
-    assert oed("design", *wishes, "--out", str(out), "--smoke") == 0
-    return json.loads((out / "design.json").read_text()), pd.read_csv(out / "motion.csv")
-
-
 def test_rotor_inertias_are_excited_or_it_is_said_that_they_are_not(
     scara: tuple[dict, pd.DataFrame, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -100,25 +92,6 @@ def test_a_motion_at_rest_completes_an_earlier_experiment(
     told = second["with_prior"]["J_d_log10"]
     assert told == pytest.approx(log10_det(information[0] + information[1]), abs=1e-6)
     assert second["J_d_log10"] == pytest.approx(log10_det(information[1]), abs=1e-6)
-
-
-def experiment_information(record: dict) -> np.ndarray:
-    """H^T H at the instants of a design file, from its coefficients by the textbook's series."""
-    model = TorqueModel.standard(imi_scara())
-    series = {key: np.array(value) for key, value in record["coefficients"].items()}
-    t = np.arange(record["instants"]) * record["horizon"] / record["instants"]
-    k = np.arange(1, series["sine"].shape[1] + 1) * 2 * np.pi / record["horizon"]
-    sine, cosine = np.sin(np.outer(t, k)), np.cos(np.outer(t, k))
-    q = series["offset"] + sine @ series["sine"].T + cosine @ series["cosine"].T
-    dq = (cosine * k) @ series["sine"].T - (sine * k) @ series["cosine"].T
-    ddq = -(sine * k**2) @ series["sine"].T - (cosine * k**2) @ series["cosine"].T
-    base = base_parameters(model)
-    H = base.reduce(model.regressor(Motion(t, q, dq, ddq))).reshape(-1, len(base))
-    return H.T @ H
-
-
-def log10_det(information: np.ndarray) -> float:
-    return np.linalg.slogdet(information)[1] / np.log(10)
 
 
 def dense_distance(file: Path, names: list[str], q: np.ndarray) -> float:
@@ -213,15 +186,6 @@ def test_an_arm_on_a_wall_is_designed_for_its_own_gravity(tmp_path: Path) -> Non
     assert wall["gravity"] == [0.0, -9.81, 0.0]
 
 
-def test_a_box_out_of_reach_is_no_usable_result(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    arm_and_post(tmp_path)
-    robot = ("--robot", str(tmp_path / "planar.urdf"))
-    walls = ("--box", "5", "6", "5", "6", "5", "6")
-    assert "check the box" in refused(capfd, tmp_path / "out", *robot, *walls, code=3)
-
-
 def test_a_box_is_kept_where_it_is_given(tmp_path: Path) -> None:
     planar_arm(tmp_path)
     walls = ("-0.2", "0.6", "-0.45", "0.4", "-1", "1")
@@ -238,76 +202,6 @@ def test_a_box_is_kept_where_it_is_given(tmp_path: Path) -> None:
     assert record["clearance"]["walls"]["spare"] >= 0.0
 
 
-def refused(capfd: pytest.CaptureFixture[str], out: Path, *wishes: str, code: int = 2) -> str:
-    """The one line on a wish that cannot be met; nothing is left behind."""
-    assert oed("design", *wishes, "--out", str(out)) == code
-    printed = capfd.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    assert printed.err.startswith("oed design: ")
-    assert not out.exists()
-    return printed.err
-
-
-@pytest.mark.parametrize("robot", ["absent.urdf", "builtin:puma"])
-def test_a_robot_that_is_not_there_is_one_line(
-    robot: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert robot.removeprefix("builtin:") in refused(capfd, tmp_path / "out", "--robot", robot)
-
-
-@pytest.mark.parametrize(
-    ("wish", "named"),
-    [
-        (("--horizon", "-3"), "--horizon -3"),
-        (("--horizon", "inf"), "--horizon inf"),
-        (("--rate", "0"), "--rate 0"),
-        (("--rate", "nan"), "--rate nan"),
-        (("--rate", "1e9"), "set points"),
-        (("--budget", "inf"), "--budget inf"),
-        (("--seed", "-1"), "--seed: -1 "),
-        (("--margin", "1.1"), "--margin 1.1"),
-        (("--margin", "0"), "--margin 0"),
-        (("--scale", "2"), "--scale 2"),
-        (("--clearance", "-1"), "--clearance -1"),
-        (("--clearance", "0.01", "--avoid-collision", "--no-clearance"), "contradict"),
-        (("--gravity", "0", "nan", "0"), "--gravity"),
-        (("--package", "arm"), "NAME=DIR"),
-        (("--box", "0", "1", "1", "1", "0", "1"), "--box"),
-        (("--box", "0", "1", "0", "nan", "0", "1"), "--box"),
-        (("--joints", "wrist"), "wrist"),
-        (("--joints", "elbow", "elbow"), "named twice"),
-        (("--prior", "nowhere/design.json"), "nowhere/design.json"),
-        (("--evaluations", "0"), "--evaluations: 0 "),
-    ],
-    ids=lambda value: " ".join(value) if isinstance(value, tuple) else None,
-)
-def test_a_wish_that_cannot_be_met_is_one_line(
-    wish: tuple[str, ...], named: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    arm_and_post(tmp_path)
-    robot = str(tmp_path / "planar.urdf")
-    assert named in refused(capfd, tmp_path / "out", "--robot", robot, *wish)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "no XML",
-        '<robot name="r"><link name="a">',
-        "<html/>",
-        '<robot name="r"><link name="a"/></robot>',
-    ],
-    ids=["empty", "text", "half", "html", "no_joint"],
-)
-def test_a_file_that_is_no_arm_is_one_line(
-    text: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "r.urdf").write_text(text)
-    assert "r.urdf" in refused(capfd, tmp_path / "out", "--robot", str(tmp_path / "r.urdf"))
-
-
 def test_what_cannot_be_shown_is_told_on_screen(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -321,38 +215,6 @@ def test_what_cannot_be_shown_is_told_on_screen(
     assert "no recording" in page
     assert str(tmp_path) not in page
     assert f"{record['J_k']:.4g}" in page
-
-
-def test_collisions_cannot_be_avoided_without_shapes(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    planar_arm(tmp_path)
-    for robot in ("builtin:imi_scara", str(tmp_path / "planar.urdf")):
-        message = refused(capfd, tmp_path / "out", "--robot", robot, "--avoid-collision")
-        assert "--avoid-collision" in message
-
-
-def test_another_arms_experiment_is_no_prior(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    planar_arm(tmp_path)
-    record = {"joints": ["a"], "class": "fourier", "instants": 9, "horizon": 1, "coefficients": {}}
-    (tmp_path / "a.json").write_text(json.dumps(record))
-    message = refused(
-        capfd, tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"),
-        "--prior", str(tmp_path / "a.json"),
-    )  # fmt: skip
-    assert "a.json" in message
-    assert "shoulder" in message
-
-
-def test_results_are_not_put_where_a_file_is(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "out").write_text("mine")
-    assert oed("design", "--robot", "builtin:imi_scara", "--out", str(tmp_path / "out")) == 2
-    assert capfd.readouterr().err.count("\n") == 1
-    assert (tmp_path / "out").read_text() == "mine"
 
 
 FOR_A_CONTROLLER = ("motion.csv", "joint_trajectory.json", "joint_trajectory.yaml")
@@ -382,71 +244,3 @@ def test_nothing_for_a_controller_is_left_where_a_limit_is_not_kept(
     assert not record["usable"]
     assert record["status"].startswith("NOT usable: position: joint shoulder")
     assert not any((out / name).exists() for name in FOR_A_CONTROLLER)
-
-
-def test_the_same_seed_and_evaluations_give_the_same_motion(tmp_path: Path) -> None:
-    wishes = ("--robot", "builtin:imi_scara", "--evaluations", "60", "--criterion", "J_k")
-    first, one = designed(tmp_path / "1", *wishes)
-    second, two = designed(tmp_path / "2", *wishes)
-    other, _ = designed(tmp_path / "3", *wishes, "--seed", "1", "--evaluations", "10")
-    assert first["coefficients"] == second["coefficients"]
-    pd.testing.assert_frame_equal(one, two, check_exact=True)
-    assert first["coefficients"] != other["coefficients"]
-    assert first["evaluations"] == second["evaluations"] >= 60
-    assert first["evaluations_asked"] == 60
-    assert first["criterion"] == "J_k"
-    assert first["J_k_scaled"] is None
-
-
-def test_a_budget_that_ends_the_search_first_is_said(tmp_path: Path) -> None:
-    wishes = ("--robot", "builtin:imi_scara", "--evaluations", "1000000", "--budget", "0.01")
-    record, _ = designed(tmp_path, *wishes)
-    assert "stopped by --budget 0.01 CPU s" in " ".join(record["notes"])
-
-
-def test_scaled_columns_do_not_depend_on_the_seed(tmp_path: Path) -> None:
-    arguments = ("--robot", "builtin:imi_scara", "--criterion", "J_k", "--scaled-columns")
-    arguments += ("--margin", "1")  # for which `scaling_of` scales
-    records = [designed(tmp_path / s, *arguments, "--seed", s)[0] for s in ("0", "1")]
-    assert all(record["criterion"] == "J_k_scaled" for record in records)
-    scale = scaling_of(imi_scara())
-    for record in records:
-        information = experiment_information(record)
-        truth = np.linalg.cond(information * np.outer(scale, scale))
-        assert record["J_k_scaled"] == pytest.approx(truth, rel=1e-6)
-        assert record["J_k"] == pytest.approx(np.linalg.cond(information), rel=1e-6)
-
-
-def scaling_of(robot: Robot) -> np.ndarray:
-    settings = ProblemSettings(instants=40, criterion="J_k", scaled=True)
-    scaling = default_problem(TorqueModel.standard(robot), settings).problem.scaling
-    assert scaling is not None
-    return scaling
-
-
-def test_a_bound_that_fails_leaves_the_motion(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fails(*_: object, **__: object) -> None:
-        raise np.linalg.LinAlgError("Matrix is not positive definite")
-
-    monkeypatch.setattr("oed.design.bound.efficiency.information_bound", fails)
-    monkeypatch.setattr("oed.design.bound.efficiency.estimated_bound", fails)
-    record, _ = designed(tmp_path, "--robot", "builtin:imi_scara")
-    assert record["d_efficiency"] is None
-    assert "no bound was found: Matrix is not positive definite" in " ".join(record["notes"])
-
-
-def test_a_mass_that_cannot_be_is_refused_where_torque_is_limited_by_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "arm.urdf"
-    file.write_text(urdf_text(2).replace('mass value="1"', 'mass value="-1"', 1))
-    out = tmp_path / "out"
-    arguments = ["--robot", str(file), "--out", str(out), "--smoke"]
-    assert oed("design", *arguments) == 2
-    message = capsys.readouterr().err
-    assert "link 'link_1' has a mass of -1 kg" in message
-    assert message.count("\n") == 1
-    assert not out.exists()
-    assert oed("design", *arguments, "--no-torque") == 0

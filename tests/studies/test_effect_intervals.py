@@ -12,6 +12,7 @@ from studies import effect_intervals
 from studies.bench.forms import FORMS
 from studies.bench.robots import ROBOTS
 from studies.interval_summary import Interval, clopper_pearson, packed, page, unpacked
+from studies.row_file import RowFile
 
 
 def scara_arm():
@@ -82,7 +83,8 @@ def test_each_arm_and_each_noise_takes_its_turn():
 def test_smoke_leaves_a_line_a_page_and_where_they_come_from(tmp_path):
     effect_intervals.main(["--smoke", "--out", str(tmp_path)])
     assert (tmp_path / "provenance.json").is_file()
-    (row,) = effect_intervals.run(effect_intervals.SMOKE, tmp_path)  # nothing left to do
+    columns = effect_intervals.KEY_COLUMNS, effect_intervals.VALUE_COLUMNS
+    (row,) = RowFile(tmp_path / effect_intervals.RUNS, *columns).rows()
     (interval,) = unpacked(row["intervals"])
     assert row["status"] == "done"
     assert interval.name == "offset"

@@ -20,7 +20,9 @@ REFERENCE = (4.0, 10.0)
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("free_frequencies")
-    free_frequencies.write(TINY, free_frequencies.run(TINY, out), out)
+    todo = free_frequencies.runner(out)
+    todo.run(TINY.cases())
+    free_frequencies.write(TINY, todo.rows, out)
     return out
 
 
@@ -44,7 +46,9 @@ def test_every_row_is_proven_and_can_be_built_again(finished: Path) -> None:
 def test_resumes(finished: Path, tmp_path: Path) -> None:
     text = (finished / "runs.csv").read_text()
     (tmp_path / "runs.csv").write_text("".join(text.splitlines(keepends=True)[:4]))
-    rows = free_frequencies.run(TINY, tmp_path)
+    todo = free_frequencies.runner(tmp_path)
+    todo.run(TINY.cases())
+    rows = todo.rows
     assert rows.done() == {case.key for case in TINY.cases()}
     assert rows.path.read_text().startswith("".join(text.splitlines(keepends=True)[:4]))
 

@@ -8,7 +8,8 @@ from oed.estimation.load.quantities import central_inertia
 from oed.report.table import read_csv
 from oed.robot.inertia import pseudo_inertia
 from studies import payload, payload_gains
-from studies.payload_arms import ARMS, TrueArm, draw_load, random_motion_of
+from studies.carrying_arms import ARMS
+from studies.payload_arms import TrueArm, draw_load, random_motion_of
 from studies.payload_motion import designed_motion
 
 

@@ -1,0 +1,64 @@
+"""Commands that run others in a row: oed calibrate and oed demo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from oed.commands.configurations.command import Command, ModelName, Prior
+from oed.commands.options import OutFolder, Seed
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibrate(Command):
+    """From recordings to a model that runs: identify, diagnose, estimate bodies, export.
+
+    What the model lacks is found before bodies are estimated, so that it does not end up in masses.
+    Leaves a folder for each step and index.html, which links their pages.
+
+    Attributes:
+        data: Folder of the data set.
+        out: Folder for everything.
+        model: Base model of all steps: standard, offset or rotor; as of oed identify if not given.
+        to: Forms that the model is exported to, as of oed export.
+        rate: At which a controller or a simulation asks for torque [Hz].
+        prior: As of oed feasible.
+        max_effects: As of oed diagnose.
+        candidates: As of oed diagnose.
+        smoke: Do less, to see that it works.
+        seed: Of everything random.
+    """
+
+    data: Annotated[Path, tyro.conf.Positional]
+    out: OutFolder
+    model: ModelName | None = None
+    to: tuple[str, ...] = ("c", "mujoco")
+    rate: float = 1000.0
+    prior: Prior = "auto"
+    max_effects: int | None = None
+    candidates: tuple[str, ...] = ()
+    smoke: bool = False
+    seed: Seed = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demo(Command):
+    """Go the whole way once on a simulated arm: design, record, check, identify, diagnose, export.
+
+    The arm is the paper's two-link SCARA, with a cable that its model does not declare. Leaves a
+    folder for each step, and index.html, which links their pages.
+
+    Attributes:
+        out: Folder for everything.
+        hidden: What the arm has and its model lacks.
+        smoke: Do less, to see that it works.
+        seed: Of motions, noise and everything random.
+    """
+
+    out: OutFolder = Path("oed-demo")
+    hidden: Literal["cable", "stribeck", "none"] = "cable"
+    smoke: bool = False
+    seed: Seed = 0

@@ -1,0 +1,50 @@
+"""What all commands share, and those that start from a data set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from oed.commands.options import OutFolder
+
+ModelName = Literal["standard", "offset", "rotor"]
+Prior = Literal["auto", "file", "neutral"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """What holds for all commands.
+
+    Attributes:
+        quiet: Say nothing but what was found and what is wrong.
+    """
+
+    quiet: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class DataSetCommand(Command):
+    """A command that starts from a data set.
+
+    Attributes:
+        data: Folder of the data set.
+        out: Folder for the results.
+        joints: Names of the joints to identify; all if not given.
+        cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
+        model: Torque model: rigid body with friction (standard), with constant torques besides
+            (offset), or with rotor inertias besides (rotor); if not given, rotor where the data set
+            declares gears and determines it, else standard.
+        sign_width: Velocity over which Coulomb friction turns [rad/s]; from the data if not given.
+        smoke: Do less, to see that it works.
+    """
+
+    data: Annotated[Path, tyro.conf.Positional]
+    out: OutFolder
+    joints: tuple[str, ...] = ()
+    cutoff: float | None = None
+    model: ModelName | None = None
+    sign_width: float | None = None
+    smoke: bool = False

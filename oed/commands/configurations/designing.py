@@ -1,0 +1,143 @@
+"""The command that finds a motion: oed design."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Literal
+
+from oed.commands.configurations.command import Command, ModelName
+from oed.commands.options import Count, OutFolder, Seed
+
+MOST_POINTS = 1_000_000  # that a motion is written with
+# Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
+CLEARANCE = 0.01
+MOST_CLEARANCE = 0.15
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design(Command):
+    """Find the motion that excites an arm best, and prove that it keeps its limits.
+
+    By default it is clear of itself, from rest to rest, and uses 90 % of the velocity and
+    acceleration limits. Leaves motion.csv, ROS 2 JointTrajectory files, design.json,
+    report.html and motion.html, in which the arm moves. Where a limit is not kept, nothing for a controller is
+    written and the exit status is 3.
+
+    Attributes:
+        robot: URDF, SDF, MJCF, xacro or DH file, or builtin:NAME.
+        data: Folder of a data set whose robot is meant; recordings need not be there yet.
+        out: Folder for the results.
+        joints: Names of the joints to move; the arm proper if not given.
+        model: Torque model whose parameters the motion is to excite.
+        horizon: Length of the motion [s].
+        criterion: What is optimised: log10 det of the information (J_d), its condition number
+            (J_k), its mean (A) or worst (E) variance.
+        scaled_columns: Scale the columns first, for J_k, A and E: J_k_scaled and so on.
+        periodic: The motion may start and end at speed, as the paper's do.
+        margin: Share of velocity and acceleration limits that is used.
+        scale: Speed of the finished motion, as a share.
+        gravity: In the base frame [m/s^2], for an arm on a wall or ceiling.
+        sum: Bounds on sums of positions, as coupled drives have: joint_2+0.5*joint_3:-2.8:2.8
+            [rad or m].
+        no_torque: Ignore effort limits.
+        prior: design.json of earlier experiments, which this one completes.
+        clearance: Distance that links keep from one another [m].
+        no_clearance: Links may touch; whether they do is told.
+        avoid_collision: Refuse a motion that cannot be proven clear.
+        package: Where a ROS package lies, as NAME=DIR, should its meshes not be found.
+        box: Lower and upper x, y, z that no body's origin may leave [m].
+        rate: Set points a second [Hz].
+        evaluations: Of the criterion; the same number and seed give the same motion.
+        budget: CPU time after which the optimiser stops in any case [s].
+        trajectory: Class of motions, by name: fourier (a series), collocation (piecewise-linear
+            acceleration), spline (of degree 5), harmonic (sines of free frequencies, as the
+            paper's), or one that was registered from outside.
+        optimiser: By name: interior_point, slsqp, hopping, evolution (CMA-ES), genetic (the paper's),
+            random_search, or one that was registered from outside.
+        payload: Excite what the arm holds, the arm being known; --horizon 3 to 10 is enough.
+        arm: model.json of the arm, whose errors then count; the arm is taken for known if not given.
+        frame: Link or frame of the robot's file that holds the load; the flange, or the last link,
+            if not given.
+        static: With --payload: postures to stand in, and no motion.
+        poses: How many of these.
+        smoke: Do less, to see that it works.
+        seed: Of starts and of the states of the bound.
+    """
+
+    robot: str = ""
+    data: str = ""
+    out: OutFolder
+    joints: tuple[str, ...] = ()
+    model: ModelName = "standard"
+    horizon: float = 10.0
+    criterion: Literal["J_k", "J_d", "A", "E"] = "J_d"
+    scaled_columns: bool = False
+    periodic: bool = False
+    margin: float = 0.9
+    scale: float = 1.0
+    gravity: tuple[float, float, float] | None = None
+    sum: tuple[str, ...] = ()
+    no_torque: bool = False
+    prior: tuple[str, ...] = ()
+    clearance: float = CLEARANCE
+    no_clearance: bool = False
+    avoid_collision: bool = False
+    package: tuple[str, ...] = ()
+    box: tuple[float, float, float, float, float, float] | None = None
+    rate: float = 100.0
+    evaluations: Count = 1000
+    budget: float = 60.0
+    trajectory: str = "fourier"
+    optimiser: str = "interior_point"
+    payload: bool = False
+    arm: str = ""
+    frame: str = ""
+    static: bool = False
+    poses: Count = 8
+    smoke: bool = False
+    seed: Seed = 0
+
+    def __post_init__(self) -> None:
+        if bool(self.robot) == bool(self.data):
+            raise ValueError("name either a robot's file (--robot) or a data set (--data)")
+        self._check_numbers()
+        for option in ("arm", "frame", "static"):
+            if getattr(self, option) and not self.payload:
+                raise ValueError(f"--{option}: only with --payload")
+        if self.avoid_collision and self.no_clearance:
+            raise ValueError("--avoid-collision and --no-clearance contradict each other")
+        if self.gravity is not None and self.data:
+            raise ValueError("--gravity: with --data, dataset.toml says it")
+        if self.gravity is not None and not all(map(isfinite, self.gravity)):
+            raise ValueError("--gravity: a component is not a finite number")
+        if self.box is not None and not all(map(isfinite, self.box)):
+            raise ValueError("--box: a bound is not a finite number")
+        if self.box is not None and any(
+            a >= b for a, b in zip(self.box[::2], self.box[1::2], strict=True)
+        ):
+            raise ValueError("--box: each lower bound must be below its upper bound")
+
+    def _check_numbers(self) -> None:
+        for name in ("rate", "budget", "horizon"):
+            value = getattr(self, name)
+            if not (value > 0 and isfinite(value)):
+                raise ValueError(f"--{name} {value:g} is not a positive number")
+        if self.rate * self.horizon > MOST_POINTS:
+            raise ValueError(
+                f"--rate {self.rate:g} for --horizon {self.horizon:g} is more than "
+                f"{MOST_POINTS} set points"
+            )
+        for name in ("margin", "scale"):
+            share = getattr(self, name)
+            if not 0.0 < share <= 1.0:
+                raise ValueError(f"--{name} {share:g} is not a share above 0 and up to 1")
+        if not 0.0 <= self.clearance < MOST_CLEARANCE:
+            raise ValueError(
+                f"--clearance {self.clearance:g} is not between 0 and {MOST_CLEARANCE:g} m"
+            )
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What is read."""
+        return tuple(given for given in (self.robot, self.data, *self.prior, self.arm) if given)

@@ -1,0 +1,104 @@
+"""Commands from a data set to what it says: oed check, identify, feasible and diagnose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from oed.commands.configurations.command import Command, DataSetCommand, ModelName, Prior
+from oed.commands.options import OutFolder, Seed
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check(DataSetCommand):
+    """Look a data set over before any fit: units, signs, ranges, noise, what it cannot determine.
+
+    Each finding is green, amber or red; a cause is named only if it alone repairs the fit. Leaves
+    check.json and report.html, and says which design completes the data. The exit status is 3 if
+    something has to be mended first.
+    """
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identify(DataSetCommand):
+    """Estimate the dynamic parameters of an arm, with intervals, and validate them.
+
+    Leaves model.json, estimate.json, parameters.csv and report.html.
+
+    Attributes:
+        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has. As drives
+            and data have it if not given.
+        robust: Use Huber's loss in place of least squares.
+    """
+
+    model: ModelName | Path | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
+    robust: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feasible(DataSetCommand):
+    """Estimate parameters that belong to real bodies, and write URDF, SDF and MJCF with them.
+
+    Leaves model.json, estimate.json, parameters.yaml, calibrated_robot.urdf, .sdf, .xml and report.html. Each
+    robot file is loaded again and its torques are compared.
+
+    Attributes:
+        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has. As drives
+            and data have it if not given.
+        prior: What is pulled to: the inertials of the robot's file (file), bodies of the size of
+            the links (neutral), or the former where they are no placeholders (auto).
+        kind: Of that pull.
+        weight: Of that pull; by cross-validation if not given.
+        total_mass: Of all moving links [kg], where it is known.
+        collision: Each link's mass lies within its collision geometry.
+        seed: Of poses and bootstrap.
+    """
+
+    model: ModelName | Path | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
+    prior: Prior = "auto"
+    kind: Literal["entropic", "quadratic"] = "entropic"
+    weight: float | None = None
+    total_mass: float | None = None
+    collision: bool = False
+    seed: Seed = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnose(Command):
+    """Find out what the torque model lacks, add it, and show the error before and after.
+
+    Every term is added, dropped and named by one criterion; test recordings report, and have no
+    say. Leaves diagnosis.json, report.html, model.json, figures and, where two causes cannot be
+    told apart, the motion that tells them apart.
+
+    Attributes:
+        data: Folder of the data set.
+        out: Folder for the results.
+        model: Base model; as of oed identify if not given. Or a model.json: a second round, which looks
+            for what that lacks.
+        max_effects: Most effects to add; three a joint if not given, at least six.
+        candidates: Effects that may be named; the whole catalogue if not given.
+        smoke: Do less, to see that it works.
+        seed: Of everything random.
+        budget: CPU time after which nothing more is looked for [s].
+    """
+
+    data: Annotated[Path, tyro.conf.Positional]
+    out: OutFolder
+    model: ModelName | Path | None = None
+    max_effects: int | None = None
+    candidates: tuple[str, ...] = ()
+    smoke: bool = False
+    seed: Seed = 0
+    budget: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.max_effects is not None and self.max_effects < 0:
+            raise ValueError(
+                f"--max-effects {self.max_effects} must not be negative; 0 only tests the model"
+            )
+        if self.budget is not None and not self.budget >= 0:
+            raise ValueError(f"--budget {self.budget:g} must not be negative: seconds of CPU time")

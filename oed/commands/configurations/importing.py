@@ -1,0 +1,60 @@
+"""The command that makes a data set of logs: oed import."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from oed.commands.configurations.command import Command
+from oed.commands.options import OutFolder
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImportLog(Command):
+    """Make a data set of log files: ROS 2 bags, CSV, Parquet, .mat, .npz, HDF5.
+
+    Finds columns, joints, units and roles, says why, and writes a folder with a dataset.toml that
+    can be read, corrected and kept. Nothing is written if anything cannot be used.
+
+    Attributes:
+        logs: Log files of one format, in the order in which they were recorded.
+        robot: The robot's file, or builtin:NAME.
+        out: Folder to make.
+        joints: The robot's joints in the order of the log's columns.
+        columns: Columns, as in t=time q=a,b tau=c,d; dq= leaves velocities out.
+        units: Units, as in q=deg tau=mNm t=ms.
+        sign: 1 or -1 a joint, where the log counts the other way.
+        zero: What is logged where each joint of the robot is at zero.
+        ticks_per_turn: Of encoders that are logged in ticks.
+        rate: Rows a second, where no column tells the time [Hz].
+        fixed: Where joints stood that are not logged [rad or m], as in finger=0.04.
+        torque: How the torque was obtained.
+        current_to_torque: Joint torque per motor current, gear included, one a joint [N m/A].
+        gravity: In the robot's base frame [m/s^2].
+        roles: One a log.
+        reference: Leave logs where they are instead of copying them.
+    """
+
+    logs: Annotated[tuple[Path, ...], tyro.conf.Positional]
+    robot: str
+    out: OutFolder
+    joints: tuple[str, ...] = ()
+    columns: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    sign: tuple[float, ...] = ()
+    zero: tuple[float, ...] = ()
+    ticks_per_turn: float | None = None
+    rate: float | None = None
+    fixed: tuple[str, ...] = ()
+    torque: Literal["measured", "current", "commanded"] | None = None
+    current_to_torque: tuple[float, ...] = ()
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    roles: tuple[Literal["estimation", "validation", "test"], ...] = ()
+    reference: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.logs:
+            raise ValueError("name at least one log file")

@@ -1,0 +1,89 @@
+"""Commands about what an arm carries: oed payload and oed gains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+
+from oed.commands.configurations.command import Command, ModelName
+from oed.commands.options import OutFolder
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCommand(Command):
+    """A command that compares an arm with a load with the arm without.
+
+    Attributes:
+        out: Folder for the results.
+        frame: Link or frame of the robot's file that holds the load; the flange, or the last link,
+            if not given.
+        joints: Names of the joints to use; all if not given.
+        cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
+        torque_model: Of the arm: as --model of oed identify.
+    """
+
+    out: OutFolder
+    frame: str = ""
+    joints: tuple[str, ...] = ()
+    cutoff: float | None = None
+    torque_model: ModelName | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Payload(LoadCommand):
+    """Weigh what an arm carries: mass, centre of mass and inertia, with intervals.
+
+    The arm is known from recordings without the load (--bare), from a model that was identified
+    before (--model), or else from the robot's file, which is wide. Leaves payload.json, the load as
+    URDF, SDF, MJCF, ROS 2 message and URScript, and report.html.
+
+    Attributes:
+        loaded: Data set with the load.
+        bare: Data set of the same arm without it.
+        model: model.json of the arm without it.
+    """
+
+    loaded: Path
+    bare: Path | None = None
+    model: Path | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gains(LoadCommand):
+    """Find every joint's N m per A, gear included, from recordings with known loads.
+
+    Leaves gains.json, report.html and, where every gain is told, drive.toml with the lines for
+    dataset.toml. Without a mass only ratios of gains are told. The exit status is 3 if nothing is.
+
+    Attributes:
+        loaded: Data sets with a load each.
+        bare: Data set of the same arm without a load.
+        mass: Of the load in each data set, or of the one that is in all [kg].
+        com: Its centre of mass in the frame, x y z for each or for the one [m]; estimated if not
+            given.
+    """
+
+    loaded: tuple[Path, ...] = ()
+    bare: Path | None = None
+    mass: tuple[float, ...] = ()
+    com: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        count = len(self.loaded)
+        if self.bare is None and count < 2:
+            raise ValueError(
+                "--bare: name a recording of the bare arm, or two with different loads"
+            )
+        if self.mass and len(self.mass) not in (1, count):
+            raise ValueError(f"--mass: {len(self.mass)} masses for {count} data sets with a load")
+        if self.mass and not count:
+            raise ValueError("--mass: no data set with a load is named by --loaded")
+        if not all(mass > 0 and isfinite(mass) for mass in self.mass):
+            raise ValueError("--mass: a mass is not a positive number of kg")
+        if self.com and not self.mass:
+            raise ValueError("--com: a centre of mass says nothing without --mass")
+        if self.com and len(self.com) not in (3, 3 * count):
+            raise ValueError(f"--com: {len(self.com)} numbers are not x y z of {count} loads")
+        if not all(map(isfinite, self.com)):
+            raise ValueError("--com: a number is not finite")

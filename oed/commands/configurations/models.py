@@ -1,0 +1,68 @@
+"""Commands that start from a model or a robot file: oed export and cross-check."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from oed.commands.configurations.command import Command
+from oed.commands.options import OutFolder, Seed
+
+
+@dataclass(frozen=True, kw_only=True)
+class Export(Command):
+    """Write a found model as something that runs: a predictor, a robot file, a simulation.
+
+    Leaves the files of each form and export.json, and says which effects a form cannot have and why.
+
+    Attributes:
+        model: A model.json, or the folder that holds it.
+        to: Forms: numpy, casadi or c (torque of a motion, for a controller), urdf, sdf or mjcf (robot
+            files), mujoco or drake (simulations with all effects), ros2 (parameters), or one that
+            was registered from outside.
+        out: Folder for the files.
+        rate: At which a controller or a simulation asks for torque [Hz].
+        samples: Number of models to draw that the data do not tell from this one, for those who
+            randomise their simulation: samples.json and randomisation.json.
+        seed: Of these draws.
+    """
+
+    model: Annotated[Path, tyro.conf.Positional]
+    to: tuple[str, ...] = ()
+    out: OutFolder
+    rate: float = 1000.0
+    samples: int = 0
+    seed: Seed = 0
+
+    def __post_init__(self) -> None:
+        if self.samples < 0:
+            raise ValueError(f"--samples {self.samples} must not be negative")
+        if not self.to and not self.samples:
+            raise ValueError("--to: name at least one form, such as mujoco")
+        if not (self.rate > 0 and isfinite(self.rate)):
+            raise ValueError(f"--rate {self.rate:g} is not a positive number")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrossCheck(Command):
+    """Compare our torques with Drake's and Pinocchio's on a robot file.
+
+    Attributes:
+        robots: Robot files, or builtin:NAME.
+        out: Folder for the table; printed only if not given.
+        states: Random states a robot.
+        seed: Of the states.
+    """
+
+    robots: Annotated[tuple[str, ...], tyro.conf.Positional]
+    out: OutFolder | None = None
+    states: int = 1000
+    seed: Seed = 0
+
+    def __post_init__(self) -> None:
+        if not self.robots:
+            raise ValueError("name at least one robot file")
