@@ -239,7 +239,8 @@ def test_nothing_for_a_controller_is_left_where_a_limit_is_not_kept(
     printed = capfd.readouterr()
     assert "NOT usable: position: joint shoulder beyond its limit by" in printed.out
     assert "proven feasible" not in printed.out
-    assert printed.err.count("\n") == 1
+    # Beside the progress, which is shown on a slow machine.
+    assert printed.err.count("oed design: ") == 1
     record = json.loads((out / "design.json").read_text())
     assert not record["usable"]
     assert record["status"].startswith("NOT usable: position: joint shoulder")
