@@ -80,7 +80,7 @@ class CaseRunner(Generic[CaseT]):
         """Hash of all that decides a case's line: code, settings, data."""
         kind = self.work if inspect.isfunction(self.work) else type(self.work)
         parts = [
-            code_digest(kind.__module__, *self.code),
+            code_digest(_module_of(kind), *self.code),
             kind.__qualname__,
             _settings(self.work),
             _settings(case),
@@ -116,6 +116,14 @@ class CaseRunner(Generic[CaseT]):
         for case, outcome in progress(finished, self.label, total=len(missing)):
             self.rows.append(case.key, outcome, digests[case.key])
         return len(missing)
+
+
+def _module_of(work: Callable | type) -> str:
+    """The name under which others import it, also where it was run by `python -m`."""
+    if work.__module__ != "__main__":
+        return work.__module__
+    specification = sys.modules["__main__"].__spec__
+    return work.__module__ if specification is None else specification.name
 
 
 def _attempt(work: Callable[[CaseT], Outcome], case: CaseT) -> Outcome:

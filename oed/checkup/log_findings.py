@@ -204,7 +204,7 @@ def _noise_above(
     above, within = [], []
     for recording in recordings:
         grid = uniform_grid(recording.t, settings.rate)
-        tau = resample(recording.t, recording.tau, grid, "linear")
+        tau = resample(recording.t, recording.tau, grid)
         smooth = lowpass(tau, settings.rate, settings.cutoff)
         above.append(np.mean((tau - smooth) ** 2, axis=0))
         within.append(np.mean(smooth**2, axis=0))

@@ -68,7 +68,7 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     """Diagnose a data set as the command was told to."""
     for file, column in dataset.unused:
         say(f"note: {file}: column {column!r} is not used")
-    notes = (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0))
+    notes = (*dataset.notes, *gap_notes(gap_record(dataset)))
     for note in notes:
         say(f"note: {note}")
     settings = processing(dataset)

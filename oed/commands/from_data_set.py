@@ -73,7 +73,7 @@ def prepare(
         dataset = read_dataset(data, joints=tuple(joints) or None)
     for file, column in dataset.unused:
         say(f"note: {file}: column {column!r} is not used")
-    for note in (*dataset.notes, *gap_notes(gap_record(dataset), shortest=0.0)):
+    for note in (*dataset.notes, *gap_notes(gap_record(dataset))):
         say(f"note: {note}")
     started = None
     if isinstance(model, Path):

@@ -9,6 +9,8 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import stats
 
+from oed.estimation.quoted_interval import lower_bounds
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -33,6 +35,8 @@ class Estimate:
         columns: (p,) indices of the regressor's columns that the parameters multiply.
         reach: (p,) how far an unseen error reaches along each direction of the parameters, as
             `oed.estimation.reach`, largest first; those beyond 1 are left at zero.
+        quoted_from: Standard deviations from zero from which on a parameter is quoted, which its
+            interval knows; 0 where all are.
     """
 
     names: tuple[str, ...]
@@ -50,6 +54,7 @@ class Estimate:
     reasons: tuple[str, ...]
     columns: tuple[int, ...]
     reach: Float[ndarray, " p"]
+    quoted_from: float = 0.0
 
     def __post_init__(self) -> None:
         counts = (len(self.names), len(self.units), len(self.columns), len(self.parameters))
@@ -84,13 +89,25 @@ class Estimate:
     def interval(self, level: float = 0.95) -> Float[ndarray, "p 2"]:
         """Two-sided Student-t intervals [lower, upper] at a confidence level.
 
+        Of a parameter that is quoted because it is large, the end towards zero is that of the
+        estimates that are quoted (`oed.estimation.quoted_interval`).
+
         Raises:
             ValueError: If the level is not between 0 and 1.
         """
         if not 0 < level < 1:
             raise ValueError(f"{level=} must lie between 0 and 1")
-        reach = stats.t.ppf(0.5 + level / 2, self.effective_degrees_of_freedom) * self.std
-        return np.column_stack([self.parameters - reach, self.parameters + reach])
+        freedom = self.effective_degrees_of_freedom
+        reach = stats.t.ppf(0.5 + level / 2, freedom) * self.std
+        ends = np.column_stack([self.parameters - reach, self.parameters + reach])
+        size = np.abs(self.parameters) / np.where(self.std > 0, self.std, np.inf)
+        quoted = self.determined & (size >= self.quoted_from) & (self.std > 0)
+        if self.quoted_from and quoted.any():
+            lower = lower_bounds(size[quoted], self.quoted_from, freedom[quoted], level)
+            sign = np.sign(self.parameters[quoted])
+            end = np.where(sign > 0, 0, 1)
+            ends[np.flatnonzero(quoted), end] = sign * lower * self.std[quoted]
+        return ends
 
     def predict(self, regressor: Float[ndarray, "rows all"]) -> Float[ndarray, " rows"]:
         """Torque for the full regressor, before any column was removed [N m]."""

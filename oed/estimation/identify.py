@@ -143,6 +143,7 @@ def identify(
         reasons=found.reasons + tuple(weak.values()),
         columns=found.kept,
         reach=reach.factor,
+        quoted_from=1 / largest_relative_std,
     )
 
 

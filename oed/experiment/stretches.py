@@ -1,7 +1,6 @@
 """The stretches of recordings between gaps of the log.
 
-What a filter or a spline makes up across a gap is no measurement, so that each stretch is
-processed by itself, and trimmed at its ends like a recording.
+What a filter or a spline makes up across a gap is no measurement.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from oed.experiment.signals.gaps import find_gaps
 # Ten steps of this rate are a quarter of the period of a 10 Hz cut-off, usual for an arm: a
 # spline bridges less without loss, and loggers of 1 kHz stumble that long.
 NEEDED_RATE = 400.0  # [Hz]
-LEAST_STRETCH = 2.0  # [s] between gaps; little of a shorter one is left after trimming
+LEAST_STRETCH = 2.0  # [s] between gaps; a shorter one shows little of the arm
 
 
 def gap_lengths(recording: Recording) -> Float[ndarray, " gaps"]:
@@ -30,18 +29,17 @@ def gap_lengths(recording: Recording) -> Float[ndarray, " gaps"]:
     return np.diff(recording.t)[find_gaps(recording.t, NEEDED_RATE)]
 
 
-def split_at_gaps(dataset: DataSet, *, shortest: float = LEAST_STRETCH) -> DataSet:
+def split_at_gaps(dataset: DataSet) -> DataSet:
     """The data set with each recording that has gaps replaced by its stretches.
 
     Args:
         dataset: To split; recordings without a gap are kept as they are.
-        shortest: Stretches below it are left out [s].
 
     Raises:
         ValueError: If no stretch of a recording is long enough.
     """
     recordings = tuple(
-        stretch for recording in dataset.recordings for stretch in _stretches(recording, shortest)
+        stretch for recording in dataset.recordings for stretch in _stretches(recording)
     )
     return dataclasses.replace(dataset, recordings=recordings)
 
@@ -56,24 +54,16 @@ def gap_record(dataset: DataSet) -> dict[str, dict[str, int | float]]:
     }
 
 
-def gap_notes(
-    record: Mapping[str, Mapping[str, int | float]], *, shortest: float = LEAST_STRETCH
-) -> tuple[str, ...]:
-    """A line on each recording with gaps.
-
-    Args:
-        record: From `gap_record`.
-        shortest: Stretches below it are left out [s]; 0 where all are kept.
-    """
-    left_out = f", nor from stretches below {shortest:g} s" if shortest > 0 else ""
+def gap_notes(record: Mapping[str, Mapping[str, int | float]]) -> tuple[str, ...]:
+    """A line on each recording with gaps, from `gap_record`."""
     return tuple(
         f"{name}: {gaps['gaps']:g} gap(s) in the log's time, the longest {gaps['longest_s']:.3g} s, "
-        f"{gaps['total_s']:.3g} s in all; nothing is estimated from within or next to them{left_out}"
+        f"{gaps['total_s']:.3g} s in all; nothing is estimated from within or next to them"
         for name, gaps in record.items()
     )
 
 
-def _stretches(recording: Recording, shortest: float) -> tuple[Recording, ...]:
+def _stretches(recording: Recording) -> tuple[Recording, ...]:
     gaps = find_gaps(recording.t, NEEDED_RATE)
     if not len(gaps):
         return (recording,)
@@ -82,12 +72,12 @@ def _stretches(recording: Recording, shortest: float) -> tuple[Recording, ...]:
         _part(recording, slice(int(a), int(b)), k)
         for k, (a, b) in enumerate(itertools.pairwise(edges), 1)
     ]
-    kept = tuple(part for part in parts if part.duration >= shortest)
+    kept = tuple(part for part in parts if part.duration >= LEAST_STRETCH)
     if not kept:
         longest = max(part.duration for part in parts)
         raise ValueError(
             f"{recording.name}: with {counted(len(gaps), 'gap')} in the log's time there is no stretch of "
-            f"{shortest:.3g} s, the longest is {longest:.3g} s; repair the logger, record again, "
+            f"{LEAST_STRETCH:.3g} s, the longest is {longest:.3g} s; repair the logger, record again, "
             "or leave this recording out"
         )
     return kept

@@ -34,7 +34,7 @@ def joint_temperature(
     if measured is None or not has_thermometers(recording):
         return None
     rate = 1 / float(np.median(np.diff(grid)))
-    uniform = resample(recording.t, measured, grid, "linear")
+    uniform = resample(recording.t, measured, grid)
     smooth = lowpass(uniform, rate, min(FASTEST, HIGHEST_SHARE * rate), order=1)
     return np.ascontiguousarray(np.broadcast_to(smooth, (len(grid), recording.n)))
 

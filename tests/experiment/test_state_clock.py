@@ -62,7 +62,7 @@ def test_accelerations_that_no_arm_had_are_gone():
 
     def error(recording: Recording) -> float:
         grid = uniform_grid(recording.t, 1 / TICK)
-        q = resample(recording.t, recording.q, grid, "linear")
+        q = resample(recording.t, recording.q, grid)
         true = -((2 * np.pi * FREQUENCY) ** 2) * position(grid)
         # Over 20 ms, as any filter of a log would.
         smooth = convolve1d(q, np.hanning(41) / np.hanning(41).sum(), axis=0)

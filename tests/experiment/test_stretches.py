@@ -51,7 +51,9 @@ def test_a_recording_without_gaps_is_kept_however_short() -> None:
 
 def test_refuses_a_recording_of_which_nothing_is_left() -> None:
     often = logged(*[(k + 0.5, k + 1.0) for k in range(20)])
-    with pytest.raises(ValueError, match=r"log: 19 gaps .* no stretch of 2 s, the longest is 0\.5"):
+    with pytest.raises(
+        ValueError, match=r"log: with 19 gaps .* no stretch of 2 s, the longest is 0\.5"
+    ):
         split_at_gaps(of(often))
 
 
@@ -63,6 +65,4 @@ def test_says_how_many_gaps_and_how_long() -> None:
     assert record["log"]["longest_s"] == pytest.approx(1.0)
     assert record["log"]["total_s"] == pytest.approx(1.5)
     assert "2 gap(s)" in gap_notes(record)[0]
-    assert "stretches below 2 s" in gap_notes(record)[0]
-    assert "stretches" not in gap_notes(record, shortest=0.0)[0]
     assert gap_notes(gap_record(of(other))) == ()

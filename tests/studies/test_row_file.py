@@ -4,8 +4,11 @@ import dataclasses
 import os
 import resource
 import signal
+import sys
 from dataclasses import dataclass
+from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -67,6 +70,18 @@ def test_other_code_does_the_work_anew(tmp_path: Path, monkeypatch: pytest.Monke
     assert runner(tmp_path).run(cases) == 1
     assert runner(tmp_path).run(cases) == 0
     assert len(runner(tmp_path).rows.rows()) == 1
+
+
+def test_a_study_run_by_its_name_makes_the_lines_of_one_that_is_imported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (case,) = readings(tmp_path, "abc")
+    imported = runner(tmp_path).digest(case)
+    main = ModuleType("__main__")
+    main.__spec__ = ModuleSpec(length.__module__, None)
+    monkeypatch.setitem(sys.modules, "__main__", main)
+    monkeypatch.setattr(length, "__module__", "__main__")
+    assert runner(tmp_path).digest(case) == imported
 
 
 def test_lines_of_before_there_were_digests_are_kept_in_view_and_done_anew(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.optimize import minimize_scalar
 
-from oed.dynamics.effects import Coulomb
+from oed.dynamics.effects import Coulomb, State
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import sign_terms
 from oed.estimation.noise_floor.linear_fit import (
@@ -26,6 +26,7 @@ from oed.estimation.noise_floor.linear_fit import (
     whitened_regressor,
 )
 from oed.estimation.noise_floor.weighted_rows import Rows
+from oed.experiment.preparation.prepared import Prepared
 
 LARGEST_WIDTH = 0.15  # of the joint's rms velocity: beyond, it is no reversal but a law of speed
 # The same where more is missing of the joint: a wide sign may stand in for nearly anything.
@@ -85,9 +86,7 @@ def _best_turn(
     joint = effect.joint
 
     def gain_of(tried: Coulomb) -> float:
-        model = dataclasses.replace(alone, effects=(tried,))
-        fine = [model.columns(p.motion)[:, joint] for p in rows.prepared]
-        column = rows.whiten_fine(fine, joint)[:, 0]
+        column = rows.whiten_fine([_along(tried, alone, p) for p in rows.prepared], joint)[:, 0]
         inside = projection.basis[joint].T @ column
         beside = float(column @ column - inside @ inside)
         moment = float(column @ residual[joint])
@@ -113,6 +112,15 @@ def _best_turn(
         margin = noise * (DECISIVE + np.log(rows.count))
         return best if gained > gain_of(effect) + margin else effect
     return effect
+
+
+def _along(sign: Coulomb, alone: TorqueModel, prepared: Prepared) -> Float[ndarray, "samples 1"]:
+    """What a term gives at its own joint, through the measurement of a model where there is one."""
+    if alone.measurement:
+        model = dataclasses.replace(alone, effects=(sign,))
+        return model.columns(prepared.motion)[:, sign.joint]
+    (entry,) = sign.entries(State.along(prepared.motion))
+    return np.asarray(entry[sign.joint])[:, None]
 
 
 def _best_width(

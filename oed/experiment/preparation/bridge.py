@@ -24,7 +24,7 @@ def bridged(
     Nothing is compared within a gap, but what remembers, such as a spring, would ring for long
     from any jump of the acceleration.
     """
-    result = resample(t, q, grid, "linear")
+    result = resample(t, q, grid)
     for k in find_gaps(t, rate):
         before, after = (t > t[k] - NEAR) & (t <= t[k]), (t >= t[k + 1]) & (t < t[k + 1] + NEAR)
         states = [

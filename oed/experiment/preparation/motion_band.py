@@ -81,7 +81,7 @@ def _power_in_bands(
     """Energy of the acceleration below edges[0], then between successive edges, by joint."""
     fresh = fresh_samples(recording)
     grid = uniform_grid(recording.t, rate)
-    q = resample(recording.t[fresh], recording.q[fresh], grid, "linear")
+    q = resample(recording.t[fresh], recording.q[fresh], grid)
     # Second differences and a taper: an open motion's end points would leak over the band.
     acceleration = np.diff(q, n=2, axis=0) * rate**2
     taper = np.hanning(len(acceleration))[:, None]

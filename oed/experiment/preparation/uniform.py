@@ -59,7 +59,7 @@ def uniform(recording: Recording, rate: float) -> Uniform:
 
     q = thinned(bridged(t, recording.q[fresh], dense, rate))
     tau, dq = (
-        None if x is None else thinned(resample(t, x[fresh], dense, "linear"))
+        None if x is None else thinned(resample(t, x[fresh], dense))
         for x in (recording.tau, recording.dq)
     )
     if tau is None:

@@ -10,20 +10,17 @@ def irregular(rng: np.random.Generator, samples: int = 2000) -> np.ndarray:
     return np.cumsum(rng.uniform(0.0005, 0.0015, samples))
 
 
-# With steps h and frequency w: (h w)^2 / 8 for linear, 5/384 (h w)^4 for cubic interpolation.
+# With steps h and frequency w linear interpolation errs by (h w)^2 / 8 at most.
 HW = 0.0015 * 2 * np.pi * 5
 
 
-@pytest.mark.parametrize(
-    ("kind", "error"), [("linear", HW**2 / 8), ("pchip", HW**2 / 8), ("cubic", 5 / 384 * HW**4)]
-)
-def test_a_sinusoid_survives_resampling(kind, error):
+def test_a_sinusoid_survives_resampling():
     t = irregular(np.random.default_rng(0))
     grid = uniform_grid(t, 1000.0)
     x = np.stack([np.sin(2 * np.pi * 3 * t), np.cos(2 * np.pi * 5 * t)], axis=1)
     expected = np.stack([np.sin(2 * np.pi * 3 * grid), np.cos(2 * np.pi * 5 * grid)], axis=1)
     inside = slice(5, -5)
-    assert np.abs(resample(t, x, grid, kind) - expected)[inside].max() < error
+    assert np.abs(resample(t, x, grid) - expected)[inside].max() < HW**2 / 8
 
 
 def test_a_uniform_signal_is_returned_as_it_is():
@@ -60,7 +57,7 @@ def test_dropping_stale_rows_comes_closer_to_the_truth():
     truth = np.sin(2 * np.pi * 3 * grid)[:, None]
     kept = np.abs(resample(t, read, grid) - truth).max()
     dropped = np.abs(resample(t[fresh], read[fresh], grid) - truth).max()
-    assert dropped < 1e-3 * kept
+    assert dropped < 0.02 * kept
 
 
 def test_refuses_to_extrapolate():
