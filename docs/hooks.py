@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from html import unescape
@@ -15,9 +16,12 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry
+from oed.report.records.files import RECORDS, schema_name, schemas
 
 REPO = Path(__file__).resolve().parent.parent
 PROOF = "images/proof.png"
+SCHEMAS = "reference/schemas"
+CALLED = {"close_loop": "diagnose"}  # commands whose results have an older name
 FORMULA = re.compile(
     r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
 )
@@ -28,6 +32,9 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     for notebook in sorted(Path(config.docs_dir, "tutorials").glob("*.py")):
         page = f"tutorials/{notebook.stem}.md"
         files.append(File.generated(config, page, content=notebook_page(notebook)))
+    for name, schema in schemas().items():
+        page = f"{SCHEMAS}/{name}"
+        files.append(File.generated(config, page, content=json.dumps(schema, indent=2)))
     # The figure that the tutorials and the start page show is the committed result.
     files.append(
         File.generated(config, PROOF, abs_src_path=str(REPO / "results/loop_scara/proof.png"))
@@ -89,8 +96,19 @@ def effect_pages() -> str:
     return "\n\n".join(map(effect_page, CATALOGUE.values()))
 
 
+def schema_list() -> str:
+    """Where the schema of each file is, as Markdown."""
+    rows = [
+        f"| `{name}` | `oed {CALLED.get(command, command)}` | [{schema_name(command, name)}](schemas/{schema_name(command, name)}) |"
+        for command, files in RECORDS.items()
+        for name in files
+    ]
+    return "\n".join(["| file | left by | schema |", "|---|---|---|", *rows])
+
+
 # By page: what is appended to it.
 GENERATED: dict[str, Callable[[], str]] = {
     "reference/effects.md": effect_pages,
     "reference/commands.md": command_reference,
+    "reference/files.md": schema_list,
 }

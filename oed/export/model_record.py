@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import msgspec
-from msgspec import Meta
+from msgspec import Meta, field
 
 from oed.errors import OedError
+from oed.report.records.record import Record
 
 FORMAT = "oed model"
 VERSION = 1
@@ -21,10 +22,6 @@ Rotation = Annotated[list[Vector], Meta(min_length=3, max_length=3)]
 
 class ModelFileError(OedError):
     """A model.json that cannot be used."""
-
-
-class Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What all parts of the file have in common: no field that nobody knows."""
 
 
 class JointRecord(Record, frozen=True, kw_only=True):
@@ -74,7 +71,7 @@ class RobotRecord(Record, frozen=True, kw_only=True):
     joints: Annotated[list[JointRecord], Meta(min_length=1)]
     inertials: list[float]
     limits: LimitsRecord
-    held: dict[str, float] = {}
+    held: dict[str, float] = field(default_factory=dict)
     description: DescriptionRecord | None = None
 
 
@@ -105,7 +102,7 @@ class EffectRecord(Record, frozen=True, kw_only=True):
     name: str
     form: dict[str, Any]
     parameters: list[ParameterRecord]
-    shapes: list[ShapeRecord] = []
+    shapes: list[ShapeRecord] = field(default_factory=list)
 
 
 class MeasurementRecord(Record, frozen=True, kw_only=True):
@@ -113,7 +110,7 @@ class MeasurementRecord(Record, frozen=True, kw_only=True):
 
     name: str
     form: dict[str, Any]
-    shapes: list[ShapeRecord] = []
+    shapes: list[ShapeRecord] = field(default_factory=list)
 
 
 class ReferenceRecord(Record, frozen=True, kw_only=True):

@@ -3,8 +3,11 @@
 import re
 from pathlib import Path
 
+import jsonschema
+import msgspec
+
 from oed.report.json_file import read_json
-from tests.running import oed
+from tests.running import oed, recorded
 
 
 def test_the_demo_finds_the_cable_and_links_every_page(tmp_path: Path) -> None:
@@ -20,4 +23,8 @@ def test_the_demo_finds_the_cable_and_links_every_page(tmp_path: Path) -> None:
     linked = re.findall(r'<a href="([^"#]+)"', page)
     assert len(linked) >= 6
     assert all((out / address).is_file() for address in linked)
+    schema = {name: msgspec.json.schema(record) for name, record in recorded(out)}
+    assert len(schema) >= 12
+    for file, expected in schema.items():
+        jsonschema.validate(read_json(file), expected)
     assert {path.name for path in (out / "export").glob("*.py")} == {"simulate_mujoco.py"}
