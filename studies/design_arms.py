@@ -29,7 +29,7 @@ from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.result_folder import ResultFiles
 from oed.report.study_files import DESIGN
-from oed.report.table import Row, markdown_table, number_of, read_csv, write_csv
+from oed.report.table import Cell, Row, markdown_table, number_of, read_csv, write_csv
 from studies.data_folders import EXAMPLE_ARMS, EXAMPLE_ROBOTS, REPOSITORY
 from studies.study_options import StudyOptions
 
@@ -93,7 +93,11 @@ def _row(robot: str, config: Config) -> Row:
         before, started = _children_cpu(), time.perf_counter()
         problem = _design(robot, out, smoke=config.smoke)
         wall, cpu = time.perf_counter() - started, _children_cpu() - before
-        row: Row = {"arm": Path(robot).stem, "wall_s": round(wall, 1), "cpu_s": round(cpu, 1)}
+        row: dict[str, Cell] = {
+            "arm": Path(robot).stem,
+            "wall_s": round(wall, 1),
+            "cpu_s": round(cpu, 1),
+        }
         if problem:
             return {**row, "problem": problem}
         row |= _found(_record(out))

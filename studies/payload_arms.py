@@ -115,7 +115,7 @@ def draw_load(rng: np.random.Generator) -> Float[ndarray, "10"]:
     sides = rng.uniform(*SIZES, 3)
     aside, away = OFFSETS
     centre = np.append(rng.uniform(-aside, aside, 2), rng.uniform(0.0, away))
-    R = Rotation.random(random_state=rng).as_matrix()
+    R = Rotation.random(rng=rng).as_matrix()
     moments = mass / 12 * (np.sum(sides**2) - sides**2)
     box = np.concatenate([[mass], np.zeros(3), np.diag(moments)[np.triu_indices(3)]])
     return transform_parameters(box, R, centre)

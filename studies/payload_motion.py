@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def _with_standstill(motion: Motion) -> Motion:
     """The motion, which begins and ends at rest, with the arm standing before and after it."""
     count = round(STANDSTILL / PERIOD)
 
-    def padded(x: np.ndarray, mode: str) -> np.ndarray:
+    def padded(x: np.ndarray, mode: Literal["edge", "constant"]) -> np.ndarray:
         return np.pad(x, ((count, count), (0, 0)), mode=mode)
 
     t = PERIOD * np.arange(len(motion) + 2 * count)

@@ -128,7 +128,7 @@ def calibrate(
             f"{dataset.name}: {len(torque)} samples of {torque.shape[1]} joints after processing "
             f"cannot determine {len(base)} parameters; record longer, or lower the cut-off"
         )
-    held_out = {
+    held_out: dict[Role, tuple[ndarray, ndarray]] = {
         role: stack(model, base, held) for role, held in recordings.items() if role != "estimation"
     }
     estimate = identify(
@@ -147,7 +147,7 @@ def calibrate(
     friction = dict(zip(estimate.names, estimate.parameters.tolist(), strict=True))
     check_dissipation(friction, dq, torque, dataset.name)
     stacked: dict[Role, tuple[ndarray, ndarray]] = {"estimation": (regressor, torque), **held_out}
-    validation = {
+    validation: dict[Role, Validation] = {
         role: validate(
             estimate.predict(rows).reshape(measured.shape), measured, _certainty(recordings[role])
         )

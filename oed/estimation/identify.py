@@ -116,12 +116,12 @@ def identify(
     )
     projection = reach.projection if reach.lost else np.eye(len(kept))
     parameters = projection @ fit.solution.parameters
-    covariance = projection @ spread.covariance @ projection.T
+    of_kept = projection @ spread.covariance @ projection.T
     weak = {
         **badly_excited(
             found.names,
             parameters,
-            covariance,
+            of_kept,
             fit.solution.information_factor,
             threshold=largest_relative_std,
         ),
@@ -131,7 +131,7 @@ def identify(
         names=found.names,
         units=tuple(units[c] for c in found.kept),
         parameters=parameters,
-        covariance=covariance,
+        covariance=of_kept,
         information_factor=fit.solution.information_factor,
         residual=torque - (measured[:, kept] @ parameters).reshape(torque.shape),
         degrees_of_freedom=float(max(weights.sum() - len(parameters), 1.0)),

@@ -89,7 +89,7 @@ def print_summary(calibration: Calibration, checkup: Checkup) -> None:
     figures = condition(calibration)
     say(
         f"J_k = cond Lambda = {figures['J_k']:.4g}, J_d = log10 det Lambda = "
-        f"{figures['J_d_log10']:.4g}, {counted(figures['rows'], 'row')}\n"
+        f"{figures['J_d_log10']:.4g}, {counted(int(figures['rows']), 'row')}\n"
     )
     for note in doubts(checkup):
         say(f"note: {note}\n")
@@ -248,7 +248,7 @@ def _verdict(calibration: Calibration, checkup: Checkup) -> Verdict:
         f"{found} identified; residual {shares}.",
         f"{first}{counted(lost, 'parameter')} could not be identified. cond Lambda (J_k) = "
         f"{figures['J_k']:.3g}, log10 det Lambda (J_d) = {figures['J_d_log10']:.4g} on "
-        f"{counted(figures['rows'], 'row')}.",
+        f"{counted(int(figures['rows']), 'row')}.",
     )
 
 

@@ -138,7 +138,7 @@ def _line(
     mode: str = "lines",
     width: float = 2.0,
     dash: str = "solid",
-) -> Trace:
+) -> dict[str, Any]:
     shown = {"name": plain(name), "legendgroup": name, "showlegend": bool(name) and panel == 0}
     return {
         "type": "scatter", "mode": mode, "x": points[:, 0], "y": points[:, 1], **shown,
@@ -147,11 +147,11 @@ def _line(
     }  # fmt: skip
 
 
-def _dot(point: Float[ndarray, "2"], name: str, panel: int) -> Trace:
+def _dot(point: Float[ndarray, "2"], name: str, panel: int) -> dict[str, Any]:
     return _line(point[None], name, VERMILION, panel, mode="markers")
 
 
-def _panel(panel: int) -> Trace:
+def _panel(panel: int) -> dict[str, Any]:
     return {} if panel == 0 else {"xaxis": "x2", "yaxis": "y2"}
 
 

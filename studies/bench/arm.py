@@ -185,11 +185,11 @@ def _with_spring_joint(robot: Robot, transmission: Transmission) -> Robot:
     rows = np.vstack([parameters, parameters[j]])
     rows[j] = rotor
     free = JointLimits.unlimited(1)
-    limits = JointLimits(
-        *(
-            np.vstack([getattr(robot.limits, kind), getattr(free, kind)])
+    limits = JointLimits.unlimited(n + 1).with_(
+        **{
+            kind: np.vstack([getattr(robot.limits, kind), getattr(free, kind)])
             for kind in ("position", "velocity", "acceleration", "torque", "jerk")
-        )
+        }
     )
     return Robot(robot.name, (*joints, behind), rows.ravel(), robot.gravity, limits)
 

@@ -52,13 +52,14 @@ def fit(equations: TorqueEquations, prior: Prior) -> Fit:
         equations: Of the recordings.
         prior: Of all of x, so that every direction has a value.
     """
-    at = prior.mean
+    rows, torque = equations.linearised(prior.mean)
+    before, (at, variances, factor) = prior.mean, _weighted(rows, torque, prior)
     joints = equations.torque.shape[1]
-    for _ in range(STEPS):
-        rows, torque = equations.linearised(at)
-        before, (at, variances, factor) = at, _weighted(rows, torque, prior)
+    for _ in range(STEPS - 1):
         if np.all(np.abs(factor @ (at - before)) <= SETTLED):
             break
+        rows, torque = equations.linearised(at)
+        before, (at, variances, factor) = at, _weighted(rows, torque, prior)
     residual = torque - (rows @ at).reshape(torque.shape)
     spread = estimate_covariance(
         whiten(rows, variances, joints),

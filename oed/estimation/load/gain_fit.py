@@ -50,16 +50,11 @@ def fit_gains(equations: CurrentEquations) -> GainFit:
     at = _start(equations)
     start = at[equations.places["log_u"]].copy()
     variances = np.mean(equations.current**2, axis=0)
-    for _ in range(STEPS):
-        rows, right = equations.linearised(at)
-        residual = equations.current - equations.modelled(at)
-        variances = np.minimum(variances, np.mean(residual**2, axis=0))
-        prior = _prior(equations, rows, at, start)
-        target, factor = _solve(rows, right, variances, prior)
-        before = at
-        at = _descended(equations, at, target, variances, prior)
+    before, (at, variances, factor) = at, _step(equations, at, start, variances)
+    for _ in range(STEPS - 1):
         if np.all(np.abs(factor @ (at - before)) <= SETTLED):
             break
+        before, (at, variances, factor) = at, _step(equations, at, start, variances)
     rows, _ = equations.linearised(at)
     residual = equations.current - equations.modelled(at)
     joints = residual.shape[1]
@@ -70,6 +65,21 @@ def fit_gains(equations: CurrentEquations) -> GainFit:
         segments=equations.segments,
     )
     return GainFit(at, spread.covariance, spread.degrees_of_freedom, residual, variances)
+
+
+def _step(
+    equations: CurrentEquations,
+    at: Float[ndarray, " x"],
+    start: Float[ndarray, " gains"],
+    variances: Float[ndarray, " joints"],
+) -> tuple[Float[ndarray, " x"], Float[ndarray, " joints"], Float[ndarray, "x x"]]:
+    """The next x, the variances that it was found with, and the factor of its information."""
+    rows, right = equations.linearised(at)
+    residual = equations.current - equations.modelled(at)
+    variances = np.minimum(variances, np.mean(residual**2, axis=0))
+    prior = _prior(equations, rows, at, start)
+    target, factor = _solve(rows, right, variances, prior)
+    return _descended(equations, at, target, variances, prior), variances, factor
 
 
 def _start(equations: CurrentEquations) -> Float[ndarray, " x"]:

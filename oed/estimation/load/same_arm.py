@@ -109,10 +109,11 @@ def _check_units(bare: DataSet, loaded: DataSet, both: str) -> None:
             f"{both}: torque is in {_units(bare)} and in {_units(loaded)}; bring both to one unit by "
             "[drive] current_to_torque in dataset.toml"
         )
-    constants = [d.drive.current_to_torque for d in (bare, loaded)]
-    if all(c is not None for c in constants) and not np.allclose(*constants, rtol=SAME_CONSTANT):
+    mine, theirs = (d.drive.current_to_torque for d in (bare, loaded))
+    both_stated = mine is not None and theirs is not None
+    if both_stated and not np.allclose(mine, theirs, rtol=SAME_CONSTANT):
         raise OtherArm(
-            f"{both}: current_to_torque is {_listed(constants[0])} and {_listed(constants[1])} N m/A: "
+            f"{both}: current_to_torque is {_listed(mine)} and {_listed(theirs)} N m/A: "
             "the drives are the same, so are their constants"
         )
     if bare.torque != loaded.torque:

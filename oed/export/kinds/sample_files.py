@@ -48,7 +48,7 @@ def write_samples(model: Model, target: Target, count: int, seed: int) -> Export
 def ranges(model: Model, drawn: Float[ndarray, "count p"]) -> dict[str, Any]:
     """Ranges of what simulators randomise, by the names that MJCF has: body masses and joints."""
     robot = model.robot
-    bodies = {
+    bodies: dict[str, dict[str, Any]] = {
         joint.link: {"mass": _range(drawn[:, 10 * i])} for i, joint in enumerate(robot.joints)
     }
     for i, joint in enumerate(robot.joints):
