@@ -1,51 +1,100 @@
-"""The commands of the readme run, one after another, on an arm and a log with the names they have there."""
+"""The commands of readme and documentation run, one after another, on an arm and logs with the names they have there."""
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from oed.commands.main import configuration_of
-from oed.robot import load_robot
-from tests.docs.code_blocks import blocks
-from tests.experiment.importing.laboratory_logs import bag_mcap, simulate, write_urdf
-from tests.paths import REPO
+from oed.experiment.dataset import DataSet
+from oed.experiment.write_dataset import write_dataset
+from oed.robot import Robot, load_robot
+from oed.robot.inertia import transform_parameters
+from tests.docs.code_blocks import blocks, pages
+from tests.experiment.importing.laboratory_logs import (
+    TORQUE_CONSTANT,
+    bag_mcap,
+    simulate,
+    write_urdf,
+)
 from tests.running import oed
 
-LINES = [
-    shlex.split(line, comments=True)[1:]
-    for block in blocks(REPO / "README.md", "bash")
-    for line in block.splitlines()
-    if line.startswith("oed ")
-]
+LINES = list(
+    dict.fromkeys(
+        tuple(shlex.split(line, comments=True)[1:])
+        for page in pages()
+        for block in blocks(page, "bash")
+        for line in block.splitlines()
+        if line.startswith("oed ")
+    )
+)
 IMPORT = next(words for words in LINES if words[0] == "import")
-# The demo, which has a test of its own, diagnoses too, and that takes longest. Gains are found from
-# a log in amperes, and this one is in N m.
-OTHERS = [words for words in LINES if words[0] not in ("import", "demo", "diagnose", "gains")]
+# The demo has a test of its own. It diagnoses too, and so does calibrate; that takes longest.
+OTHERS = [words for words in LINES if words[0] not in ("import", "demo", "diagnose")]
+# What the pages' examples say of the load: its mass [kg] and centre in the last link's frame [m].
+MASS, CENTRE = 2.805, np.array([0.0, 0.0, 0.06])
+LIGHTER = 1.0  # [kg]
+SHAPE = '<collision><origin xyz="0 0 -0.15"/><geometry><box size="0.06 0.06 0.36"/></geometry></collision>'
+TOOL = """<link name="tool0"/><joint name="flange" type="fixed"><parent link="wrist_link"/>
+<child link="tool0"/></joint></robot>"""
+
+
+def holding(robot: Robot, mass: float) -> Robot:
+    """The arm with a small ball in its hand."""
+    inertia = 0.004 * mass / MASS * np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0])
+    ball = transform_parameters(np.concatenate([[mass, 0, 0, 0], inertia]), np.eye(3), CENTRE)
+    parameters = robot.parameters.copy()
+    parameters[-10:] += ball
+    return robot.with_parameters(parameters)
+
+
+def log(robot: Robot, folder: Path, mass: float, units: np.ndarray) -> None:
+    """A data set of the arm with a load, its torques over so many units."""
+    truth = simulate(holding(robot, mass))
+    plain = DataSet.from_arrays(robot, t=truth.t, q=truth.q, tau=truth.tau / units)
+    if (units != 1.0).any():
+        plain = dataclasses.replace(plain, robot=robot.with_amperes(), torque="current")
+    write_dataset(plain, folder)
 
 
 @pytest.fixture(scope="module")
 def laboratory(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with arm.urdf and log.mcap, and what `oed import` makes of them."""
+    """A folder with arm.urdf and logs of it, with a load and without; in N m, and below in A."""
     folder = tmp_path_factory.mktemp("laboratory")
-    robot = load_robot(write_urdf(folder / "arm.urdf"))
+    text = write_urdf(folder / "arm.urdf").read_text()
+    text = text.replace("</inertial></link>", f"</inertial>{SHAPE}</link>")
+    (folder / "arm.urdf").write_text(text.replace("</robot>", TOOL))
+    robot = load_robot(folder / "arm.urdf")
     bag_mcap(simulate(robot), folder).rename(folder / "log.mcap")
     before = Path.cwd()
     os.chdir(folder)
     try:
         assert oed(*IMPORT) == 0
-        assert oed(*(word.replace("mydata", "held") for word in IMPORT)) == 0
     finally:
         os.chdir(before)
+    torques, currents = np.ones(3), np.array(TORQUE_CONSTANT)
+    for name, mass in (("bare", 0.0), ("loaded", MASS), ("held", MASS)):
+        log(robot, folder / name, mass, torques)
+    for name, mass in (
+        ("bare", 0.0),
+        ("amps", 0.0),
+        ("loaded", MASS),
+        ("held", MASS),
+        ("a", LIGHTER),
+        ("b", MASS),
+    ):
+        log(robot, folder / "currents" / name, mass, currents)
     return folder
 
 
-@pytest.mark.parametrize("words", OTHERS, ids=lambda words: words[0])
-def test_runs(words: list[str], laboratory: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(laboratory)
+@pytest.mark.parametrize("words", OTHERS, ids=" ".join)
+def test_runs(words: tuple[str, ...], laboratory: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(laboratory / "currents" if words[0] == "gains" else laboratory)
     config = configuration_of(words)
     less = ["--smoke"] if hasattr(config, "smoke") else []
     assert oed(*words, *less) == 0

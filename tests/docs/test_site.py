@@ -58,7 +58,7 @@ def test_every_command_has_its_options_on_the_page(site: Path) -> None:
     for name in COMMANDS:
         assert f'id="oed-{name}"' in text
     assert "<code>--sign-width</code>" in text
-    assert "<code>0.02</code>" in text
+    assert "<code>0.9</code>" in text  # of --margin
 
 
 def test_every_effect_has_its_page(site: Path) -> None:
