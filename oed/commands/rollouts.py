@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from oed.estimation.rollout import HORIZONS, SETTLING, Track, roll_out
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.preparation.settings import choose_settings
-from oed.experiment.recording import HELD_OUT
+from oed.experiment.recording import HELD_OUT, Role
 from oed.experiment.stretches import split_at_gaps
 from oed.export.model_file import load_model
 
@@ -47,14 +47,16 @@ def rollouts(dataset: DataSet, models: Models, *, windows: int) -> dict[str, obj
     return {"horizons": list(HORIZONS), "models": found}
 
 
-def held_out_tracks(dataset: DataSet) -> list[Track]:
-    """Recordings that were not fitted and are long enough for the longest horizon."""
+def held_out_tracks(
+    dataset: DataSet, *, longest: float = HORIZONS[-1], roles: Sequence[Role] = HELD_OUT
+) -> list[Track]:
+    """Recordings that were not fitted and are long enough for the longest horizon [s]."""
     settings = choose_settings(dataset.recordings)
-    shortest = HORIZONS[-1] + 2 * SETTLING
+    shortest = longest + 2 * SETTLING
     long = tuple(
         recording
         for recording in split_at_gaps(dataset).recordings
-        if recording.role in HELD_OUT and recording.duration > shortest
+        if recording.role in roles and recording.duration > shortest
     )
     # Each by itself, in the time of its own log.
     return [

@@ -34,9 +34,17 @@ def manifest_text(content: Mapping[str, object], notes: Sequence[str]) -> str:
         above = [note for note in notes if _word(note) in ABOVE.get(key, ())]
         told.update(above)
         comments = "".join(f"# {note}\n" for note in above)
-        parts.append(comments + _dumped({key: value}))
+        parts.append(comments + _table(key, value))
     left = "".join(f"# {note}\n" for note in notes if note not in told)
     return "\n".join(parts if not left else [parts[0], left, *parts[1:]])
+
+
+def _table(key: str, value: object) -> str:
+    """One table, or each of an array under its own header."""
+    if isinstance(value, list):
+        # The writer puts short ones on one line without a header, which the table before would own.
+        return "\n".join(f"[[{key}]]\n{_dumped(entry)}" for entry in value)
+    return _dumped({key: value})
 
 
 def _dumped(content: Mapping[str, object]) -> str:

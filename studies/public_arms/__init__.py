@@ -1,0 +1,1 @@
+"""Public recordings of measured arms: ours beside the models that were published with them."""

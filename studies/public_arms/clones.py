@@ -1,0 +1,23 @@
+"""Local clones: which is of which repository, and at which commit it stands."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+from studies.public_arms.arm import PublicArm
+
+SHORT = 12  # digits of a commit
+
+
+def clone_of(arm: PublicArm, clones: Sequence[Path]) -> Path | None:
+    """The clone that has the arm's files; None if none has."""
+    return next((clone for clone in clones if (clone / arm.marker).is_file()), None)
+
+
+def commit_of(clone: Path) -> str:
+    """At which a clone stands; "no commit" of a folder that is no clone."""
+    command = ["git", "-C", str(clone), "rev-parse", "HEAD"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  a fixed command
+    return run.stdout.strip()[:SHORT] if run.returncode == 0 else "no commit"
