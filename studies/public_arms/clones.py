@@ -12,8 +12,14 @@ SHORT = 12  # digits of a commit
 
 
 def clone_of(arm: PublicArm, clones: Sequence[Path]) -> Path | None:
-    """The clone that has the arm's files; None if none has."""
-    return next((clone for clone in clones if (clone / arm.marker).is_file()), None)
+    """The clone that has the arm's files; None if none has.
+
+    Args:
+        arm: Whose.
+        clones: Clones, or folders that hold some.
+    """
+    every = [clone for folder in clones for clone in (folder, *sorted(folder.iterdir()))]
+    return next((clone for clone in every if (clone / arm.marker).is_file()), None)
 
 
 def commit_of(clone: Path) -> str:

@@ -143,7 +143,7 @@ def _numbers(case: Case, dataset: DataSet, outcome: Outcome) -> dict[str, str | 
     models: dict[str, Predictor] = {"base": found.before, "loop": found.after}
     told: dict[str, str | int | float] = {}
     try:
-        models["feasible"] = _feasible(case, dataset)
+        models["feasible"] = feasible_beside(case, dataset)
     except OedError as error:
         told["no_feasible"] = str(error)[:200]
     errors = {name: [of_predictor(x, p) for p in sealed] for name, x in models.items()}
@@ -169,11 +169,11 @@ def _numbers(case: Case, dataset: DataSet, outcome: Outcome) -> dict[str, str | 
     }
 
 
-def _feasible(case: Case, dataset: DataSet) -> Predictor:
+def feasible_beside(case: Case, dataset: DataSet) -> Predictor:
     """Bodies that can exist, beside what the loop found."""
     kept = tuple(r for r in dataset.recordings if r.role != "test")
     unsealed = replace(dataset, recordings=kept)
-    prepared = prepare_estimate(unsealed, model=case.kept / "diagnosis" / MODEL, smoke=case.smoke)
+    prepared = prepare_estimate(unsealed, model=case.kept / "diagnosis" / MODEL)
     # Intervals of bodies are not shown here: the fewest resamples and poses.
     settings = FeasibleSettings(
         demands=FeasibleSet.of(prepared.model), resamples=2, poses=100, seed=case.seed

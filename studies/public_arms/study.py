@@ -3,7 +3,7 @@
     python -m studies.public_arms --repo DIR [DIR …] [--data DIR] [--out results/public_arms]
                                   [--budget S] [--workers N] [--scheduler ADDRESS] [--smoke]
 
-`--repo` names local clones; nothing is downloaded, and a recording whose clone is missing has a line
+`--repo` names local clones, or folders that hold some; nothing is downloaded, and a recording whose clone is missing has a line
 that says how to get it. `--data` adds data sets of your own, as a folder that holds one or several.
 Whole diagnoses go to `--reports`. A run that was interrupted goes on where it stopped; a clone at
 another commit, or a data set that has changed, is done again.
@@ -57,7 +57,7 @@ class Options(CaseOptions):
     """How do our models stand to the published ones, on recordings that anyone can fetch?
 
     Attributes:
-        repo: Local clones of the repositories.
+        repo: Local clones of the repositories, or folders that hold some.
         data: Folder of data sets besides. Results with it go to out/public_arms.
         arms: Names of the recordings; all if not given.
         reports: Folder for data sets and whole diagnoses.
@@ -68,7 +68,7 @@ class Options(CaseOptions):
     study: ClassVar[str] = "public_arms"
     names: ClassVar[tuple[str, ...]] = ("summary.md", "provenance.json")
 
-    repo: tuple[Folder, ...] = ()
+    repo: tuple[Path, ...] = ()
     data: Folder | None = None
     arms: tuple[str, ...] = ()
     reports: OutFolder = Path("out/public_arms/reports")
@@ -92,6 +92,9 @@ class Options(CaseOptions):
 def cases_of(options: Options) -> list[Case]:
     """One a recording, whether its clone is there or not; then the data sets."""
     budget = SMOKE_BUDGET if options.smoke else options.budget
+    for folder in options.repo:
+        if not folder.is_dir():
+            raise ValueError(f"--repo {folder}: no such folder")
     found = []
     for name in options.arms or ARMS:
         clone = clone_of(ARMS[name], options.repo)

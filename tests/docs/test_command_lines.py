@@ -30,6 +30,7 @@ LINES = sorted(
 IN_PACKAGES = {
     "studies.bench": "studies.bench.study",
     "studies.paper_experiment": "studies.paper_experiment.experiment",
+    "studies.public_arms": "studies.public_arms.study",
 }
 
 

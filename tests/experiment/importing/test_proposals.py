@@ -1,10 +1,13 @@
 """What is concluded from a log: joints, units, roles, repetitions."""
 
+import tomllib
+
 import numpy as np
 import pytest
 
 from oed.errors import DataSetError
 from oed.experiment.importing.joint_names import match_joints
+from oed.experiment.importing.manifest_text import manifest_text
 from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
 from oed.experiment.importing.propose_roles import Timed, propose_roles
 from oed.experiment.importing.propose_units import propose_units
@@ -218,3 +221,9 @@ def test_a_short_log_is_all_for_estimation():
     parts, why = propose_roles([Timed("a", t, wave(t))])
     assert [part.role for part in parts] == ["estimation"]
     assert "too short" in why
+
+
+def test_recordings_of_short_names_stand_under_their_own_headers():
+    entries = [{"file": f"{role}.csv", "role": role} for role in ("estimation", "test")]
+    content = {"format": 1, "units": {"tau": "N m"}, "recording": entries}
+    assert tomllib.loads(manifest_text(content, ())) == content
