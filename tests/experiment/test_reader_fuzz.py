@@ -198,7 +198,7 @@ def in_new_folder(files: dict[str, bytes]) -> str:
 def test_any_mutation_is_read_or_refused():
     outcomes = []
 
-    @settings(FUZZ, max_examples=2500)
+    @settings(FUZZ, max_examples=1000)
     @given(st.lists(st.tuples(st.sampled_from(FILES), mutations()), min_size=1, max_size=3))
     def fuzz(changes):
         files = tiny_files()
@@ -208,10 +208,10 @@ def test_any_mutation_is_read_or_refused():
 
     fuzz()
     # Both ways out were taken often, so that neither promise is empty.
-    assert min(outcomes.count("read"), outcomes.count("refused")) > 100
+    assert min(outcomes.count("read"), outcomes.count("refused")) > 40
 
 
-@settings(FUZZ, max_examples=300)
+@settings(FUZZ, max_examples=150)
 @given(st.floats(0, 1, exclude_max=True), st.integers(0, 20), st.binary(max_size=20))
 def test_any_robot_file_is_read_or_refused(where, span, new):
     urdf = urdf_text(2).encode()
@@ -232,7 +232,7 @@ def parquet(tmp_path_factory) -> bytes:
     return path.read_bytes()
 
 
-@settings(FUZZ, max_examples=300)
+@settings(FUZZ, max_examples=150)
 @given(where=st.floats(0, 1, exclude_max=True), span=st.integers(0, 20), new=st.binary(max_size=20))
 def test_any_parquet_file_is_read_or_refused(parquet, where, span, new):
     files = tiny_files() | {

@@ -11,7 +11,7 @@ from pathlib import Path
 from tests.paths import REPO
 from tests.studies.spoiled_inputs import make_case
 
-RUNS = 24
+RUNS = 14
 
 
 def test_spoilt_inputs_end_in_a_documented_way() -> None:

@@ -168,15 +168,15 @@ def test_few_trusted_rows_leave_few_degrees_of_freedom(monkeypatch):
 
     monkeypatch.setattr(baseline, "_trusted_rows", few)
     found, taps = [], np.zeros(0)
-    for seed in range(12):
+    for seed in range(6):
         dataset = data_set(seed, roles=("estimation",), repetitions=2)
         (whole,) = dataset.recordings
         prepared = prepare((once(whole),))
         found.append(find_baseline(TorqueModel.standard(dataset.robot), prepared).floor.deviation)
         taps = prepared[0].band.taps
     true = NOISE * np.sqrt(taps @ taps)
-    # 12 times some 45 degrees of freedom: the deviation is known within 3 %.
-    assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx(true, rel=0.09)
+    # 6 times some 45 degrees of freedom: the deviation is known within 4.3 %.
+    assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx(true, rel=0.13)
 
 
 @pytest.mark.parametrize("enough", [True, False])
