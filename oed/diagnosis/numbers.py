@@ -14,6 +14,7 @@ NULL_SHARE = 1e-3  # of a smoothing prior's precision, on what it does not penal
 PREDICTION_GAIN = (
     1.0  # nats by which a held-out score must rise: one parameter's cost (Akaike 1974)
 )
+TESTED = 0.5  # of a smooth term's degrees of freedom that held-out rows must see; assumed
 POLISHED = 8  # candidates whose shapes are fitted before they are compared
 COMPARED = 4  # of these that are fitted beside all else
 EFFECTS_PER_JOINT, LEAST_EFFECTS = 3, 6  # terms; assumed

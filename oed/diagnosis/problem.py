@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,6 +13,7 @@ from numpy import ndarray
 from oed.diagnosis.candidates.candidate import NamedCandidate, SmoothCandidate
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.dynamics.effects.catalogue import CatalogueEntry, Context
+from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 
 
@@ -83,3 +85,10 @@ def full_parameters(
     full = np.zeros(len(model.parameters))
     full[columns] = values
     return full
+
+
+def visible_columns(problem: Problem, model: TorqueModel) -> Int[ndarray, " base"]:
+    """Columns that any motion shows: under another gravity other combinations are."""
+    if model.robot is problem.base.robot:
+        return problem.columns
+    return np.sort(base_parameters(dataclasses.replace(model, measurement=())).columns)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import blake2b
@@ -19,6 +19,7 @@ from oed.robot import Robot
 Curve = Callable[[Float[ndarray, " times"]], Float[ndarray, "times joints"]]
 Components = tuple[Float[ndarray, " samples"], ...]
 
+REMEMBERED = 2  # motions made of one: as seen through the measurement of a model, and of another
 STRIDE = 8  # samples that a motion's fingerprint leaves out
 UNBOUNDED_RANGE = np.pi  # [rad or m] half width used where a joint has no position limit
 UNBOUNDED_RATE = 3.0  # [rad/s] or [rad/s^2], where a joint has no such limit
@@ -84,6 +85,24 @@ class Motion:
     def signs(self) -> dict[tuple[int, float], Float[ndarray, " samples"]]:
         """Mean signs that were asked for, by the identity of a joint's velocity and the width."""
         return {}
+
+    @cached_property
+    def changes(self) -> dict[Hashable, Motion]:
+        """Motions that were made of this one, by what made them."""
+        return {}
+
+    def changed(self, by: Hashable, make: Callable[[], Motion]) -> Motion:
+        """A motion made of this one, remembered: a scan asks for the same one at each trial value.
+
+        Args:
+            by: What makes it, equal where the result is.
+            make: Works it out.
+        """
+        if by not in self.changes:
+            if len(self.changes) >= REMEMBERED:
+                self.changes.clear()
+            self.changes[by] = make()
+        return self.changes[by]
 
     @cached_property
     def fingerprint(self) -> bytes:

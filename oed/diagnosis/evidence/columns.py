@@ -44,6 +44,16 @@ def white_effect(effect: Effect, model: TorqueModel, rows: WhiteRows) -> dict[in
     return result
 
 
+def dense(
+    columns: dict[int, ndarray], rows: WhiteRows, count: int
+) -> Float[ndarray, "joints rows columns"]:
+    """Columns of all joints, zero where they do not act."""
+    result = np.zeros((rows.joints, rows.torque.shape[1], count))
+    for j, own in columns.items():
+        result[j] = own
+    return result
+
+
 def _filtered(effect: Effect, model: TorqueModel, prepared: Prepared) -> dict[int, ndarray]:
     laps = prepared.laps if effect.beyond_state else None
     motion = prepared.motion if laps is None else laps

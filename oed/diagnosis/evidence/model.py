@@ -10,18 +10,22 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate, Values, follows_model
-from oed.diagnosis.evidence.columns import white_effect, white_model
+from oed.diagnosis.evidence.columns import dense, white_effect, white_model
 from oed.diagnosis.evidence.criterion import log_score
 from oed.diagnosis.evidence.fit import Projection, project
 from oed.diagnosis.numbers import BASE_ERROR, FORMULA_ERROR, ROUNDS
-from oed.diagnosis.problem import Problem, full_parameters
+from oed.diagnosis.problem import Problem, full_parameters, visible_columns
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.effects.effect import Effect
-from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 
 Sizes = tuple[float, ...]
 SETTLED = 1e-3  # of a size, below which a step of it is none
+# Of a joint's variance: weights that are off by so little cost a ten-thousandth of the information.
+SAME_VARIANCE = 0.02
+NO_CHANGE = (
+    0.1  # sum of squares of a change of all rows, in units of what is left: a twentieth of a nat
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,17 +140,30 @@ def fit(
         variance: (n,) of the rows, if it is given; otherwise what is left decides.
     """
     context = problem.context if before is None else before.context
-    fitted, follow = before, True
+    fitted = before
     for _ in range(ROUNDS):
-        fitted = _once(problem, terms, used, context, before=fitted, variance=variance)
+        last = fitted
+        fitted = _once(problem, terms, used, context, before=last, variance=variance)
         context = fitted.context
         terms, moved = _stepped(fitted)
-        follow = any(e is not None and follows_model(e) for e in fitted.effects) or moved
-        if not follow:
+        follow = any(e is not None and follows_model(e) for e in fitted.effects)
+        if not moved and (not follow or _is_settled(fitted, last)):
             break
     if fitted is None:
         raise ValueError("a fit needs at least one round")
     return fitted
+
+
+def _is_settled(fitted: Fitted, last: Fitted | None) -> bool:
+    """Whether a round of the same terms changed nothing that rows tell."""
+    if last is None or [t.label for t in last.terms] != [t.label for t in fitted.terms]:
+        return False
+    used = fitted.projection.used
+    if not np.array_equal(used, last.projection.used):
+        return False
+    moved = (fitted.projection.residual - last.projection.residual)[:, used]
+    squares = np.sum(moved**2, axis=1) / fitted.variance
+    return float(squares.sum()) < NO_CHANGE
 
 
 def _stepped(fitted: Fitted) -> tuple[tuple[Term, ...], bool]:
@@ -190,17 +207,21 @@ def _once(
     if before is not None and before.base_columns[0] == key:
         base_columns = before.base_columns
     else:
-        own = _visible(problem, seen.model)
+        own = visible_columns(problem, seen.model)
         both = white_model(seen.model, own, problem.rows), problem.nuisances
         base_columns = key, own, np.concatenate(both, axis=2)
     visible = base_columns[1]
+    alike = before if before is not None and before.base_columns[0][1:] == key[1:] else None
     effects, places, blocks, start = [], [], [base_columns[2]], base_columns[2].shape[2]
     for term in terms:
         is_fixed = term.candidate.unit_coefficient
         effect = None if is_fixed else term.candidate.effect(seen, term.values)
         count = 0 if effect is None else len(effect.parameters)
         if effect is not None:
-            blocks.append(dense(white_effect(effect, seen.model, problem.rows), problem, count))
+            own = _kept(alike, term, effect)
+            if own is None:
+                own = dense(white_effect(effect, seen.model, problem.rows), problem.rows, count)
+            blocks.append(own)
         effects.append(effect)
         places.append(slice(start, start + count))
         start += count
@@ -213,10 +234,10 @@ def _once(
     v = v if variance is None else variance
     projection = project(problem.rows, columns, used, v, precision)
     tolerated = _tolerated(problem, places, projection, len(visible))
-    if variance is None:
-        counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
-        left = np.sum(projection.residual[:, used] ** 2, axis=1) / counted
-        v = np.maximum(tolerated, left)
+    counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
+    found = np.maximum(tolerated, np.sum(projection.residual[:, used] ** 2, axis=1) / counted)
+    if variance is None and np.any(np.abs(found - v) > SAME_VARIANCE * v):
+        v = found
         projection = project(problem.rows, columns, used, v, precision)
         tolerated = _tolerated(problem, places, projection, len(visible))
     base = full_parameters(seen.model, visible, projection.coefficients[: len(visible)])
@@ -241,21 +262,26 @@ def _once(
     )
 
 
-def _visible(problem: Problem, model: TorqueModel) -> Int[ndarray, " base"]:
-    """Columns that any motion shows: under another gravity other combinations are."""
-    if model.robot is problem.base.robot:
-        return problem.columns
-    return np.sort(base_parameters(dataclasses.replace(model, measurement=())).columns)
+def _kept(
+    before: Fitted | None, term: Term, effect: Effect
+) -> Float[ndarray, "joints rows columns"] | None:
+    """Columns of an effect that an earlier fit has as they are; None if they have to be worked out.
 
+    A derivative by which a term is moved on holds until something is moved: steps of Newton's with
+    an old slope (the chord method) end where those with a new one do.
 
-def dense(
-    columns: dict[int, ndarray], problem: Problem, count: int
-) -> Float[ndarray, "joints rows columns"]:
-    """Columns of all joints, zero where they do not act."""
-    result = np.zeros((problem.rows.joints, problem.rows.torque.shape[1], count))
-    for j, own in columns.items():
-        result[j] = own
-    return result
+    Args:
+        before: A fit with the same whole model's steps; none if None.
+        term: Of the effect.
+        effect: Whose columns are asked for.
+    """
+    if before is None or (follows_model(effect) and not term.steps):
+        return None
+    for old, own, place in zip(before.terms, before.effects, before.places, strict=True):
+        alike = old.candidate is term.candidate and old.values == term.values
+        if alike and (term.steps or own == effect):
+            return before.projection.columns[:, :, place]
+    return None
 
 
 def _tolerated(

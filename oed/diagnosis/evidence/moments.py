@@ -51,6 +51,9 @@ def moments_of(
         tau: Dilution if it is known.
     """
     problem = whole.problem
+    counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
+    if not columns:  # a gear that no longer gives way, say, tells as little as it explains
+        return Moments(np.zeros((1, 1)), np.zeros(1), float(counted.sum()), 1.0, gained)
     own = rest.beside(columns)
     A, g, inside = own.information, own.score, own.within
     count = len(g)
@@ -73,7 +76,6 @@ def moments_of(
     kept = values > 1e-9 * max(float(values.max(initial=0.0)), 1e-300)
     white = vectors[:, kept] / np.sqrt(values[kept])
     leverage = float(np.sum((white.T @ lower @ white) ** 2))
-    counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
     rows = float(sum(counted[j] for j in joints))
     tau = score_dilution(scores, leverage, A) if tau is None else tau
     return Moments(A, g, rows, tau, gained)

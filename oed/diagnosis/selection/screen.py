@@ -16,6 +16,7 @@ from oed.diagnosis.evidence.criterion import Moments, Worth, log_score, worth
 from oed.diagnosis.evidence.fit import Beside
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.numbers import FORMULA_ERROR
+from oed.diagnosis.problem import Problem
 
 NEW = 1e-6  # share of columns outside the model's, below which they add nothing
 EVALUATIONS = 25  # of a shape, and so many more for each further one
@@ -49,9 +50,7 @@ def price(candidate: Candidate, values: Values, fitted: Fitted, rows: float) -> 
     All of a kind are alike before data; a shape that is not at its plain value costs half the log
     of the rows, or the log of the values that a scan tells apart where these are more.
     """
-    problem = fitted.problem
-    kind = problem.names if candidate.is_named else problem.smooth
-    total = float(np.log(max(len(kind), 1)))
+    total = least_price(candidate, fitted.problem)
     for shape, value in zip(candidate.shapes(fitted.context), values, strict=True):
         if shape.is_plain(value) or shape.is_idle(value) or shape.upper <= shape.lower:
             continue
@@ -61,6 +60,27 @@ def price(candidate: Candidate, values: Values, fitted: Fitted, rows: float) -> 
         elif value != shape.default:
             total += float(np.log(max(shape.upper - shape.lower + 1, 2.0)))
     return total
+
+
+def least_price(candidate: Candidate, problem: Problem) -> float:
+    """Price of a candidate whose shapes are all plain [nats]."""
+    kind = problem.names if candidate.is_named else problem.smooth
+    return float(np.log(max(len(kind), 1)))
+
+
+def most_gained(beside: Beside, counted: Float[ndarray, " joints"]) -> float:
+    """Nats of log score that columns cannot exceed: all that they take from what is left is one joint's.
+
+    Args:
+        beside: The columns beside a fit, joints weighted by what it leaves of each.
+        counted: (n,) rows that count.
+    """
+    A, g = beside.information, beside.score
+    values, vectors = np.linalg.eigh(A)
+    told = values > NEW * max(float(values[-1]), 0.0)
+    taken = float(np.sum((vectors.T @ g)[told] ** 2 / values[told]))
+    rows = float(counted.min())
+    return -0.5 * rows * float(np.log1p(-taken / rows)) if taken < rows else np.inf
 
 
 def weighed(

@@ -2,88 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.criterion import Moments, Worth, worth
 from oed.diagnosis.evidence.model import Term
-from oed.diagnosis.evidence.views import Views, chosen, moments
-from oed.diagnosis.numbers import COMPARED, EXCHANGES, LOOKS, NAMED, PREDICTION_GAIN, SETTLING
+from oed.diagnosis.evidence.views import Views, moments
+from oed.diagnosis.numbers import COMPARED, EXCHANGES, LOOKS, NAMED, PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
-from oed.diagnosis.selection.screen import Scored, evaluate, polish, price
+from oed.diagnosis.selection.look_ahead import Over, Say, look_ahead, short
+from oed.diagnosis.selection.screen import price
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import Tables, as_term, few
-
-Say = Callable[[str], None]
-Over = Callable[[], bool]
-
-
-def look_ahead(
-    tables: Tables, start: Views, say: Say, over: Over, refused: frozenset[str] = frozenset()
-) -> Views:
-    """Add what is worth most, one after another, while it predicts rows that were not fitted."""
-    current = start
-    while len(current.terms) < current.problem.most and not over():
-        present = refused | current.labels
-        found = tables.best(current, present)
-        first = few(found)
-        options = _options(current, first)
-        if not options:  # what is worth most may stand for what predicts no better
-            options = _options(current, [s for s in found if s not in first])
-        if not options:
-            return current
-        options.sort(key=lambda o: -o[0])
-        gain, best, grown = options[0]
-        current = _refined(with_refitted_sign(grown, "fitted"))
-        say(
-            f"+ {best.candidate.label} {_short(best.values)} {gain:.1f} nats, left "
-            f"{_short(current.left('fitted'))}, held out {_short(current.left('held_out'))}; beside "
-            + ", ".join(f"{o[1].candidate.label} {o[0]:.1f}" for o in options[1:4])
-        )
-    return current
-
-
-def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Scored, Views]]:
-    """Those that predict held-out rows better, each with what it is worth when all is refitted."""
-    options = []
-    for scored in tried:
-        if scored.nats <= 0:
-            continue
-        grown = current.grown((*current.terms, as_term(scored)), "fitted")
-        ahead = grown.score("held_out") - current.score("held_out")
-        gain = grown.score("fitted") - current.score("fitted")
-        rows = grown.means.rows(chosen(grown.means.problem, "fitted")).mean()
-        occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
-        if ahead > PREDICTION_GAIN and gain > occam:
-            options.append((float(gain - occam), scored, grown))
-    return options
-
-
-def _refined(views: Views) -> Views:
-    """The model with the shapes of each term, and of friction's sign, fitted again beside all else."""
-    for _ in range(SETTLING):
-        before = views.score("fitted")
-        for number, term in enumerate(views.terms):
-            if len(views.terms) == 1:  # as it was profiled when it was added
-                break
-            others = views.terms[:number] + views.terms[number + 1 :]
-            rest = views.grown(others, "fitted").showing(term.candidate)
-            start = evaluate(term.candidate, term.values, rest)
-            if start is None or not term.values:
-                continue
-            best = as_term(polish(start, rest))
-            if best.values == term.values:
-                continue
-            other = views.grown((*others[:number], best, *others[number:]), "fitted")
-            views = other if other.score("fitted") > views.score("fitted") else views
-        views = with_refitted_sign(views, "fitted")
-        if views.score("fitted") < before + PREDICTION_GAIN:
-            break
-    return views
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +102,7 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     others, nothing = own.rest.terms, held_out(own.rest, own.rest.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
         grown = whole.grown((*others, as_term(scored)), "all", like=whole)
-        grown = with_refitted_sign(grown, "all")
+        grown = with_refitted_sign(grown, "all", _acting(grown, own))
         # Substitutes of one size are compared at the same, smaller dilution.
         substitute = Substitute(grown.terms[-1], _nats_in_place(grown, whole, own), grown)
         if (
@@ -178,6 +111,12 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         ):
             found.append(substitute)
     return sorted(found, key=lambda r: -r.nats)
+
+
+def _acting(grown: Views, own: Judged) -> set[int] | None:
+    """Joints of a term and of what it stands in the place of; None for all."""
+    joints = {own.term.candidate.joint, grown.terms[-1].candidate.joint}
+    return None if None in joints else {j for j in joints if j is not None}
 
 
 def _nats_in_place(grown: Views, whole: Views, own: Judged) -> float:
@@ -219,27 +158,35 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
     tables = Tables.of(start, problem.candidates)
     lines = len(tables.alike.lines) + len(tables.changing.lines)
     say(
-        f"{lines} shapes of {len(problem.candidates)} candidates, left {_short(start.left('fitted'))}"
+        f"{lines} shapes of {len(problem.candidates)} candidates, left {short(start.left('fitted'))}"
     )
     views, judged = _ahead_and_back(tables, start, say, over)
-    for _ in range(EXCHANGES):
-        if over():
-            break
-        substitutes = tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
-        better = _better(views, judged, substitutes)
-        if better is None:
-            break
-        own, best = better
-        say(f"{own.term.label} {own.worth.nats:.1f} -> {best.term.label} {best.nats:.1f} nats")
-        exchanged = Views.of(best.whole.problem, best.whole.terms, "all", best.whole)
-        views, judged = prune(exchanged, say)
-    predictive = _predictive(views, say)
-    if predictive is not views:
-        views, judged = prune(predictive, say)
+    exchanges, substitutes = EXCHANGES, ()
+    while True:
+        better, is_over = None, over()
+        if not is_over:
+            substitutes = _substitutes(tables, views, judged, say)
+            better = _better(views, judged, substitutes) if exchanges else None
+        if better is not None:
+            own, best = better
+            exchanges -= 1
+            say(f"{own.term.label} {own.worth.nats:.1f} -> {best.term.label} {best.nats:.1f} nats")
+            changed = Views.of(best.whole.problem, best.whole.terms, "all", best.whole)
+        else:
+            changed = _predictive(views, say)
+            if changed is views:
+                break
+        views, judged = prune(changed, say)
+    if is_over:
+        substitutes = _substitutes(tables, views, judged, say)
+    return Selected(views, tuple(judged), substitutes)
+
+
+def _substitutes(
+    tables: Tables, views: Views, judged: Sequence[Judged], say: Say
+) -> tuple[tuple[Substitute, ...], ...]:
     say(f"what else the {len(judged)} terms could be")
-    return Selected(
-        views, tuple(judged), tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
-    )
+    return tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
 
 
 def _ahead_and_back(
@@ -294,7 +241,3 @@ def _better(
     pairs.sort(key=lambda pair: pair[0].worth.nats - pair[1].nats)
     now = held_out(views, views.terms) if pairs else 0.0
     return next((p for p in pairs if held_out(p[1].whole, p[1].whole.terms) >= now), None)
-
-
-def _short(values: Sequence[float] | ndarray) -> tuple[float, ...]:
-    return tuple(float(f"{v:.3g}") for v in values)

@@ -6,7 +6,7 @@ holds: this only tells which candidates are worth a closer look.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,7 @@ from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.fit import Beside, Span
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.numbers import COLUMN_BYTES
-from oed.diagnosis.selection.screen import weighed
+from oed.diagnosis.selection.screen import least_price, most_gained, weighed
 
 BLOCK = 50  # rows that are kept together where not all are
 
@@ -97,14 +97,17 @@ def lay_out(fitted: Fitted, candidates: Sequence[Candidate]) -> Table:
 
 
 def ranked(
-    table: Table, fitted: Fitted, excluded: frozenset[str], per_place: int = 3
+    table: Table,
+    fitted: Fitted,
+    wanted: Callable[[Candidate], bool],
+    per_place: int = 3,
 ) -> list[list[tuple[float, Line]]]:
     """Lines of each candidate, best first, and the candidates by their best.
 
     Args:
         table: Of columns.
         fitted: Beside which they stand.
-        excluded: Labels that are left out.
+        wanted: Whether a candidate is asked for.
         per_place: Lines of each candidate.
     """
     projection, problem = fitted.projection, fitted.problem
@@ -129,7 +132,7 @@ def ranked(
     counted = fitted.rows(projection.used)
     found: dict[str, list[tuple[float, Line]]] = {}
     for line in table.lines:
-        if line.candidate.label in excluded:
+        if not wanted(line.candidate):
             continue
         beside = Beside(
             span,
@@ -137,6 +140,8 @@ def ranked(
             {j: scores[j][place] for j, place in line.places.items()},
             {j: inside[j][:, place] for j, place in line.places.items()},
         )
+        if most_gained(beside, counted) <= least_price(line.candidate, problem):
+            continue
         own = weighed(line.candidate, line.values, fitted, beside, counted)
         if own is not None:
             found.setdefault(line.candidate.label, []).append((own.nats, line))

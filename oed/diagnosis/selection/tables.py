@@ -36,10 +36,12 @@ class Tables:
         keep: Callable[[Candidate], bool] = lambda _: True,
     ) -> list[Scored]:
         """The names and the smooth terms that are worth most beside a model, polished, best first."""
-        lines = ranked(self.alike, views.means, excluded) + ranked(
-            self.changing, views.every, excluded
-        )
-        lines = [own for own in lines if keep(own[0][1].candidate)]
+
+        def wanted(candidate: Candidate) -> bool:
+            return candidate.label not in excluded and keep(candidate)
+
+        lines = ranked(self.alike, views.means, wanted)
+        lines += ranked(self.changing, views.every, wanted)
         lines.sort(key=lambda own: -own[0][0])
         names = _spread([own for own in lines if own[0][1].candidate.is_named])[:most]
         smooth = [own for own in lines if not own[0][1].candidate.is_named][: most // 2]

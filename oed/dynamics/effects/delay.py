@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,14 +12,19 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 from scipy.interpolate import make_interp_spline
+from scipy.ndimage import spline_filter1d
 from scipy.signal import lfilter_zi
 
 from oed.dynamics.effects.effect import State
-from oed.dynamics.effects.linear_filter import discrete, respond
+from oed.dynamics.effects.linear_filter import discrete, is_even, respond
 from oed.dynamics.effects.measurement_effect import Instants, MeasurementEffect
 from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar, add, mul, sub
 
+HELD = (
+    24  # samples beyond an end, by which a cubic spline has forgotten it: 0.27 ** 24 of it is left
+)
+LEAST = 4  # samples of a cubic
 WHOLE = 1e-9  # of a step: a delay that near to whole steps has no rest
 
 
@@ -54,8 +60,8 @@ class TimeDelay(Late):
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns as they were earlier."""
         if motion.averaged:
-            return self.moved(make_interp_spline(motion.t, columns(motion), k=3), motion)
-        return columns(delayed(motion, self.delay))
+            return _moved(motion.t, columns(motion), self.delay)
+        return columns(motion.changed(self, lambda: delayed(motion, self.delay)))
 
     @property
     def offline(self) -> str:
@@ -94,17 +100,6 @@ class TimeDelay(Late):
         signals = [f"{x}_{j + 1}" for x in ("q", "dq", "ddq") for j in range(joints)]
         names = tuple(f"{x} {k + 1} steps ago" for k in range(count) for x in signals)
         return Instants(names, begin, recall)
-
-    def moved(
-        self, torque: Callable[[Float[ndarray, " samples"]], ndarray], motion: Motion
-    ) -> ndarray:
-        """A torque along a motion, known between its samples too, as it is recorded at these.
-
-        Args:
-            torque: Of means over a step, by time [N m].
-            motion: Gives the instants.
-        """
-        return torque(earlier(motion, self.delay))
 
     def response(
         self, frequency: Float[ndarray, " frequencies"]
@@ -195,6 +190,28 @@ def delayed(motion: Motion, delay: float) -> Motion:
     instants = earlier(motion, delay)
     q, dq, ddq = (curve(instants) for curve in motion.curves)
     return dataclasses.replace(motion, q=q, dq=dq, ddq=ddq)
+
+
+def _moved(
+    t: Float[ndarray, " samples"], u: Float[ndarray, "samples joints columns"], delay: float
+) -> Float[ndarray, "samples joints columns"]:
+    """Columns as they were some seconds earlier, by a cubic spline; at both ends they are held.
+
+    On even samples the spline is a recursive filter, and its value between two samples the same
+    four-term sum everywhere (Unser, Aldroubi, Eden 1993, IEEE Trans. Signal Processing 41(2)).
+    """
+    steps = (len(t) - 1) * delay / float(t[-1] - t[0])
+    if len(t) < LEAST or not is_even(t):
+        return make_interp_spline(t, u, k=3)(np.clip(t - delay, t[0], t[-1]))
+    whole = math.floor(-steps)
+    held = min(abs(whole), len(t)) + HELD
+    padded = np.pad(u, ((held, held), (0, 0), (0, 0)), mode="edge")
+    spline = spline_filter1d(padded, order=3, axis=0, mode="mirror")
+    x = -steps - whole
+    weights = ((1 - x) ** 3, 4 - 6 * x**2 + 3 * x**3, 4 - 6 * (1 - x) ** 2 + 3 * (1 - x) ** 3, x**3)
+    first = held + max(min(whole, len(t)), -len(t)) - 1
+    rows = (spline[first + k : first + k + len(t)] for k in range(4))
+    return sum(w / 6 * row for w, row in zip(weights, rows, strict=True))
 
 
 def earlier(motion: Motion, delay: float) -> Float[ndarray, " samples"]:

@@ -41,9 +41,11 @@ class EncoderEccentricity(MeasurementEffect):
         motion: Motion,
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns along the true motion."""
+        return columns(motion.changed(self, lambda: self._true(motion)))
+
+    def _true(self, motion: Motion) -> Motion:
         states = [getattr(motion, x)[:, self.joint] for x in ("q", "dq", "ddq")]
-        true = self.corrected(*states)
-        return columns(with_joint(motion, self.joint, true))
+        return with_joint(motion, self.joint, self.corrected(*states))
 
     def after(self, inner: Instants, joints: int, step: float) -> Instants:  # noqa: ARG002  # nothing lasts
         """The torque of the true state."""

@@ -33,14 +33,20 @@ def respond(
         numerator: Coefficients of the transfer function, highest power of s [1/s] first.
         denominator: Likewise.
     """
-    spacing = np.diff(t)
-    step = float(np.median(spacing))
-    if np.all(np.abs(spacing - step) <= UNIFORM * step):
+    step = float(np.median(np.diff(t)))
+    if is_even(t):
         return _respond_evenly(u, step, numerator, denominator)
     even = np.linspace(t[0], t[-1], 1 + round((t[-1] - t[0]) / step))
     seen = make_interp_spline(t, u, k=1, axis=0)(even)
     answer = _respond_evenly(seen, float(even[1] - even[0]), numerator, denominator)
     return make_interp_spline(even, answer, k=1, axis=0)(t)
+
+
+def is_even(t: Float[ndarray, " samples"]) -> bool:
+    """Whether instants are as good as evenly spaced."""
+    spacing = np.diff(t)
+    step = float(np.median(spacing))
+    return bool(np.all(np.abs(spacing - step) <= UNIFORM * step))
 
 
 def _respond_evenly(

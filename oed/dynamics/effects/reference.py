@@ -16,13 +16,12 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.interpolate import make_interp_spline
 
 from oed.dynamics.effects.effect import Effect, State, recall_effects, with_columns
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.effects.slopes import central_slope
 from oed.dynamics.effects.wiener import expected
-from oed.dynamics.motion import Curve, Motion
+from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import inverse_dynamics, regressor_entries
 from oed.dynamics.scalars import Scalar, add
 from oed.robot import Robot
@@ -192,15 +191,6 @@ class ReferenceTorque:
             for joint, torque in enumerate(torques):
                 result[:, joint, part] = torque
         return result
-
-    def curve(self, motion: Motion) -> Curve:
-        """Torque of all joints between the samples of a motion, cubic [N m]."""
-        state = State.along(motion)
-
-        def compute() -> list[Curve]:
-            return [make_interp_spline(motion.t, self.parts(motion).sum(axis=2), k=3)]
-
-        return self._remembered("curve", state, compute)[0]
 
     def _rotor(
         self, joint: int, q: Sequence[Scalar], dq: Sequence[Scalar], ddq: Sequence[Scalar]

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects.delay import TimeDelay
 from oed.dynamics.effects.effect import Effect, Parameter, State
 from oed.dynamics.effects.measurement_effect import MeasurementEffect
 from oed.dynamics.effects.reference import ReferenceTorque
@@ -61,9 +60,6 @@ class TorqueChange(Effect):
         self, modelled: Float[ndarray, "samples joints 2"], motion: Motion
     ) -> Float[ndarray, "samples joints"]:
         """The torque as measured, of the rigid body and of the rest as modelled."""
-        if isinstance(self.measurement, TimeDelay) and motion.averaged:
-            # What `through` does, with a curve that serves every delay.
-            return self.measurement.moved(self.reference.curve(motion), motion)
         forgetful = dataclasses.replace(self.reference)  # a moved motion is not seen again
 
         def parts(seen: Motion) -> Float[ndarray, "samples joints 2"]:

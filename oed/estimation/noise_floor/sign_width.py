@@ -8,8 +8,9 @@ speed will offer to take them.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -20,7 +21,6 @@ from oed.dynamics.effects import Coulomb, State
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import sign_terms
 from oed.estimation.noise_floor.linear_fit import (
-    Projection,
     project,
     reversal_nuisances,
     whitened_regressor,
@@ -63,10 +63,14 @@ def with_fitted_sign(
         own = np.flatnonzero(columns == column)
         if own.size:
             projection = project(np.delete(regressor, own[0], axis=2))
-            alone = dataclasses.replace(model, effects=(sign,))
-            left = projection.residual(torque)
-            effects[place] = _best_turn(sign, alone, rows, projection, left)
-    return dataclasses.replace(model, effects=tuple(effects))
+            left = projection.residual(torque)[sign.joint]
+            basis = projection.basis[sign.joint]
+            alone = replace(model, effects=(sign,))
+            counted = max(float(rows.counted[sign.joint]), 1.0)
+            gain = partial(_gain, basis, left)
+            turn = Turn(alone, rows, gain, float(np.sum(left**2)), counted)
+            effects[place] = turn.best(sign)
+    return replace(model, effects=tuple(effects))
 
 
 def usual_speed(rows: Rows, joint: int) -> float:
@@ -75,49 +79,80 @@ def usual_speed(rows: Rows, joint: int) -> float:
     return float(np.sqrt(np.mean(velocity**2)))
 
 
-def _best_turn(
-    effect: Coulomb,
-    alone: TorqueModel,
-    rows: Rows,
-    projection: Projection,
-    residual: Float[ndarray, "joints rows"],
-) -> Coulomb:
-    """The term of a model that has nothing else, with the turn that gains most, or its own."""
-    joint = effect.joint
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """What the rows tell of how one joint's friction turns.
 
-    def gain_of(tried: Coulomb) -> float:
-        column = rows.whiten_fine([_along(tried, alone, p) for p in rows.prepared], joint)[:, 0]
-        inside = projection.basis[joint].T @ column
-        beside = float(column @ column - inside @ inside)
-        moment = float(column @ residual[joint])
-        return moment**2 / beside if beside > ABSORBED**2 * float(column @ column) else 0.0
+    Attributes:
+        alone: A model that has no effect but that friction, and the measurement through which it is seen.
+        rows: White rows.
+        gain: Fall of the sum of squares by a white column of the joint, beside all that is fitted.
+        squares: That sum without friction of the joint.
+        counted: Rows of it that count.
+    """
 
-    scale = usual_speed(rows, joint)
-    lowest = max(effect.width, SMALLEST_WIDTH * scale)
-    squares = float(np.sum(residual[joint] ** 2))
-    weight = max(float(rows.counted[joint]), 1.0)
-    for highest in (LARGEST_WIDTH * scale, MODEST_WIDTH * scale):
-        if lowest >= highest:
-            break
-        tried = [
-            _best_width(dataclasses.replace(effect, gradual=gradual), gain_of, lowest, highest)
-            for gradual in (False, True)
-        ]
-        # What the model lacks is noise to this question.
-        noise = max(1.0, (squares - max(gain for _, gain in tried)) / weight)
-        at_once, by_and_by = tried
-        best, gained = by_and_by if by_and_by[1] > at_once[1] + noise * DECISIVE else at_once
-        if best.width > MODEST_WIDTH * scale and noise > COMPLETE:
-            continue
-        margin = noise * (DECISIVE + np.log(rows.count))
-        return best if gained > gain_of(effect) + margin else effect
-    return effect
+    alone: TorqueModel
+    rows: Rows
+    gain: Callable[[Float[ndarray, " rows"]], float]
+    squares: float
+    counted: float
+
+    def best(self, sign: Coulomb) -> Coulomb:
+        """The term with the turn that gains most, or as it is.
+
+        Args:
+            sign: As sharp as it can be.
+        """
+        scale = usual_speed(self.rows, sign.joint)
+        lowest = max(sign.width, SMALLEST_WIDTH * scale)
+        for highest in (LARGEST_WIDTH * scale, MODEST_WIDTH * scale):
+            if lowest >= highest:
+                break
+            tried = [
+                _best_width(replace(sign, gradual=gradual), self.gain_of, lowest, highest)
+                for gradual in (False, True)
+            ]
+            # What the model lacks is noise to this question.
+            noise = max(1.0, (self.squares - max(gain for _, gain in tried)) / self.counted)
+            at_once, by_and_by = tried
+            best, gained = by_and_by if by_and_by[1] > at_once[1] + noise * DECISIVE else at_once
+            if best.width > MODEST_WIDTH * scale and noise > COMPLETE:
+                continue
+            margin = noise * (DECISIVE + np.log(self.rows.count))
+            return best if gained > self.gain_of(sign) + margin else sign
+        return sign
+
+    def gain_of(self, tried: Coulomb) -> float:
+        """Fall of the sum of squares by the joint's friction with a turn."""
+        fine = [_along(tried, self.alone, p) for p in self.rows.prepared]
+        return self.gain(self.rows.whiten_fine(fine, tried.joint)[:, 0])
+
+
+def gain_beside(whole: float, inside: float, moment: float) -> float:
+    """Fall of a sum of squares by one more column.
+
+    Args:
+        whole: The column's square.
+        inside: Of that, what lies in the span of the others.
+        moment: Its product with what these leave.
+    """
+    beside = whole - inside
+    return moment**2 / beside if beside > ABSORBED**2 * whole else 0.0
+
+
+def _gain(
+    basis: Float[ndarray, "rows rank"],
+    left: Float[ndarray, " rows"],
+    column: Float[ndarray, " rows"],
+) -> float:
+    inside = basis.T @ column
+    return gain_beside(float(column @ column), float(inside @ inside), float(column @ left))
 
 
 def _along(sign: Coulomb, alone: TorqueModel, prepared: Prepared) -> Float[ndarray, "samples 1"]:
     """What a term gives at its own joint, through the measurement of a model where there is one."""
     if alone.measurement:
-        model = dataclasses.replace(alone, effects=(sign,))
+        model = replace(alone, effects=(sign,))
         return model.columns(prepared.motion)[:, sign.joint]
     (entry,) = sign.entries(State.along(prepared.motion))
     return np.asarray(entry[sign.joint])[:, None]
@@ -127,8 +162,8 @@ def _best_width(
     shaped: Coulomb, gain_of: Callable[[Coulomb], float], lowest: float, highest: float
 ) -> tuple[Coulomb, float]:
     """The term with the width between two that gains most, and how much."""
-    width, gained = _peak(lambda w: gain_of(dataclasses.replace(shaped, width=w)), lowest, highest)
-    return dataclasses.replace(shaped, width=width), gained
+    width, gained = _peak(lambda w: gain_of(replace(shaped, width=w)), lowest, highest)
+    return replace(shaped, width=width), gained
 
 
 def _peak(gain: Callable[[float], float], lowest: float, highest: float) -> tuple[float, float]:

@@ -81,7 +81,7 @@ def terms_alone(prepared: Sequence[Prepared], joints: int) -> tuple[SmoothTerm, 
         terms.append(SmoothTerm(j, (_from_rest(prepared, "ddq", j),), direction=j))
         terms.append(SmoothTerm(j, (coordinate(prepared, "time", 0),)))
         # Friction and whatever hangs on position that come and go.
-        terms.append(SmoothTerm(j, (coordinate(prepared, "time", 0, PIECES_FINE),), direction=j))
+        terms.append(SmoothTerm(j, (coordinate(prepared, "time", 0),), direction=j))
     return tuple(terms)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Literal
 
 import numpy as np
@@ -194,9 +195,14 @@ def _with_gain(
     _values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
+    """Beside what is installed; a further step of the same gain adds to it."""
     error, by_sign = float(estimates[0]), float(estimates[1:].sum())
-    gain = TorqueGain(joint_of(target), 1 + error, by_sign, context.reference)
-    return context.model.with_measurement(gain)
+    joint, measured = joint_of(target), context.model.measurement
+    gain = TorqueGain(joint, 1 + error, by_sign, context.reference)
+    if measured and isinstance(last := measured[-1], TorqueGain) and last.joint == joint:
+        sizes = {"gain": last.gain + error, "by_sign": last.by_sign + by_sign}
+        gain, measured = dataclasses.replace(gain, **sizes), measured[:-1]
+    return dataclasses.replace(context.model, measurement=(*measured, gain))
 
 
 TORQUE_GAIN = CatalogueEntry(

@@ -133,9 +133,17 @@ def _with_eccentricity(
     values: tuple[float, ...],
     estimates: Float[ndarray, " columns"],
 ) -> TorqueModel:
-    waves = tuple(float(x) for x in estimates)
-    error = EncoderEccentricity(joint_of(target), waves, WAVES[values[0]])
-    return dataclasses.replace(context.model, measurement=(error, *context.model.measurement))
+    """Before what is installed; a further step of the same waves adds to them."""
+    joint, harmonics, measured = joint_of(target), WAVES[values[0]], context.model.measurement
+    first = measured[0] if measured else None
+    waves = np.asarray(estimates, dtype=float)
+    if isinstance(first, EncoderEccentricity) and (first.joint, first.harmonics) == (
+        joint,
+        harmonics,
+    ):
+        waves, measured = waves + first.waves, measured[1:]
+    error = EncoderEccentricity(joint, tuple(waves.tolist()), harmonics)
+    return dataclasses.replace(context.model, measurement=(error, *measured))
 
 
 ENCODER_ECCENTRICITY = CatalogueEntry(

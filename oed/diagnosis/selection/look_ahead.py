@@ -1,0 +1,123 @@
+"""Looking ahead: terms are added with all rows, as long as they predict rows that were not fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.evidence.views import Views, chosen
+from oed.diagnosis.numbers import PREDICTION_GAIN, SETTLING, TESTED
+from oed.diagnosis.selection.screen import Scored, evaluate, polish
+from oed.diagnosis.selection.sign_refit import with_refitted_sign
+from oed.diagnosis.selection.tables import Tables, as_term, few
+
+Say = Callable[[str], None]
+Over = Callable[[], bool]
+
+
+def look_ahead(
+    tables: Tables, start: Views, say: Say, over: Over, refused: frozenset[str] = frozenset()
+) -> Views:
+    """Add what is worth most, one after another, while it predicts rows that were not fitted."""
+    current = start
+    while len(current.terms) < current.problem.most and not over():
+        present = refused | current.labels
+        found = tables.best(current, present)
+        first = few(found)
+        options = _options(current, first)
+        if not options:  # what is worth most may stand for what predicts no better
+            options = _options(current, [s for s in found if s not in first])
+        if not options:
+            break
+        options.sort(key=lambda o: -o[0])
+        gain, best, grown = options[0]
+        current = _refined(with_refitted_sign(grown, "fitted"), 1)
+        say(
+            f"+ {best.candidate.label} {short(best.values)} {gain:.1f} nats, left "
+            f"{short(current.left('fitted'))}, held out {short(current.left('held_out'))}; beside "
+            + ", ".join(f"{o[1].candidate.label} {o[0]:.1f}" for o in options[1:4])
+        )
+    return _refined(current, SETTLING)
+
+
+def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Scored, Views]]:
+    """Those that predict held-out rows better, each with what it is worth when all is refitted.
+
+    All rows together, and those of the joint on which a term acts: it may mend others by what its
+    absence had spoiled, but not at the cost of its own.
+    """
+    options, now = [], current.left("held_out")
+    for scored in tried:
+        if scored.nats <= 0:
+            continue
+        grown = current.grown((*current.terms, as_term(scored)), "fitted")
+        ahead = grown.score("held_out") - current.score("held_out")
+        gain = grown.score("fitted") - current.score("fitted")
+        rows = grown.means.rows(chosen(grown.means.problem, "fitted")).mean()
+        occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
+        own = slice(None) if scored.candidate.joint is None else scored.candidate.joint
+        serves = np.any(grown.left("held_out")[own] < now[own])
+        if ahead > PREDICTION_GAIN and gain > occam and serves and is_tested(grown):
+            options.append((float(gain - occam), scored, grown))
+    return options
+
+
+def _refined(views: Views, rounds: int) -> Views:
+    """The model with the shapes of each term, and of friction's sign, fitted again beside all else."""
+    for _ in range(rounds):
+        before = views.score("fitted")
+        for number, term in enumerate(views.terms):
+            # A single one is as it was profiled when it was added.
+            if not term.values or len(views.terms) == 1:
+                continue
+            others = views.terms[:number] + views.terms[number + 1 :]
+            rest = views.grown(others, "fitted").showing(term.candidate)
+            start = evaluate(term.candidate, term.values, rest)
+            if start is None:
+                continue
+            best = as_term(polish(start, rest))
+            if best.values == term.values:
+                continue
+            other = views.grown((*others[:number], best, *others[number:]), "fitted")
+            views = other if other.score("fitted") > views.score("fitted") else views
+        views = with_refitted_sign(views, "fitted")
+        if views.score("fitted") < before + PREDICTION_GAIN:
+            break
+    return views
+
+
+def is_tested(views: Views) -> bool:
+    """Whether held-out rows see enough of a model's last term to say whether it predicts.
+
+    Rows determine tr((A + P)^-1 A) of a smooth term's degrees of freedom, A the information of as
+    many rows as were fitted, P its prior's precision. Where the motions that are held out visit a
+    corner of what the others did, they see few of these, and what the term says elsewhere is
+    anyone's guess.
+    """
+    term = views.terms[-1]
+    if term.precision is None:
+        return True
+    fitted = views.showing(term.candidate)
+    own = (
+        fitted.projection.columns[:, :, fitted.places[-1]]
+        * fitted.projection.weights[:, None, None]
+    )
+    rows = [own[:, chosen(fitted.problem, which)] for which in ("fitted", "held_out")]
+    seen, tested = (x.reshape(-1, x.shape[2]) for x in rows)
+    share = len(seen) / max(len(tested), 1)
+    return _freedom(tested, term.precision / share) >= TESTED * _freedom(seen, term.precision)
+
+
+def _freedom(
+    columns: Float[ndarray, "rows columns"], precision: Float[ndarray, "columns columns"]
+) -> float:
+    A = columns.T @ columns
+    return float(np.trace(np.linalg.lstsq(A + precision, A)[0]))
+
+
+def short(values: Sequence[float] | ndarray) -> tuple[float, ...]:
+    """To three digits."""
+    return tuple(float(f"{v:.3g}") for v in values)
