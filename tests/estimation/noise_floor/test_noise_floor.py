@@ -235,3 +235,15 @@ def test_a_blow_at_one_joint_is_no_noise_of_it_though_another_joint_is_hardly_tr
     floor = floor_from_smooth_fit([noise], [trusted], np.ones(2), np.ones(2), RATE)
     # 3600 rows tell a deviation within 1.2 %, whole noisy blocks less a little more.
     np.testing.assert_allclose(floor.deviation, 1.0, rtol=0.05)
+
+
+def test_a_long_recording_is_looked_at_in_pieces_with_the_same_outcome(monkeypatch):
+    dataset = data_set(5, repetitions=2, roles=("estimation",))
+    prepared = prepare(dataset.recordings)
+    model = TorqueModel.standard(dataset.robot)
+    whole = find_baseline(model, prepared)
+    for module in ("baseline", "linear_fit"):
+        monkeypatch.setattr(f"oed.estimation.noise_floor.{module}.PIECE", 500)
+    pieces = find_baseline(model, prepared)
+    assert pieces.floor.deviation == pytest.approx(whole.floor.deviation, rel=1e-9)
+    assert pieces.coulomb == pytest.approx(whole.coulomb, rel=1e-9)
