@@ -29,6 +29,7 @@ LINES = sorted(
 # Where the command line of a study of several files is read.
 IN_PACKAGES = {
     "studies.bench": "studies.bench.study",
+    "studies.estimators": "studies.estimators.study",
     "studies.paper_experiment": "studies.paper_experiment.experiment",
     "studies.public_arms": "studies.public_arms.study",
 }

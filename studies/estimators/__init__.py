@@ -1,0 +1,1 @@
+"""Estimators of dynamic parameters beside one another, on simulated arms under control."""
