@@ -106,9 +106,22 @@ def schema_list() -> str:
     return "\n".join(["| file | left by | schema |", "|---|---|---|", *rows])
 
 
+def summary_of(study: str) -> Callable[[], str]:
+    """The committed summary of a study, one heading lower than on its own, without its pictures."""
+
+    def text() -> str:
+        summary = (REPO / "results" / study / "summary.md").read_text(encoding="utf-8")
+        lowered = re.sub(r"^#+ ", lambda found: f"#{found[0]}", summary, flags=re.MULTILINE)
+        return re.sub(r"^!\[.*\n", "", lowered, flags=re.MULTILINE)
+
+    return text
+
+
 # By page: what is appended to it.
 GENERATED: dict[str, Callable[[], str]] = {
     "reference/effects.md": effect_pages,
     "reference/commands.md": command_reference,
+    "reference/public-arms.md": summary_of("public_arms"),
+    "theory/estimators.md": summary_of("estimators"),
     "reference/files.md": schema_list,
 }

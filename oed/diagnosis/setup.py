@@ -19,7 +19,7 @@ from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, D
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import with_widths
-from oed.estimation.calibration import Calibration, calibrate, openings
+from oed.estimation.calibration import Calibration, calibrate
 from oed.estimation.dissipation import check_dissipation, driven_joints
 from oed.estimation.noise_floor.baseline import Baseline, find_baseline
 from oed.estimation.noise_floor.linear_fit import LinearFit, fit_model
@@ -102,9 +102,8 @@ def pose(
     validation = tuple(p for p in prepared if p.role == "validation")
     model = standing(model)
     before = calibrate(dataset, model, settings)
-    # Of all rows; of recordings that are too short it raises what is wrong with them.
-    is_of_all = before.baseline is not None and openings(estimation) is estimation
-    baseline = before.baseline if is_of_all else find_baseline(model, estimation)
+    # Of recordings that are too short it raises what is wrong with them.
+    baseline = before.baseline or find_baseline(model, estimation)
     rows = WhiteRows.of(weigh((*estimation, *validation), baseline.floor.noise, baseline.coulomb))
     first = fit_model(
         baseline.model, baseline.columns, weigh(estimation, baseline.floor.noise, baseline.coulomb)
@@ -147,11 +146,7 @@ def pose(
         own = nuisances(few, context, dataset.estimation, repeated=True)
         means = dataclasses.replace(problem, rows=few, nuisances=own)
         problem = dataclasses.replace(problem, means=means)
-    return (
-        problem,
-        Sealed(prepared, before, before.baseline or baseline),
-        _sign_notes(first, estimation, dataset.name),
-    )
+    return problem, Sealed(prepared, before, baseline), _sign_notes(first, estimation, dataset.name)
 
 
 def _sign_notes(first: LinearFit, prepared: Sequence[Prepared], name: str) -> tuple[str, ...]:

@@ -33,9 +33,6 @@ from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.recording import ROLES, Role
 
 NOTHING = KnownTorque()
-# Of all joints, off which the noise of a log without repetitions is read: a deviation is known to a few
-# per cent by then, and the rich fit that leaves it takes seconds.
-MOST_ROWS = 4200
 SPECTRUM_SAMPLES = 512  # a segment of Welch's method: resolution against scatter
 
 
@@ -118,7 +115,7 @@ def calibrate(
     prepared = known.taken_off(prepare(dataset.recordings, settings), model)
     training = tuple(p for p in prepared if p.role == "estimation")
     try:
-        baseline = find_baseline(model, openings(training))
+        baseline = find_baseline(model, training)
     except ValueError:  # too short to tell noise from motion
         baseline = None
     recordings = _by_role(prepared, baseline)
@@ -159,14 +156,6 @@ def calibrate(
     return Calibration(
         dataset, settings, model, base, recordings, estimate, validation, baseline, known
     )
-
-
-def openings(training: tuple[Prepared, ...]) -> tuple[Prepared, ...]:
-    """As much of each recording as its noise is read off: of repetitions all."""
-    rows = sum(p.rows for p in training) * training[0].torque.shape[1]
-    if rows <= MOST_ROWS or any(p.period is not None for p in training):
-        return training
-    return tuple(p.opening(int(np.ceil(p.rows * MOST_ROWS / rows))) for p in training)
 
 
 def _by_role(

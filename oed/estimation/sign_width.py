@@ -40,9 +40,7 @@ def choose_sign_widths(
         return model
     bodies = TorqueModel(model.robot, tuple(e for e in model.effects if isinstance(e, RigidBody)))
     kept = base.columns[base.columns < len(bodies.parameters)]
-    rigid = [
-        r.columns(lambda m: bodies.columns(m)[:, :, kept], remembers=False) for r in recordings
-    ]
+    rigid = [r.columns(lambda m: bodies.columns(m)[:, :, kept]) for r in recordings]
     tau = np.concatenate([r.tau for r in recordings])
     left = [
         _left(_turning(model, [width] * model.robot.n), rigid, tau, recordings) for width in WIDTHS
@@ -63,9 +61,7 @@ def _left(
     )
     columns = np.concatenate(
         [
-            np.concatenate(
-                [own, recording.columns(beside.columns, remembers=beside.remembers)], axis=2
-            )
+            np.concatenate([own, recording.columns(beside.columns)], axis=2)
             for own, recording in zip(rigid, recordings, strict=True)
         ]
     )

@@ -19,7 +19,7 @@ from oed.dynamics.velocity_sign import (
     with_uncertain_sign,
 )
 from oed.estimation.noise_floor.autoregression import Autoregression
-from oed.estimation.noise_floor.linear_fit import PIECE, LinearFit, fit_model
+from oed.estimation.noise_floor.linear_fit import LinearFit, fit_model
 from oed.estimation.noise_floor.noise_floor import (
     NoiseFloor,
     differences,
@@ -125,15 +125,7 @@ def _coulomb_of(fit: LinearFit) -> Float[ndarray, " joints"]:
 
 def _fine_residual(fit: LinearFit, recording: Prepared) -> Float[ndarray, "samples joints"]:
     """Unfiltered residual of a fit on a recording's fine grid [N m]."""
-    model, full, motion = fit.model, fit.full_parameters(), recording.motion
-    if model.remembers or len(motion) <= PIECE:
-        return recording.fine_torque - model.torque(full, motion)
-    left = recording.fine_torque.copy()
-    for first in range(0, len(motion), PIECE):
-        before = min(first, 1)
-        torque = model.torque(full, motion[first - before : first + PIECE + 1])[before:]
-        left[first : first + PIECE] -= torque[:PIECE]
-    return left
+    return recording.fine_torque - fit.model.torque(fit.full_parameters(), recording.motion)
 
 
 def _white(prepared: tuple[Prepared, ...]) -> Rows:

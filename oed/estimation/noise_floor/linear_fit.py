@@ -21,7 +21,6 @@ from oed.experiment.preparation.direction import reversal_shapes
 from oed.experiment.preparation.prepared import Prepared
 
 RANK_TOLERANCE = 1e-7  # of the largest singular value of the normalised regressor
-PIECE = 20_000  # fine samples that a model is evaluated on at once
 NUISANCES = 2  # columns a joint that are fitted beside every model
 
 
@@ -231,18 +230,9 @@ def fit_span(
 def filtered_columns(
     model: TorqueModel, prepared: Prepared, columns: Int[ndarray, " kept"]
 ) -> Float[ndarray, "rows joints kept"]:
-    """The chosen columns of a model in the analysis band, a piece of the recording after another."""
-    band, motion = prepared.band, prepared.motion
-    step = prepared.rows if model.remembers else max(1, PIECE // band.factor)
-    found = np.empty((prepared.rows, model.robot.n, len(columns)))
-    for first in range(0, prepared.rows, step):
-        last = min(first + step, prepared.rows)
-        begin, end = first * band.factor, (last - 1) * band.factor + len(band.taps)
-        # A sample more on both sides: the mean sign over a step asks for its neighbours.
-        before = min(begin, 1)
-        fine = model.columns(motion[begin - before : end + 1])[:, :, columns]
-        found[first:last] = band.apply(fine[before : before + end - begin])
-    return found
+    """The chosen columns of a model in the analysis band."""
+    fine = model.columns(prepared.motion)[:, :, columns]
+    return prepared.band.apply(fine)
 
 
 def effect_columns(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -77,19 +76,6 @@ class Prepared:
     def rows(self) -> int:
         """Number of rows R."""
         return len(self.t)
-
-    def opening(self, rows: int) -> Prepared:
-        """Its first rows."""
-        fine = (min(rows, self.rows) - 1) * self.band.factor + len(self.band.taps)
-        return dataclasses.replace(
-            self,
-            motion=self.motion[:fine],
-            fine_torque=self.fine_torque[:fine],
-            torque=self.torque[:rows],
-            t=self.t[:rows],
-            repetition=self.repetition[:rows],
-            recorded=self.recorded[:fine],
-        )
 
     @property
     def phase(self) -> Float[ndarray, " rows"]:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.calibration import openings
 from oed.estimation.noise_floor import baseline, noise_floor
 from oed.estimation.noise_floor.autoregression import Autoregression
 from oed.estimation.noise_floor.baseline import find_baseline
@@ -236,29 +235,3 @@ def test_a_blow_at_one_joint_is_no_noise_of_it_though_another_joint_is_hardly_tr
     floor = floor_from_smooth_fit([noise], [trusted], np.ones(2), np.ones(2), RATE)
     # 3600 rows tell a deviation within 1.2 %, whole noisy blocks less a little more.
     np.testing.assert_allclose(floor.deviation, 1.0, rtol=0.05)
-
-
-def test_a_long_recording_is_looked_at_in_pieces_with_the_same_outcome(monkeypatch):
-    dataset = data_set(5, repetitions=2, roles=("estimation",))
-    prepared = prepare(dataset.recordings)
-    model = TorqueModel.standard(dataset.robot)
-    whole = find_baseline(model, prepared)
-    for module in ("baseline", "linear_fit"):
-        monkeypatch.setattr(f"oed.estimation.noise_floor.{module}.PIECE", 500)
-    pieces = find_baseline(model, prepared)
-    assert pieces.floor.deviation == pytest.approx(whole.floor.deviation, rel=1e-9)
-    assert pieces.coulomb == pytest.approx(whole.coulomb, rel=1e-9)
-
-
-def test_the_opening_of_a_long_log_tells_its_noise(monkeypatch):
-    """What repeats nothing is fitted richly, which takes long: a part of it knows the deviation."""
-    dataset = data_set(6, repetitions=1, roles=("estimation",))
-    (recording,) = (once(r) for r in dataset.recordings)
-    prepared = prepare((recording,))
-    monkeypatch.setattr("oed.estimation.calibration.MOST_ROWS", prepared[0].rows)
-    (part,) = openings(prepared)
-    assert part.rows == len(part.torque) == -(-prepared[0].rows // 2)
-    assert part.torque == pytest.approx(part.band.apply(part.fine_torque), abs=1e-9)
-    model = TorqueModel.standard(dataset.robot)
-    whole, some = (find_baseline(model, p).floor.deviation for p in (prepared, (part,)))
-    assert some == pytest.approx(whole, rel=0.25)
