@@ -1,5 +1,7 @@
 """An eccentric encoder: consistent motion, and columns that are its derivatives."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -46,3 +48,16 @@ def test_columns_give_the_exact_change_for_small_errors(arm, waves, sizes) -> No
     linear = model.torque(np.concatenate([context.parameters, sizes]), motion)
     before = context.model.torque(context.parameters, motion)
     assert np.abs(linear - exact).max() < 2e-3 * np.abs(exact - before).max()
+
+
+def test_a_further_step_of_the_same_waves_adds_to_them():
+    arm = vertical_arm()
+    context = context_of(arm, smooth_motion(arm))
+    entry = CATALOGUE["encoder_eccentricity"]
+    for sizes in ((1e-3, 0.0), (2e-4, -3e-4)):
+        model = entry.apply(context, 0, (1.0,), np.array(sizes))
+        context = dataclasses.replace(context, model=model)
+    (error,) = context.model.measurement
+    assert error.waves == pytest.approx((1.2e-3, -3e-4))
+    other = entry.apply(context, 1, (1.0,), np.array([1e-4, 0.0]))
+    assert len(other.measurement) == 2

@@ -1,5 +1,7 @@
 """Effects that grow with the torque, against the torque written out."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -189,3 +191,16 @@ def test_an_amplifier_of_two_halves_has_a_gain_for_each_sign() -> None:
     exact = entry.apply(CONTEXT, 1, (2.0,), sizes).torque(CONTEXT.parameters, MOTION)
     assert exact[:, 1] == pytest.approx(TOTAL[:, 1] + expected, abs=1e-10)
     assert exact[:, 0] == pytest.approx(TOTAL[:, 0], abs=1e-10)
+
+
+def test_a_further_step_of_the_same_gain_adds_to_it():
+    arm = vertical_arm()
+    context = context_of(arm, smooth_motion(arm))
+    entry = CATALOGUE["torque_gain"]
+    for sizes in ((0.1, 0.02), (-0.03, 0.01)):
+        model = entry.apply(context, 0, (2.0,), np.array(sizes))
+        context = dataclasses.replace(context, model=model)
+    (gain,) = context.model.measurement
+    assert (gain.gain, gain.by_sign) == pytest.approx((1.07, 0.03))
+    other = entry.apply(context, 1, (1.0,), np.array([0.1]))
+    assert [g.joint for g in other.measurement] == [0, 1]

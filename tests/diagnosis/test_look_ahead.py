@@ -1,0 +1,95 @@
+"""What may be added: only what the rows that are held out can judge, and do."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.evidence.moments import moments_of
+from oed.diagnosis.evidence.views import Views
+from oed.diagnosis.selection.look_ahead import is_tested
+from oed.diagnosis.selection.screen import evaluate, least_price, most_gained, weighed
+from oed.diagnosis.selection.sign_refit import with_refitted_sign
+from oed.diagnosis.selection.tables import as_term
+from oed.diagnosis.setup import pose
+from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import signs_of, with_signs
+from tests.diagnosis.arm import data_set, stribeck
+
+
+def _bent(q, dq, ddq):
+    """A bent curve over the first position, and the fall of friction from standstill."""
+    result = stribeck(1.5)(q, dq, ddq)
+    result[:, 0] += 4.0 * np.sin(4 * q[:, 0])
+    return result
+
+
+@pytest.fixture(scope="module")
+def problem():
+    dataset = data_set(23, repetitions=1, extra=_bent)
+    found, _, _ = pose(dataset, TorqueModel.standard(dataset.robot), names=("stribeck",))
+    return found
+
+
+def _over_position(problem, held_out):
+    """A model with a curve over the first position, and other rows held out."""
+    rows = dataclasses.replace(problem.rows, held_out=held_out)
+    there = dataclasses.replace(problem, rows=rows)
+    views = Views.of(there, (), "fitted")
+    curve = next(c for c in problem.smooth if c.label == "f(q_1)[11]@1")
+    return views.grown((as_term(evaluate(curve, (), views.means)),), "fitted")
+
+
+def test_a_curve_is_judged_where_held_out_rows_visit_it_and_not_from_a_corner(problem):
+    validation = problem.rows.held_out
+    q = np.concatenate([p.band.apply(p.motion.q[:, :1])[:, 0] for p in problem.rows.prepared])
+    assert is_tested(_over_position(problem, validation))
+    corner = validation & (q > np.quantile(q[validation], 0.9))
+    assert not is_tested(_over_position(problem, corner))
+
+
+def test_a_formula_needs_no_visit(problem):
+    views = Views.of(problem, (), "fitted")
+    law = next(c for c in problem.names if c.label == "stribeck@1")
+    tried = (evaluate(law, shapes, views.means) for shapes in law.grid(problem.context))
+    grown = views.grown((as_term(next(s for s in tried if s is not None)),), "fitted")
+    assert is_tested(grown)
+
+
+def test_columns_that_are_nothing_tell_nothing(problem):
+    views = Views.of(problem, (), "all")
+    fitted = views.every
+    told = moments_of(fitted, fitted.projection, {}, fitted.projection.used)
+    assert told.information == pytest.approx(0)
+    assert told.score == pytest.approx(0)
+
+
+def test_no_candidate_gains_more_than_its_bound(problem):
+    """What the bound refuses to weigh could not have been worth its price."""
+    fitted = Views.of(problem, (), "fitted").means
+    counted = fitted.rows(fitted.projection.used)
+    weighed_ones = 0
+    for candidate in problem.candidates[:40]:
+        for values in list(candidate.grid(problem.context))[:3]:
+            scored = evaluate(candidate, values, fitted)
+            if scored is None:
+                continue
+            beside = fitted.projection.beside(scored.columns)
+            own = weighed(candidate, values, fitted, beside, counted)
+            weighed_ones += 1
+            assert own.nats <= most_gained(beside, counted) - least_price(candidate, problem) + 1e-6
+    assert weighed_ones > 30
+
+
+def test_a_sign_that_is_too_wide_is_made_sharp_beside_all_terms(problem):
+    wide = {j: dataclasses.replace(sign, width=1.0) for j, sign in signs_of(problem.base).items()}
+    blunt = dataclasses.replace(problem, base=with_signs(problem.base, wide))
+    views = Views.of(blunt, (), "fitted")
+    refitted = with_refitted_sign(views, "fitted")
+    for joint, sign in signs_of(refitted.problem.base).items():
+        assert sign.width < 0.1 * wide[joint].width
+    assert refitted.score("fitted") > views.score("fitted") + 100
+    # Of joints that nothing was asked of, signs stay as they are.
+    only = with_refitted_sign(views, "fitted", {0})
+    assert signs_of(only.problem.base)[1] == wide[1]
+    assert signs_of(only.problem.base)[0].width < 0.1
