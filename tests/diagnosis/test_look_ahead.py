@@ -88,8 +88,27 @@ def test_a_sign_that_is_too_wide_is_made_sharp_beside_all_terms(problem):
     refitted = with_refitted_sign(views, "fitted")
     for joint, sign in signs_of(refitted.problem.base).items():
         assert sign.width < 0.1 * wide[joint].width
-    assert refitted.score("fitted") > views.score("fitted") + 100
+    assert refitted.rise(views, "fitted") > 100
     # Of joints that nothing was asked of, signs stay as they are.
     only = with_refitted_sign(views, "fitted", {0})
     assert signs_of(only.problem.base)[1] == wide[1]
     assert signs_of(only.problem.base)[0].width < 0.1
+
+
+def test_a_drift_is_compared_on_the_rows_that_show_it():
+    """Friction that falls while the arm warms up; repetitions of a mean do not show that."""
+
+    def warming(t, dq):
+        cold = np.exp(-(t - t[0]) / 12.0)[:, None]
+        return cold * np.array([1.5, 0.0]) * np.sign(dq)
+
+    dataset = data_set(31, repetitions=3, hum=warming)
+    problem, _, _ = pose(dataset, TorqueModel.standard(dataset.robot), names=("thermal_drift",))
+    start = Views.of(problem, (), "fitted")
+    law = next(c for c in problem.names if c.label == "thermal_drift@1")
+    tried = [evaluate(law, shapes, start.every) for shapes in law.grid(problem.context)]
+    best = max((s for s in tried if s is not None), key=lambda s: s.nats)
+    grown = start.grown((as_term(best),), "fitted")
+    assert grown.rise(start, "fitted") > 100
+    assert grown.rise(start, "held_out") > 50
+    assert start.rise(grown, "held_out") == pytest.approx(-grown.rise(start, "held_out"))

@@ -116,14 +116,25 @@ class Views:
         count = np.maximum(self.every.rows(every) - self.means.rows(means), 1.0)
         return np.maximum(own + (1 - apart / count), LEAST)
 
-    def score(self, which: Which) -> float:
-        """Log score of rows [nats]: of means, and of differences."""
+    @property
+    def changes(self) -> bool:
+        """Whether a term of it makes repetitions differ, which their mean does not show."""
+        return any(term.candidate.changes for term in self.terms)
+
+    def rise(self, before: Views, which: Which) -> float:
+        """Rise of the log score from another model to this one, on the same rows [nats].
+
+        On means; on all rows where either has a term that only these show.
+        """
+        changing = self.changes or before.changes
+        return self._score(which, changing) - before._score(which, changing)
+
+    def _score(self, which: Which, changing: bool) -> float:
+        if changing:
+            every = chosen(self.every.problem, which)
+            return self.every.score(every, is_ahead=which == "held_out")
         rows = self.means.rows(chosen(self.means.problem, which))
-        total = log_score(self.left(which) * rows, rows, self.means.tolerated)
-        if self.means is self.every or not any(t.candidate.changes for t in self.terms):
-            return total
-        every = chosen(self.every.problem, which)
-        return self.every.score(every, is_ahead=which == "held_out")
+        return log_score(self.left(which) * rows, rows, self.means.tolerated)
 
 
 LEAST = 0.1  # of noise: below, rows are too few to tell

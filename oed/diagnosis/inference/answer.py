@@ -15,7 +15,7 @@ from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.estimates import Estimated, estimates
 from oed.diagnosis.numbers import ALIKE, NAMED, OUTSIDE
-from oed.diagnosis.selection.search import Judged, Selected, Substitute, held_out
+from oed.diagnosis.selection.search import Judged, Selected, Substitute, ahead
 from oed.dynamics.effects.catalogue import EffectPage
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]
@@ -186,7 +186,7 @@ def _undetermined(whole: Fitted, number: int, parameters: Sequence[Estimated]) -
 def held_out_gain(views: Views, number: int) -> float:
     """What a term adds to the log score of rows that neither model was fitted to [nats]."""
     others = tuple(t for k, t in enumerate(views.terms) if k != number)
-    return held_out(views, views.terms) - held_out(views, others)
+    return ahead(views, views.terms).rise(ahead(views, others), "held_out")
 
 
 def _unnamed(whole: Fitted, number: int, substitutes: Sequence[Substitute]) -> Unexplained:

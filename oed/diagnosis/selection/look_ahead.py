@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.views import Views, chosen
 from oed.diagnosis.numbers import PREDICTION_GAIN, SETTLING, TESTED
 from oed.diagnosis.selection.screen import Scored, evaluate, polish
@@ -49,26 +50,36 @@ def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Score
     All rows together, and those of the joint on which a term acts: it may mend others by what its
     absence had spoiled, but not at the cost of its own.
     """
-    options, now = [], current.left("held_out")
+    options = []
     for scored in tried:
         if scored.nats <= 0:
             continue
         grown = current.grown((*current.terms, as_term(scored)), "fitted")
-        ahead = grown.score("held_out") - current.score("held_out")
-        gain = grown.score("fitted") - current.score("fitted")
-        rows = grown.means.rows(chosen(grown.means.problem, "fitted")).mean()
+        ahead, gain = grown.rise(current, "held_out"), grown.rise(current, "fitted")
+        fitted = grown.showing(scored.candidate)
+        rows = fitted.rows(chosen(fitted.problem, "fitted")).mean()
         occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
-        own = slice(None) if scored.candidate.joint is None else scored.candidate.joint
-        serves = np.any(grown.left("held_out")[own] < now[own])
-        if ahead > PREDICTION_GAIN and gain > occam and serves and is_tested(grown):
+        if ahead <= PREDICTION_GAIN or gain <= occam:
+            continue
+        if _serves(scored.candidate, grown, current) and is_tested(grown):
             options.append((float(gain - occam), scored, grown))
     return options
+
+
+def _serves(candidate: Candidate, grown: Views, current: Views) -> bool:
+    """Whether less is left of held-out rows of the joint on which a candidate acts."""
+    after, before = (
+        fitted.squares(chosen(fitted.problem, "held_out"), is_ahead=True)
+        for fitted in (grown.showing(candidate), current.showing(candidate))
+    )
+    own = slice(None) if candidate.joint is None else candidate.joint
+    return bool(np.any(after[own] < before[own]))
 
 
 def _refined(views: Views, rounds: int) -> Views:
     """The model with the shapes of each term, and of friction's sign, fitted again beside all else."""
     for _ in range(rounds):
-        before = views.score("fitted")
+        before = views
         for number, term in enumerate(views.terms):
             # A single one is as it was profiled when it was added.
             if not term.values or len(views.terms) == 1:
@@ -82,9 +93,9 @@ def _refined(views: Views, rounds: int) -> Views:
             if best.values == term.values:
                 continue
             other = views.grown((*others[:number], best, *others[number:]), "fitted")
-            views = other if other.score("fitted") > views.score("fitted") else views
+            views = other if other.rise(views, "fitted") > 0 else views
         views = with_refitted_sign(views, "fitted")
-        if views.score("fitted") < before + PREDICTION_GAIN:
+        if views.rise(before, "fitted") < PREDICTION_GAIN:
             break
     return views
 

@@ -99,7 +99,7 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         return joint is None or candidate.joint in (joint, None) or candidate.is_named
 
     found = [Substitute(own.term, own.worth.nats, whole)]
-    others, nothing = own.rest.terms, held_out(own.rest, own.rest.terms)
+    others, nothing = own.rest.terms, ahead(own.rest, own.rest.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
         grown = whole.grown((*others, as_term(scored)), "all", like=whole)
         grown = with_refitted_sign(grown, "all", _acting(grown, own))
@@ -107,7 +107,7 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         substitute = Substitute(grown.terms[-1], _nats_in_place(grown, whole, own), grown)
         if (
             substitute.nats < own.worth.nats - NOT_EXCLUDED
-            or held_out(grown, grown.terms) > nothing
+            or ahead(grown, grown.terms).rise(nothing, "held_out") > 0
         ):
             found.append(substitute)
     return sorted(found, key=lambda r: -r.nats)
@@ -199,27 +199,27 @@ def _ahead_and_back(
     looks: int = LOOKS,
 ) -> tuple[Views, list[Judged]]:
     """Look ahead and judge backwards, and once more without what was dropped."""
-    ahead = look_ahead(tables, start, say, over, refused)
-    say(f"judging {len(ahead.terms)} terms by what all of them leave")
-    views, judged = prune(Views.of(ahead.problem, ahead.terms, "all", ahead), say)
-    dropped = ahead.labels - views.labels
+    grown = look_ahead(tables, start, say, over, refused)
+    say(f"judging {len(grown.terms)} terms by what all of them leave")
+    views, judged = prune(Views.of(grown.problem, grown.terms, "all", grown), say)
+    dropped = grown.labels - views.labels
     if not dropped or over() or looks <= 1:
         return views, judged
     again, refused = Views.of(views.problem, views.terms, "fitted", views), refused | dropped
     return _ahead_and_back(tables, again, say, over, refused=refused, looks=looks - 1)
 
 
-def held_out(views: Views, terms: tuple[Term, ...]) -> float:
-    """Log score of held-out rows by a model that was fitted without them [nats]."""
-    return views.grown(terms, "fitted").score("held_out")
+def ahead(views: Views, terms: tuple[Term, ...]) -> Views:
+    """A model of these terms that is fitted without the rows that are held out."""
+    return views.grown(terms, "fitted")
 
 
 def _predictive(views: Views, say: Say) -> Views:
     """The model without terms that predict held-out rows no better, one after another."""
     while views.terms:
-        whole = held_out(views, views.terms)
+        whole = ahead(views, views.terms)
         rest = [views.terms[:k] + views.terms[k + 1 :] for k in range(len(views.terms))]
-        gains = [whole - held_out(views, others) for others in rest]
+        gains = [whole.rise(ahead(views, others), "held_out") for others in rest]
         least = int(np.argmin(gains))
         if gains[least] > 0:
             return views
@@ -239,5 +239,9 @@ def _better(
         if best.term is not own.term and best.nats > own.worth.nats + PREDICTION_GAIN
     ]
     pairs.sort(key=lambda pair: pair[0].worth.nats - pair[1].nats)
-    now = held_out(views, views.terms) if pairs else 0.0
-    return next((p for p in pairs if held_out(p[1].whole, p[1].whole.terms) >= now), None)
+    now = ahead(views, views.terms)
+
+    def serves(best: Substitute) -> bool:
+        return ahead(best.whole, best.whole.terms).rise(now, "held_out") >= 0
+
+    return next((pair for pair in pairs if serves(pair[1])), None)

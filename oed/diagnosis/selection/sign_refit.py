@@ -49,7 +49,7 @@ def with_refitted_sign(views: Views, which: Which, joints: Collection[int] | Non
     if problem.means is not None:
         again = dataclasses.replace(again, means=turned(problem.means))
     sharper = Views.of(again, views.terms, which, views)
-    return sharper if sharper.score(which) > views.score(which) + PREDICTION_GAIN else views
+    return sharper if sharper.rise(views, which) > PREDICTION_GAIN else views
 
 
 def _best_turn(fitted: Fitted, number: int, sign: Coulomb, sharpest: Coulomb) -> Coulomb:
