@@ -43,6 +43,7 @@ RECORDS: Mapping[str, Mapping[str, type[Record]]] = {
         "randomisation.json": RandomisationRecord,
     },
     "calibrate": {"calibration.json": CalibrationRecord},
+    "cross-check": {"provenance.json": ProvenanceRecord},
     "demo": {"provenance.json": ProvenanceRecord},
 }
 # Names of schemas, where those of the files would be the same.
