@@ -27,6 +27,7 @@ SHARED_BY_ALL = (
     "parallel_map",
     "process_end",
     "progress",
+    "registered",
 )
 # Within the diagnosis the same holds: folders and files, each of which may import those before it.
 DIAGNOSIS_ORDER = (

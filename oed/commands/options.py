@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from functools import partial
 from pathlib import Path
@@ -110,29 +110,21 @@ def _named_folder(text: Sequence[str]) -> Path:
     return Path(text[0])
 
 
+def _folder_type(read: Callable[[Sequence[str]], Path]) -> PrimitiveConstructorSpec[Path]:
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="FOLDER",
+        instance_from_str=read,
+        is_instance=lambda value: isinstance(value, Path),
+        str_from_instance=lambda value: [str(value)],
+    )
+
+
 # Of what there must be one at least.
 Count = Annotated[int, _number_type(1)]
 # Of random draws.
 Seed = Annotated[int, _number_type(0)]
 # A folder that is there.
-Folder = Annotated[
-    Path,
-    PrimitiveConstructorSpec(
-        nargs=1,
-        metavar="FOLDER",
-        instance_from_str=_existing_folder,
-        is_instance=lambda value: isinstance(value, Path),
-        str_from_instance=lambda value: [str(value)],
-    ),
-]
+Folder = Annotated[Path, _folder_type(_existing_folder)]
 # A folder for results, which `oed.report.result_folder` judges.
-OutFolder = Annotated[
-    Path,
-    PrimitiveConstructorSpec(
-        nargs=1,
-        metavar="FOLDER",
-        instance_from_str=_named_folder,
-        is_instance=lambda value: isinstance(value, Path),
-        str_from_instance=lambda value: [str(value)],
-    ),
-]
+OutFolder = Annotated[Path, _folder_type(_named_folder)]

@@ -6,16 +6,14 @@ entry points of installed packages under `oed.exporters`, whose modules do the s
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TypeVar
 
 from oed.dynamics.online import Offline
 from oed.export.model import Model
+from oed.registered import Registered
 
 
 @dataclass(frozen=True)
@@ -53,31 +51,17 @@ class Exported:
 Exporter = Callable[[Model, Target], Exported]
 Given = TypeVar("Given", bound=Exporter)
 
-ENTRY_POINTS = "oed.exporters"
-# Modules with a function `write` of that name's form, imported when the first is asked for.
-OWN = {
-    name: f"oed.export.kinds.to_{name}"
-    for name in ("numpy", "casadi", "c", "urdf", "sdf", "mjcf", "mujoco", "drake", "ros2")
-}
-_exporters: dict[str, Exporter] = {}
+OWN = ("numpy", "casadi", "c", "urdf", "sdf", "mjcf", "mujoco", "drake", "ros2")
+EXPORTERS = Registered[Exporter](
+    "form to export to",
+    "oed.exporters",
+    {name: f"oed.export.kinds.to_{name}:write" for name in OWN},
+)
 
 
 def exporter(name: str) -> Callable[[Given], Given]:
     """Register an exporter under a name that `oed export --to` accepts; a later one replaces it."""
-    if not name.strip():
-        raise ValueError("an exporter needs a name")
-
-    def register(function: Given) -> Given:
-        _exporters[name] = function
-        return function
-
-    return register
-
-
-def known_exporters() -> tuple[str, ...]:
-    """Names that can be asked for."""
-    _load_entry_points()
-    return tuple(dict.fromkeys((*OWN, *_exporters)))
+    return EXPORTERS.add(name)
 
 
 def find_exporter(name: str) -> Exporter:
@@ -86,14 +70,4 @@ def find_exporter(name: str) -> Exporter:
     Raises:
         ValueError: If there is none.
     """
-    if name not in known_exporters():
-        raise ValueError(f"no form {name!r} to export to; known are {', '.join(known_exporters())}")
-    if name in _exporters:
-        return _exporters[name]
-    return importlib.import_module(OWN[name]).write
-
-
-@cache
-def _load_entry_points() -> None:
-    for point in entry_points(group=ENTRY_POINTS):
-        point.load()
+    return EXPORTERS.find(name)

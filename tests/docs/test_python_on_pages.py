@@ -101,10 +101,10 @@ def _write_arm(folder: Path) -> None:
 
 @pytest.fixture
 def own_optimisers() -> Iterator[None]:
-    before = dict(optimisers._optimisers)
+    before = dict(optimisers.OPTIMISERS.added)
     yield
-    optimisers._optimisers.clear()
-    optimisers._optimisers.update(before)
+    optimisers.OPTIMISERS.added.clear()
+    optimisers.OPTIMISERS.added.update(before)
 
 
 @pytest.mark.usefixtures("own_optimisers")

@@ -15,7 +15,7 @@ import yaml
 from oed.commands.main import run
 from oed.dynamics.motion import Motion
 from oed.export.model_file import write_model
-from oed.export.registry import OWN, known_exporters
+from oed.export.registry import EXPORTERS, OWN
 from oed.robot import load_robot
 from oed.robot.xml_tree import parse_xml
 from tests.docs.code_blocks import blocks
@@ -167,14 +167,14 @@ def test_base_parameters_are_no_bodies(tmp_path, capsys):
 def test_an_unknown_form_is_refused_before_anything_is_read(tmp_path, capsys):
     arguments = ["export", str(tmp_path / "none.json"), "--to", "urdff", "--out", "x"]
     assert run(arguments) == 2
-    assert "no form 'urdff' to export to; known are numpy" in capsys.readouterr().err
+    assert "no form to export to 'urdff'; known are numpy" in capsys.readouterr().err
 
 
 def test_the_form_of_the_how_to_is_exported_to(tmp_path):
     exec(blocks(REPO / "docs/how-to/export.md", "python")[-1], {})  # noqa: S102  # the page's own code
     model, _ = model_with(robot=scara(), duration=0.1)
     path = write_model(model, tmp_path / "model.json")
-    assert "masses" in known_exporters()
+    assert "masses" in EXPORTERS.names()
     assert run(["export", str(path), "--to", "masses", "--out", str(tmp_path / "out")]) == 0
     found = np.loadtxt(tmp_path / "out" / "masses.txt")
     assert found == pytest.approx(model.robot.parameters[::10])

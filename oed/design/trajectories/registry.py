@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import entry_points
 from typing import TypeVar
 
 from jaxtyping import Float
@@ -21,9 +19,9 @@ from oed.design.trajectories.harmonic import HarmonicClass
 from oed.design.trajectories.spline import SplineClass
 from oed.design.trajectories.trajectory import TrajectoryClass
 from oed.errors import one_line
+from oed.registered import Registered
 from oed.robot import JointLimits
 
-ENTRY_POINTS = "oed.trajectories"
 SEGMENTS = 8  # of a spline for every harmonic that a series would have
 RAMP = 0.1  # share of the horizon over which sums of sines rise from rest, and return to it
 
@@ -47,21 +45,14 @@ class Wishes:
 
 Make = Callable[[Wishes], TrajectoryClass]
 Given = TypeVar("Given", bound=Make)
-_makers: dict[str, Make] = {}
+CLASSES = Registered[Make]("class of trajectories", "oed.trajectories")
 Family = TypeVar("Family", bound=type[TrajectoryClass])
 _families: dict[str, type[TrajectoryClass]] = {}
 
 
 def trajectory_class(name: str) -> Callable[[Given], Given]:
     """Register how a class is made, under a name that commands accept; a later one replaces."""
-    if not name.strip():
-        raise ValueError("a class of trajectories needs a name")
-
-    def register(make: Given) -> Given:
-        _makers[name] = make
-        return make
-
-    return register
+    return CLASSES.add(name)
 
 
 def readable(family: Family) -> Family:
@@ -84,17 +75,11 @@ def restore_motion(
     Raises:
         ValueError: If no family has the name, or these are not its coefficients.
     """
-    _load_entry_points()
+    CLASSES.names()  # packages add families with their classes
     if not isinstance(name, str) or name not in _families:
         known = ", ".join(_families)
         raise ValueError(f"a motion of class {one_line(repr(name))}; known are {known}")
     return _families[name].restore(horizon, limits, coefficients)
-
-
-def known_trajectories() -> tuple[str, ...]:
-    """Names that can be asked for."""
-    _load_entry_points()
-    return tuple(_makers)
 
 
 def make_trajectory(name: str, wishes: Wishes) -> TrajectoryClass:
@@ -103,11 +88,7 @@ def make_trajectory(name: str, wishes: Wishes) -> TrajectoryClass:
     Raises:
         ValueError: If there is none of that name.
     """
-    if name not in known_trajectories():
-        raise ValueError(
-            f"no class of trajectories {name!r}; known are {', '.join(known_trajectories())}"
-        )
-    return _makers[name](wishes)
+    return CLASSES.find(name)(wishes)
 
 
 for _family in (FourierClass, HarmonicClass, SplineClass):
@@ -135,9 +116,3 @@ def _collocation(wishes: Wishes) -> SplineClass:
 def _spline(wishes: Wishes) -> SplineClass:
     segments = SEGMENTS * wishes.terms
     return SplineClass(wishes.horizon, wishes.limits, segments, 5, wishes.at_rest)
-
-
-@cache
-def _load_entry_points() -> None:
-    for point in entry_points(group=ENTRY_POINTS):
-        point.load()

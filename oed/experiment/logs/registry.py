@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
-from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TypeVar
 
 from oed.errors import DataSetError
 from oed.experiment.logs.table import Log
 from oed.input_file import MOST_COLUMNS, RECORDING_FILE, UnreadableFile, check_file
+from oed.registered import load_entry_points
 
 LogReader = Callable[[Path], Log]
 Reader = TypeVar("Reader", bound=LogReader)
@@ -59,7 +58,7 @@ def log_reader(*suffixes: str) -> Callable[[Reader], Reader]:
 
 def known_suffixes() -> tuple[str, ...]:
     """Suffixes of the files that can be read."""
-    _load_entry_points()
+    load_entry_points(ENTRY_POINTS)
     built_in = (suffix for suffixes in OWN.values() for suffix in suffixes)
     return tuple(dict.fromkeys((*built_in, *_readers)))
 
@@ -108,9 +107,3 @@ def _reader_of(suffix: str) -> LogReader:
         importlib.import_module(module)
         _readers.update(registered)  # the user's own stay
     return _readers[suffix]
-
-
-@cache
-def _load_entry_points() -> None:
-    for point in entry_points(group=ENTRY_POINTS):
-        point.load()
