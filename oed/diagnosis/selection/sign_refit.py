@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Collection
-from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.evidence.fit import Projection
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views, Which
 from oed.diagnosis.numbers import PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
 from oed.dynamics.effects import Coulomb
 from oed.dynamics.velocity_sign import sign_terms, signs_of, with_signs
-from oed.estimation.noise_floor.sign_width import Turn, gain_beside
+from oed.estimation.noise_floor.sign_width import Others, Turn
 
 
 def with_refitted_sign(views: Views, which: Which, joints: Collection[int] | None = None) -> Views:
@@ -58,45 +56,16 @@ def _best_turn(fitted: Fitted, number: int, sign: Coulomb, sharpest: Coulomb) ->
     It stays as it is where the rows tell it from the best by less than a parameter costs. A lag
     moves where friction turns: it is seen through what is installed.
     """
-    joint, own = sign.joint, fitted.projection
-    without = _Without(own, number, joint)
+    joint, own, rows = sign.joint, fitted.projection, fitted.problem.rows.rows
+    weight, left = float(own.weights[joint]), own.span.left[joint]
+    others = Others.of(own.basis[joint], left, own.inverse[number], float(own.coefficients[number]))
+
+    def gain(column: Float[ndarray, " rows"]) -> float:
+        return others.gain(column[own.used] * weight) / weight**2
+
     alone = dataclasses.replace(fitted.installed, effects=(sharpest,))
     counted = float(fitted.rows(own.used)[joint])
-    turn = Turn(alone, fitted.problem.rows.rows, without.gain, without.squares, counted)
+    turn = Turn(alone, rows, gain, others.squares / weight**2, counted)
     best = turn.best(sharpest)
     gained = (turn.gain_of(best) - turn.gain_of(sign)) / (2 * float(fitted.variance[joint]))
     return best if gained > PREDICTION_GAIN else sign
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Without:
-    """A fit without one of its columns: its span less one direction."""
-
-    projection: Projection
-    number: int
-    joint: int
-
-    @cached_property
-    def _direction(self) -> tuple[Float[ndarray, " rank"], float]:
-        """Of the column beside all others in the basis, and the torque's share of it."""
-        own = self.projection.inverse[self.number]
-        length = float(np.linalg.norm(own))
-        return own / length, float(self.projection.coefficients[self.number]) / length
-
-    @property
-    def squares(self) -> float:
-        """Sum of squares that the others leave of the joint's white rows."""
-        direction, size = self._direction
-        own = self.projection.basis[self.joint] @ direction * size
-        left = self.projection.span.left[self.joint] + own
-        return float(np.sum(left**2)) / self.projection.weights[self.joint] ** 2
-
-    def gain(self, column: Float[ndarray, " rows"]) -> float:
-        """Fall of the sum of squares of white rows by another column of the joint."""
-        weight = self.projection.weights[self.joint]
-        own = column[self.projection.used] * weight
-        direction, size = self._direction
-        inside = self.projection.basis[self.joint].T @ own
-        along = float(inside @ direction)
-        moment = float(own @ self.projection.span.left[self.joint]) + along * size
-        return gain_beside(float(own @ own), float(inside @ inside) - along**2, moment) / weight**2

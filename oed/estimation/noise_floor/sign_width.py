@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -20,11 +19,7 @@ from scipy.optimize import minimize_scalar
 from oed.dynamics.effects import Coulomb, State
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import sign_terms
-from oed.estimation.noise_floor.linear_fit import (
-    project,
-    reversal_nuisances,
-    whitened_regressor,
-)
+from oed.estimation.noise_floor.linear_fit import span_of_model
 from oed.estimation.noise_floor.weighted_rows import Rows
 from oed.experiment.preparation.prepared import Prepared
 
@@ -40,10 +35,7 @@ DECISIVE = 10.0
 
 
 def with_fitted_sign(
-    model: TorqueModel,
-    columns: Int[ndarray, " parameters"],
-    rows: Rows,
-    beside: Float[ndarray, "joints rows additions"] | None = None,
+    model: TorqueModel, columns: Int[ndarray, " parameters"], rows: Rows
 ) -> TorqueModel:
     """The model whose Coulomb terms turn over the velocities that fit best, joint by joint.
 
@@ -53,22 +45,18 @@ def with_fitted_sign(
         model: With a Coulomb term for each joint, or for some.
         columns: Of its columns that are estimated.
         rows: White rows.
-        beside: White columns of what else is fitted.
     """
-    fixed = [whitened_regressor(model, columns, rows), reversal_nuisances(rows)]
-    regressor = np.concatenate([*fixed, *([] if beside is None else [beside])], axis=2)
-    torque = rows.torque()
+    span, torque = span_of_model(model, columns, rows), rows.torque()
+    sizes, left = span.inverse @ span.coordinates(torque), span.residual(torque)
     effects = list(model.effects)
     for place, column, sign in sign_terms(model):
         own = np.flatnonzero(columns == column)
         if own.size:
-            projection = project(np.delete(regressor, own[0], axis=2))
-            left = projection.residual(torque)[sign.joint]
-            basis = projection.basis[sign.joint]
+            j, number = sign.joint, int(own[0])
+            others = Others.of(span.basis[j], left[j], span.inverse[number], float(sizes[number]))
             alone = replace(model, effects=(sign,))
-            counted = max(float(rows.counted[sign.joint]), 1.0)
-            gain = partial(_gain, basis, left)
-            turn = Turn(alone, rows, gain, float(np.sum(left**2)), counted)
+            counted = max(float(rows.counted[j]), 1.0)
+            turn = Turn(alone, rows, others.gain, others.squares, counted)
             effects[place] = turn.best(sign)
     return replace(model, effects=tuple(effects))
 
@@ -128,25 +116,54 @@ class Turn:
         return self.gain(self.rows.whiten_fine(fine, tried.joint)[:, 0])
 
 
-def gain_beside(whole: float, inside: float, moment: float) -> float:
-    """Fall of a sum of squares by one more column.
+@dataclass(frozen=True, eq=False)
+class Others:
+    """All columns of a fit but one, on the rows of one joint: the fit's span less one direction.
 
-    Args:
-        whole: The column's square.
-        inside: Of that, what lies in the span of the others.
-        moment: Its product with what these leave.
+    Attributes:
+        basis: (R, b) of the whole span.
+        left: (R,) what all columns leave.
+        direction: (b,) of what the column adds to the others, of unit length.
+        size: Of the torque along it.
     """
-    beside = whole - inside
-    return moment**2 / beside if beside > ABSORBED**2 * whole else 0.0
 
+    basis: Float[ndarray, "rows rank"]
+    left: Float[ndarray, " rows"]
+    direction: Float[ndarray, " rank"]
+    size: float
 
-def _gain(
-    basis: Float[ndarray, "rows rank"],
-    left: Float[ndarray, " rows"],
-    column: Float[ndarray, " rows"],
-) -> float:
-    inside = basis.T @ column
-    return gain_beside(float(column @ column), float(inside @ inside), float(column @ left))
+    @classmethod
+    def of(
+        cls,
+        basis: Float[ndarray, "rows rank"],
+        left: Float[ndarray, " rows"],
+        inverse: Float[ndarray, " rank"],
+        coefficient: float,
+    ) -> Others:
+        """All but one.
+
+        Args:
+            basis: As above; likewise left.
+            left: What all columns leave.
+            inverse: The column's row of that by which coordinates in the basis give coefficients.
+            coefficient: The column's.
+        """
+        length = float(np.linalg.norm(inverse))
+        return cls(basis, left, inverse / length, coefficient / length)
+
+    @property
+    def squares(self) -> float:
+        """Sum of squares that the others leave."""
+        return float(np.sum((self.left + self.basis @ self.direction * self.size) ** 2))
+
+    def gain(self, column: Float[ndarray, " rows"]) -> float:
+        """Fall of that sum by another column in the place of the one."""
+        inside = self.basis.T @ column
+        along = float(inside @ self.direction)
+        whole = float(column @ column)
+        new = whole - (float(inside @ inside) - along**2)
+        moment = float(column @ self.left) + along * self.size
+        return moment**2 / new if new > ABSORBED**2 * whole else 0.0
 
 
 def _along(sign: Coulomb, alone: TorqueModel, prepared: Prepared) -> Float[ndarray, "samples 1"]:
