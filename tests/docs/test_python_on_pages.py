@@ -130,10 +130,10 @@ def test_an_unknown_optimiser_is_refused_with_those_there_are(
 
 @pytest.fixture
 def own_trajectories() -> Iterator[None]:
-    before = dict(trajectories._makers)
+    before = dict(trajectories.CLASSES.added)
     yield
-    trajectories._makers.clear()
-    trajectories._makers.update(before)
+    trajectories.CLASSES.added.clear()
+    trajectories.CLASSES.added.update(before)
 
 
 @pytest.mark.usefixtures("own_trajectories")
