@@ -27,8 +27,9 @@ from oed.parallel_map import PROCESSES
 from oed.process_end import end_with_parent, is_interrupt, without_interrupts
 from oed.report.code_digest import code_digest
 from oed.report.input_files import data_digest
-from oed.report.json_file import plain_value, read_json
+from oed.report.json_file import plain_value, read_json, write_atomically
 from oed.report.progress import progress
+from oed.report.provenance import Provenance
 from studies.row_file import Outcome, RowFile
 from studies.study_options import CaseOptions
 
@@ -186,6 +187,20 @@ def work_through(
         with results.replaced() as new:
             write(new)
     return int(all_failed(runner.rows.rows()))
+
+
+def leave_page(text: str, configuration: object, seed: int | None, out: Path) -> None:
+    """Leave the page of a study's rows, and where they come from.
+
+    Args:
+        text: Of `summary.md`.
+        configuration: The study's, an instance of a dataclass.
+        seed: Of its first case; None where each row has its own.
+        out: Folder, made where there is none.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    write_atomically(out / "summary.md", text)
+    Provenance.collect(configuration, seed=seed).write(out / "provenance.json")
 
 
 def all_failed(rows: Sequence[Mapping[str, str]]) -> bool:

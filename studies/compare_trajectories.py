@@ -29,10 +29,8 @@ from oed.design.trajectories import FourierClass, SplineClass, TrajectoryClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.process_end import RESUMES, leave
-from oed.report.json_file import write_atomically
-from oed.report.provenance import Provenance
 from oed.robot import JointLimits, imi_scara, load_arm
-from studies.case_runner import CaseRunner, Outcome, work_through
+from studies.case_runner import CaseRunner, Outcome, leave_page, work_through
 from studies.data_folders import EXAMPLE_ROBOTS, PANDA
 from studies.row_file import RowFile
 from studies.study_options import CaseOptions
@@ -218,8 +216,7 @@ def runner(out: Path) -> CaseRunner[Case]:
 def write(config: Config, rows: RowFile, out: Path) -> None:
     """Leave the summary and provenance beside the rows."""
     chosen = rows.rows_of(case.key for case in config.cases())
-    write_atomically(out / "summary.md", summarise(chosen, config.seconds))
-    Provenance.collect(config, seed=None).write(out / "provenance.json")
+    leave_page(summarise(chosen, config.seconds), config, None, out)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -25,14 +25,12 @@ from oed.diagnosis.inference.answer import FoundEffect
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.read_dataset import read_dataset
 from oed.process_end import RESUMES, leave
-from oed.report.json_file import write_atomically
-from oed.report.provenance import Provenance
 from studies.bench.case import KEY_COLUMNS, Case, NoiseKind
 from studies.bench.forms import forms_of
 from studies.bench.make_dataset import make_dataset
 from studies.bench.plan import TWO_JOINTS
 from studies.bench.truth import HiddenTruth
-from studies.case_runner import CaseRunner, RowFile, work_through
+from studies.case_runner import CaseRunner, RowFile, leave_page, work_through
 from studies.interval_summary import Interval, packed, page
 from studies.study_options import CaseOptions
 
@@ -144,13 +142,6 @@ def compare(hidden: HiddenTruth, found: FoundEffect, joints: int) -> list[Interv
     ]
 
 
-def write(rows: Sequence[dict[str, str]], config: Config, out: Path) -> None:
-    """Save the summary and where it comes from; the lines are there already."""
-    out.mkdir(parents=True, exist_ok=True)
-    write_atomically(out / "summary.md", page(rows))
-    Provenance.collect(config, seed=config.first_seed).write(out / "provenance.json")
-
-
 @dataclass(frozen=True)
 class Options(CaseOptions):
     """How often do the intervals of named effects hold what was injected?
@@ -183,7 +174,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
     runner = CaseRunner(work, rows, "effect intervals")
     return work_through(
-        runner, cases_of(config), options, config, lambda out: write(rows.rows(), config, out)
+        runner,
+        cases_of(config),
+        options,
+        config,
+        lambda out: leave_page(page(rows.rows()), config, config.first_seed, out),
     )
 
 

@@ -13,7 +13,6 @@ import time
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -30,10 +29,8 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.preparation.settings import choose_settings
 from oed.process_end import RESUMES, leave
-from oed.report.json_file import write_atomically
-from oed.report.provenance import Provenance
 from studies.carrying_arms import ARMS
-from studies.case_runner import CaseRunner, Outcome, RowFile, work_through
+from studies.case_runner import CaseRunner, Outcome, RowFile, leave_page, work_through
 from studies.payload_arms import TrueArm, draw_load, random_motion_of, record
 from studies.payload_motion import designed_motion
 from studies.payload_summary import page
@@ -260,13 +257,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parse(Options, prog="python -m studies.payload", arguments=arguments)
     config = SMOKE if options.smoke else Config()
     rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
-
-    def write(out: Path) -> None:
-        write_atomically(out / "summary.md", page(rows.rows()))
-        Provenance.collect(config, seed=None).write(out / "provenance.json")
-
     runner = CaseRunner(work, rows, "payload")
-    return work_through(runner, cases_of(config), options, config, write)
+    return work_through(
+        runner,
+        cases_of(config),
+        options,
+        config,
+        lambda out: leave_page(page(rows.rows()), config, None, out),
+    )
 
 
 if __name__ == "__main__":

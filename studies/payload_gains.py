@@ -13,7 +13,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -28,12 +27,10 @@ from oed.estimation.load.gains import estimate_gains
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.experiment.dataset import DataSet
 from oed.process_end import RESUMES, leave
-from oed.report.json_file import write_atomically
-from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table
 from oed.robot.inertia import transform_parameters
 from studies.carrying_arms import ARMS
-from studies.case_runner import CaseRunner, Outcome, RowFile, work_through
+from studies.case_runner import CaseRunner, Outcome, RowFile, leave_page, work_through
 from studies.payload import SIGN_WIDTH, processed
 from studies.payload_arms import TrueArm, draw_load, random_motion_of, record
 from studies.study_options import CaseOptions
@@ -274,13 +271,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parse(Options, prog="python -m studies.payload_gains", arguments=arguments)
     config = SMOKE if options.smoke else Config()
     rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
-
-    def write(out: Path) -> None:
-        write_atomically(out / "summary.md", page(rows.rows()))
-        Provenance.collect(config, seed=None).write(out / "provenance.json")
-
     runner = CaseRunner(work, rows, "payload_gains")
-    return work_through(runner, cases_of(config), options, config, write)
+    return work_through(
+        runner,
+        cases_of(config),
+        options,
+        config,
+        lambda out: leave_page(page(rows.rows()), config, None, out),
+    )
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -26,10 +25,8 @@ from oed.commands.options import Count, parse
 from oed.commands.telling import speak
 from oed.estimation.estimate import Estimate
 from oed.process_end import RESUMES, leave
-from oed.report.json_file import write_atomically
-from oed.report.provenance import Provenance
 from oed.report.table import Row, markdown_table
-from studies.case_runner import CaseRunner, Outcome, RowFile, work_through
+from studies.case_runner import CaseRunner, Outcome, RowFile, leave_page, work_through
 from studies.repeated_experiment import (
     ARMS,
     NOISES,
@@ -163,13 +160,6 @@ def page(rows: Sequence[Mapping[str, str]]) -> str:
     )
 
 
-def write(rows: Sequence[Mapping[str, str]], config: Config, out: Path) -> None:
-    """Save the summary and where it comes from; the lines are there already."""
-    out.mkdir(parents=True, exist_ok=True)
-    write_atomically(out / "summary.md", page(rows))
-    Provenance.collect(config, seed=SEED).write(out / "provenance.json")
-
-
 @dataclass(frozen=True)
 class Options(CaseOptions):
     """Do the intervals that oed identify prints hold the truth, through its whole pipeline?
@@ -192,7 +182,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows = RowFile(options.results / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
     runner = CaseRunner(work, rows, "coverage")
     return work_through(
-        runner, cases_of(config), options, config, lambda out: write(rows.rows(), config, out)
+        runner,
+        cases_of(config),
+        options,
+        config,
+        lambda out: leave_page(page(rows.rows()), config, SEED, out),
     )
 
 

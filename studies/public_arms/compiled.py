@@ -86,6 +86,15 @@ def compiled(
     return Library(ctypes.CDLL(str(target)))
 
 
+def torque_of(library: Library, joints: int) -> Torque:
+    """The torque of a wrapper that has `inertia`, `gravity` and `friction` of an arm."""
+    return equation_of_motion(
+        lambda q: library.call("inertia", joints**2, q),
+        lambda q: library.call("gravity", joints, q),
+        lambda dq: library.call("friction", joints, dq),
+    )
+
+
 def equation_of_motion(inertia: Values, gravity: Values, friction: Values) -> Torque:
     """The torque of a mass matrix, with the velocity terms that belong to it, gravity and friction.
 

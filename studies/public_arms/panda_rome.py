@@ -12,7 +12,7 @@ from oed.experiment.recording import Role
 from oed.experiment.write_dataset import write_columns
 from studies.data_folders import PANDA
 from studies.public_arms.arm import ONE_MOTION, Log, Peer, PublicArm, Torque
-from studies.public_arms.compiled import compiled, equation_of_motion
+from studies.public_arms.compiled import compiled, torque_of
 
 LOGS = Path("matlab/data/Exciting_Traj/Trajectory_1/rbt_log")
 CODE = Path("cpp/panda_dyn_model_example")
@@ -72,12 +72,7 @@ def published(clone: Path, folder: Path) -> Torque:
     """Mass matrix, gravity and sigmoid friction, as the clone has them."""
     names = ("MassMatrix", "GravityVector", "FrictionTorque")
     sources = [clone / CODE / "src" / f"{name}.cpp" for name in names]
-    library = compiled(sources, [clone / CODE / "include"], WRAPPER, folder)
-    return equation_of_motion(
-        lambda q: library.call("inertia", JOINTS**2, q),
-        lambda q: library.call("gravity", JOINTS, q),
-        lambda dq: library.call("friction", JOINTS, dq),
-    )
+    return torque_of(compiled(sources, [clone / CODE / "include"], WRAPPER, folder), JOINTS)
 
 
 ARM = PublicArm(

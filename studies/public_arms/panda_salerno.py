@@ -7,7 +7,7 @@ from pathlib import Path
 from oed.experiment.importing.import_log import ImportChoices
 from studies.data_folders import PANDA
 from studies.public_arms.arm import ONE_MOTION, Log, Peer, PublicArm, Torque
-from studies.public_arms.compiled import compiled, equation_of_motion
+from studies.public_arms.compiled import compiled, torque_of
 
 PACKAGE = Path("franka_inria_inverse_dynamics_solver")
 BAG = PACKAGE / "bagfiles/panda_exciting_trajectory.db3"
@@ -46,12 +46,7 @@ def published(clone: Path, folder: Path) -> Torque:
     """Mass matrix, gravity and sigmoid friction, as the clone has them."""
     root = clone / PACKAGE
     sources = [root / "src" / f"{name}.cpp" for name in SOURCES]
-    library = compiled(sources, [root / "include"], WRAPPER, folder)
-    return equation_of_motion(
-        lambda q: library.call("inertia", JOINTS**2, q),
-        lambda q: library.call("gravity", JOINTS, q),
-        lambda dq: library.call("friction", JOINTS, dq),
-    )
+    return torque_of(compiled(sources, [root / "include"], WRAPPER, folder), JOINTS)
 
 
 ARM = PublicArm(

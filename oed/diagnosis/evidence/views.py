@@ -6,6 +6,7 @@ well is noise, such as that of a motion which noise of the torque has shaken.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -60,23 +61,15 @@ class Views:
             before: Fits to start from.
             like: A model whose variance the rows are given; what is left decides if None.
         """
-        every = fit(
-            problem,
-            terms,
-            chosen(problem, which),
-            before and before.every,
-            like and like.every.variance,
-        )
+
+        def fitted(own: Problem, side: Callable[[Views], Fitted]) -> Fitted:
+            start, variance = before and side(before), like and side(like).variance
+            return fit(own, terms, chosen(own, which), start, variance)
+
+        every = fitted(problem, lambda views: views.every)
         if problem.means is None:
             return cls(every, every)
-        means = fit(
-            problem.means,
-            terms,
-            chosen(problem.means, which),
-            before and before.means,
-            like and like.means.variance,
-        )
-        return cls(every, means)
+        return cls(every, fitted(problem.means, lambda views: views.means))
 
     @property
     def problem(self) -> Problem:
