@@ -1,1 +1,1 @@
-"""A room of the diagnosis by evidence: see METHOD.md."""
+"""What a torque model lacks, by one criterion; METHOD.md is the method in words."""

@@ -1,1 +1,1 @@
-"""A room of the diagnosis by evidence: see METHOD.md."""
+"""What a search may add: effects of the catalogue at their places, and smooth terms."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -13,8 +13,6 @@ from numpy import ndarray
 
 from oed.dynamics.effects.catalogue import CatalogueEntry, Context, Shape, Target
 from oed.dynamics.effects.effect import Effect
-from oed.dynamics.effects.on_reference import OnReference
-from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.smooth_term import SmoothTerm
 from oed.dynamics.torque_model import TorqueModel
 
@@ -207,12 +205,3 @@ class SmoothCandidate(Candidate):
             before, after = int(np.prod(counts[:k])), int(np.prod(counts[k + 1 :]))
             result += np.kron(np.kron(np.eye(before), own), np.eye(after))
         return result
-
-
-def follows_model(effect: object) -> bool:
-    """Whether its columns change with the torque as modelled so far: it, or a part of it, holds that."""
-    if isinstance(effect, OnReference | ReferenceTorque):
-        return True
-    parts = fields(effect) if is_dataclass(effect) else ()
-    values = (getattr(effect, part.name) for part in parts)
-    return any(is_dataclass(v) and isinstance(v, OnReference | ReferenceTorque) for v in values)

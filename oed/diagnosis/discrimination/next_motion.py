@@ -17,7 +17,8 @@ from scipy.stats import norm
 
 from oed.diagnosis.diagnose import Diagnosis, predictor
 from oed.diagnosis.discrimination.unrun_motions import as_prepared, random_motions
-from oed.diagnosis.evidence.model import Fitted, Term, fit
+from oed.diagnosis.evidence.model import Fitted, fit
+from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.inference.errors import Predictor
 from oed.diagnosis.numbers import REFITTED
 from oed.diagnosis.problem import Problem

@@ -1,1 +1,1 @@
-"""A room of the diagnosis by evidence: see METHOD.md."""
+"""What rows tell of a model and of each of its terms: fit, log score, worth."""

@@ -3,52 +3,29 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate, Values, follows_model
 from oed.diagnosis.evidence.columns import dense, white_effect, white_model
 from oed.diagnosis.evidence.criterion import log_score
 from oed.diagnosis.evidence.fit import Projection, project
+from oed.diagnosis.evidence.term import Term, install, steps_of
 from oed.diagnosis.numbers import BASE_ERROR, FORMULA_ERROR, ROUNDS
 from oed.diagnosis.problem import Problem, full_parameters, visible_columns
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.effects.effect import Effect
+from oed.dynamics.effects.on_reference import holds_reference
 from oed.dynamics.torque_model import TorqueModel
 
-Sizes = tuple[float, ...]
 SETTLED = 1e-3  # of a size, below which a step of it is none
 # Of a joint's variance: weights that are off by so little cost a ten-thousandth of the information.
 SAME_VARIANCE = 0.02
 NO_CHANGE = (
     0.1  # sum of squares of a change of all rows, in units of what is left: a twentieth of a nat
 )
-
-
-@dataclass(frozen=True, eq=False)
-class Term:
-    """A candidate that is part of a model.
-
-    Attributes:
-        candidate: What it is.
-        values: Of its shapes.
-        steps: Sizes that were installed in the whole model, one after another, of a candidate
-            that acts on it; others have none.
-        precision: Of a smooth term's prior.
-    """
-
-    candidate: Candidate
-    values: Values
-    steps: tuple[Sizes, ...] = ()
-    precision: Float[ndarray, "columns columns"] | None = field(default=None, repr=False)
-
-    @property
-    def label(self) -> str:
-        """Of the candidate."""
-        return self.candidate.label
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +43,6 @@ class Fitted:
         tolerated: (n,) phi.
         context: The same as the problem's with what was fitted.
         columns: (b,) of the installed model that are estimated.
-        base_columns: White columns of the installed model and the nuisances, with what they were made for.
     """
 
     problem: Problem
@@ -79,7 +55,6 @@ class Fitted:
     tolerated: Float[ndarray, " joints"]
     context: Context
     columns: Int[ndarray, " base"]
-    base_columns: tuple[tuple, Int[ndarray, " base"], Float[ndarray, "joints rows beside"]]
 
     @property
     def coefficients(self) -> list[Float[ndarray, " columns"]]:
@@ -146,7 +121,7 @@ def fit(
         fitted = _once(problem, terms, used, context, before=last, variance=variance)
         context = fitted.context
         terms, moved = _stepped(fitted)
-        follow = any(e is not None and follows_model(e) for e in fitted.effects)
+        follow = any(e is not None and holds_reference(e) for e in fitted.effects)
         if not moved and (not follow or _is_settled(fitted, last)):
             break
     if fitted is None:
@@ -182,17 +157,6 @@ def _stepped(fitted: Fitted) -> tuple[tuple[Term, ...], bool]:
     return tuple(result), moved
 
 
-def install(problem: Problem, terms: tuple[Term, ...], context: Context) -> Context:
-    """The context whose model has all terms that act on the whole of it."""
-    context = dataclasses.replace(context, model=problem.base)
-    for term in terms:
-        if isinstance(term.candidate, NamedCandidate):
-            for sizes in term.steps:
-                model = term.candidate.install(context, term.values, np.array(sizes))
-                context = dataclasses.replace(context, model=model)
-    return context
-
-
 def _once(
     problem: Problem,
     terms: tuple[Term, ...],
@@ -203,16 +167,9 @@ def _once(
     variance: Float[ndarray, " joints"] | None,
 ) -> Fitted:
     seen = install(problem, terms, context)
-    key = (id(problem.base), *((t.label, t.values, t.steps) for t in terms if t.steps))
-    if before is not None and before.base_columns[0] == key:
-        base_columns = before.base_columns
-    else:
-        own = visible_columns(problem, seen.model)
-        both = white_model(seen.model, own, problem.rows), problem.nuisances
-        base_columns = key, own, np.concatenate(both, axis=2)
-    visible = base_columns[1]
-    alike = before if before is not None and before.base_columns[0][1:] == key[1:] else None
-    effects, places, blocks, start = [], [], [base_columns[2]], base_columns[2].shape[2]
+    alike = before if before is not None and steps_of(before.terms) == steps_of(terms) else None
+    visible, beside_all = _base_columns(problem, seen.model, alike)
+    effects, places, blocks, start = [], [], [beside_all], beside_all.shape[2]
     for term in terms:
         is_fixed = term.candidate.unit_coefficient
         effect = None if is_fixed else term.candidate.effect(seen, term.values)
@@ -258,8 +215,26 @@ def _once(
         tolerated,
         known,
         visible,
-        base_columns,
     )
+
+
+def _base_columns(
+    problem: Problem, model: TorqueModel, alike: Fitted | None
+) -> tuple[Int[ndarray, " base"], Float[ndarray, "joints rows beside"]]:
+    """Columns of the installed model that are estimated, and these and the nuisances, white.
+
+    Args:
+        problem: What is asked.
+        model: The installed one.
+        alike: A fit with the same steps installed, which has them if its base model is the same;
+            none if None.
+    """
+    if alike is not None and alike.problem.base is problem.base:
+        count = len(alike.columns) + problem.nuisances.shape[2]
+        return alike.columns, alike.projection.columns[:, :, :count]
+    visible = visible_columns(problem, model)
+    both = white_model(model, visible, problem.rows), problem.nuisances
+    return visible, np.concatenate(both, axis=2)
 
 
 def _kept(
@@ -275,7 +250,7 @@ def _kept(
         term: Of the effect.
         effect: Whose columns are asked for.
     """
-    if before is None or (follows_model(effect) and not term.steps):
+    if before is None or (holds_reference(effect) and not term.steps):
         return None
     for old, own, place in zip(before.terms, before.effects, before.places, strict=True):
         alike = old.candidate is term.candidate and old.values == term.values

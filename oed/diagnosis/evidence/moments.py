@@ -11,7 +11,8 @@ from numpy import ndarray
 from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.criterion import Moments, score_dilution
 from oed.diagnosis.evidence.fit import Projection
-from oed.diagnosis.evidence.model import Fitted, Term
+from oed.diagnosis.evidence.model import Fitted
+from oed.diagnosis.evidence.term import Term
 
 
 def correlated_rows(whole: Fitted, joint: int, where: Bool[ndarray, " rows"]) -> float:

@@ -16,8 +16,9 @@ from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.criterion import Moments, log_score
-from oed.diagnosis.evidence.model import Fitted, Term, fit
+from oed.diagnosis.evidence.model import Fitted, fit
 from oed.diagnosis.evidence.moments import columns_of, moments_of
+from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.problem import Problem
 
 Which = Literal["fitted", "held_out", "all"]

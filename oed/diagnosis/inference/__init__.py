@@ -1,1 +1,1 @@
-"""A room of the diagnosis by evidence: see METHOD.md."""
+"""What is said of a model that was found: names, sizes, intervals, torque budget, errors."""

@@ -1,1 +1,1 @@
-"""A room of the diagnosis by evidence: see METHOD.md."""
+"""The search: candidates are screened, added while they predict, and judged by the whole model."""

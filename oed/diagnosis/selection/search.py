@@ -9,7 +9,7 @@ import numpy as np
 
 from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.criterion import Moments, Worth, worth
-from oed.diagnosis.evidence.model import Term
+from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views, moments
 from oed.diagnosis.numbers import COMPARED, EXCHANGES, LOOKS, NAMED, PREDICTION_GAIN
 from oed.diagnosis.problem import Problem

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from oed.diagnosis.candidates.candidate import Candidate
-from oed.diagnosis.evidence.model import Term
+from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.numbers import COMPARED, POLISHED
 from oed.diagnosis.selection.screen import Scored, evaluate, polish
