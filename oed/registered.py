@@ -22,12 +22,14 @@ class Registered(Generic[FunctionT]):
         group: Entry points of installed packages whose modules add functions.
         own: By name, "module:function" of those that come with `oed`: imported when asked for.
         added: By name, those that were added; a later one replaces an earlier one.
+        purpose: What one is asked for, for messages, such as " to export to"; nothing if empty.
     """
 
     kind: str
     group: str
     own: Mapping[str, str] = field(default_factory=dict)
     added: dict[str, FunctionT] = field(default_factory=dict)
+    purpose: str = ""
 
     def add(self, name: str) -> Callable[[GivenT], GivenT]:
         """Register a function under a name.
@@ -57,7 +59,7 @@ class Registered(Generic[FunctionT]):
         """
         known = self.names()
         if name not in known:
-            raise ValueError(f"no {self.kind} {name!r}; known are {', '.join(known)}")
+            raise ValueError(f"no {self.kind} {name!r}{self.purpose}; known are {', '.join(known)}")
         if name in self.added:
             return self.added[name]
         module, _, function = self.own[name].partition(":")

@@ -53,9 +53,10 @@ Given = TypeVar("Given", bound=Exporter)
 
 OWN = ("numpy", "casadi", "c", "urdf", "sdf", "mjcf", "mujoco", "drake", "ros2")
 EXPORTERS = Registered[Exporter](
-    "form to export to",
+    "form",
     "oed.exporters",
     {name: f"oed.export.kinds.to_{name}:write" for name in OWN},
+    purpose=" to export to",
 )
 
 

@@ -167,7 +167,7 @@ def test_base_parameters_are_no_bodies(tmp_path, capsys):
 def test_an_unknown_form_is_refused_before_anything_is_read(tmp_path, capsys):
     arguments = ["export", str(tmp_path / "none.json"), "--to", "urdff", "--out", "x"]
     assert run(arguments) == 2
-    assert "no form to export to 'urdff'; known are numpy" in capsys.readouterr().err
+    assert "no form 'urdff' to export to; known are numpy" in capsys.readouterr().err
 
 
 def test_the_form_of_the_how_to_is_exported_to(tmp_path):

@@ -148,7 +148,7 @@ class Others:
             inverse: The column's row of that by which coordinates in the basis give coefficients.
             coefficient: The column's.
         """
-        length = float(np.linalg.norm(inverse))
+        length = float(np.linalg.norm(inverse)) or np.inf  # a column of zeros adds no direction
         return cls(basis, left, inverse / length, coefficient / length)
 
     @property
