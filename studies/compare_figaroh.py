@@ -127,8 +127,12 @@ def _peer_row(problem: DesignProblem, source: str, seed: int, config: Config, ou
         command = [config.peer_python, str(PEER_SCRIPT), str(request)]
         try:
             subprocess.run(command, check=True, timeout=config.timeout, capture_output=True)  # noqa: S603 - the caller's own interpreter
-        except (OSError, subprocess.SubprocessError) as error:
-            return {"tool": "figaroh", "seed": seed, "status": f"failed: {type(error).__name__}"}
+        except subprocess.CalledProcessError as error:
+            last = error.stderr.decode(errors="replace").strip().splitlines()[-1:]
+            why = last[0] if last else f"exit status {error.returncode}"
+            return {"tool": "figaroh", "seed": seed, "status": f"failed: {why}"}
+        except (OSError, subprocess.TimeoutExpired) as error:
+            return {"tool": "figaroh", "seed": seed, "status": f"failed: {error}"}
     record = json.loads(file.read_text(encoding="utf-8"))
     row: Row = {"tool": "figaroh", "seed": seed, "cpu_s": record["cpu_s"]}
     if not record["is_found"]:
@@ -198,9 +202,17 @@ Much of the difference is the class of motions: figaroh's splines come to rest a
     Provenance.collect(config, seed=None).write(out / "provenance.json")
 
 
+def all_failed(rows: Sequence[Row]) -> bool:
+    """Whether no run of figaroh came to its end."""
+    peer = [row for row in rows if row["tool"] == "figaroh"]
+    return all(str(row["status"]).startswith("failed") for row in peer)
+
+
 def statement(rows: Sequence[Row]) -> str:
     """The medians against each other, in words."""
     peer = [row for row in rows if row["tool"] == "figaroh" and row["status"] == "found"]
+    if all_failed(rows):
+        return "figaroh did not run, so there is no ratio to state."
     if not peer:
         return "figaroh found no feasible trajectory in these runs, so there is no ratio to state."
     cost, seconds = (float(np.median([float(r[k]) for r in peer])) for k in ("J_k", "cpu_s"))
@@ -250,13 +262,13 @@ class Options(StudyOptions):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Command line."""
+    """Command line; 1 if figaroh did not run."""
     options = parse(Options, prog="python -m studies.compare_figaroh", arguments=arguments)
     with options.held([options.robot or UR5]) as results:
         rows = run(options.config, options.results)
         with results.replaced() as new:
             write(rows, options.config, new)
-    return 0
+    return int(all_failed(rows))
 
 
 if __name__ == "__main__":

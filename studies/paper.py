@@ -89,7 +89,7 @@ def _steps(data: Path | None, out: Path, results: Path, smoke: bool) -> list[Ste
         Step(
             f"identifying {folder.name}",
             lambda folder=folder: identify.main(
-                ["--data", str(folder), "--out", str(out / "identify" / folder.name), *small]
+                ["--data", str(folder), "--out", str(out / "identify" / folder.name)]
             ),
         )
         for folder in data_sets(data)

@@ -35,6 +35,7 @@ from studies.repeated_experiment import (
     REPETITIONS,
     SEED,
     Case,
+    NoiseKind,
     simulate,
     truth_of,
 )
@@ -54,18 +55,23 @@ class Config:
 
     Attributes:
         experiments: Of each arm and noise.
+        noises: Of the logs.
     """
 
     experiments: int = 120
+    noises: tuple[NoiseKind, ...] = NOISES
 
 
-SMOKE = Config(experiments=1)
+SMOKE = Config(experiments=1, noises=NOISES[:1])
 
 
 def cases_of(config: Config) -> list[Case]:
     """All arms and noises in turn: a run that ends early has seen all."""
     return [
-        Case(arm, noise, k) for k in range(config.experiments) for arm in ARMS for noise in NOISES
+        Case(arm, noise, k)
+        for k in range(config.experiments)
+        for arm in ARMS
+        for noise in config.noises
     ]
 
 
@@ -145,8 +151,8 @@ def _summary(arm: str, noise: str, rows: Sequence[Mapping[str, str]]) -> Row:
 def page(rows: Sequence[Mapping[str, str]]) -> str:
     """The summary."""
     failed = sum(not row["intervals"] for row in rows)
-    counts = [row["experiments"] for row in summary_rows(rows)]
-    by_chance = 1.96 * np.sqrt(LEVEL * (1 - LEVEL) / max(min(map(int, counts), default=1), 1))
+    fewest = min((int(str(row["experiments"])) for row in summary_rows(rows)), default=1)
+    by_chance = 1.96 * np.sqrt(LEVEL * (1 - LEVEL) / max(fewest, 1))
     return (
         "# Coverage through the whole pipeline\n\n"
         f"{REPETITIONS} repetitions of a {PERIOD:g} s motion at {RATE:g} Hz, hard sign friction, 17-bit encoders, "

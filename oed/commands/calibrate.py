@@ -55,7 +55,7 @@ def run(config: Calibrate) -> int:
 def _steps(config: Calibrate) -> tuple[tuple[str, Callable[[], int]], ...]:
     """Title and work of each step; each works on what the ones before it left."""
     out = config.out
-    given = {"data": config.data, "quiet": config.quiet, "smoke": config.smoke}
+    given = {"data": config.data, "quiet": config.quiet}
     whole = out / "diagnosis" / NAME
     return (
         (
@@ -68,6 +68,7 @@ def _steps(config: Calibrate) -> tuple[tuple[str, Callable[[], int]], ...]:
                 Diagnose(
                     **given,
                     out=out / "diagnosis",
+                    smoke=config.smoke,
                     model=config.model,
                     max_effects=config.max_effects,
                     candidates=config.candidates,
@@ -81,6 +82,7 @@ def _steps(config: Calibrate) -> tuple[tuple[str, Callable[[], int]], ...]:
                 Feasible(
                     **given,
                     out=out / "feasible",
+                    smoke=config.smoke,
                     model=whole,
                     prior=config.prior,
                     seed=config.seed,

@@ -60,9 +60,10 @@ def run(config: Demo) -> int:
 
 def _steps(config: Demo) -> tuple[tuple[str, Callable[[], int]], ...]:
     """Title and work of each step, in order; each works on what the ones before it left."""
-    out, quiet, smoke, seed = config.out, config.quiet, config.smoke, config.seed
+    out, quiet, seed = config.out, config.quiet, config.seed
+    size = {"smoke": config.smoke, "seed": seed}
     data = out / "recordings"
-    given = {"quiet": quiet, "smoke": smoke, "data": data}
+    given = {"quiet": quiet, "data": data}
     return (
         ("designing a motion", lambda: design.run(_design(config, out / "design", seed))),
         ("recording it, with another for validation and one for the test", lambda: _record(config)),
@@ -76,11 +77,11 @@ def _steps(config: Demo) -> tuple[tuple[str, Callable[[], int]], ...]:
         ),
         (
             "looking for what the model lacks",
-            lambda: diagnose.run(Diagnose(**given, out=out / "diagnosis", seed=seed)),
+            lambda: diagnose.run(Diagnose(**given, **size, out=out / "diagnosis")),
         ),
         (
             "making a model for a simulator",
-            lambda: feasible.run(Feasible(**given, out=out / "feasible", model=MODEL, seed=seed)),
+            lambda: feasible.run(Feasible(**given, **size, out=out / "feasible", model=MODEL)),
         ),
         (
             "writing it as code and as a simulation",

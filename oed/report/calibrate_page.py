@@ -29,7 +29,11 @@ def calibrate_page(record: Mapping[str, Any], provenance: Provenance) -> Page:
         provenance: Of the run.
     """
     changes = record["changes_from_file"]
-    bodies: list = [Table(changes, "Masses beside the robot file's", LINKS)] if changes else []
+    bodies: list = (
+        [Table(changes, "Masses beside the robot file's, and what moved beyond reason", LINKS)]
+        if changes
+        else []
+    )
     bodies += [Text(f"Warning: {words}") for words in record["warnings"]]
     pages = (*PAGES, MODEL, *_exports(record["exports"]))
     return Page(

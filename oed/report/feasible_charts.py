@@ -23,10 +23,10 @@ def mass_chart(changes: Sequence[LinkChange]) -> Chart:
     Args:
         changes: Of the links; their sum is left out, as it would dwarf them.
     """
-    links = [change for change in changes if change.centre_before is not None]
+    links = [change for change in changes if change.centre]
     names = [plain(change.link) for change in links]
-    mass = np.array([change.mass_after for change in links])
-    interval = np.array([change.interval for change in links]).reshape(-1, 2)
+    mass = np.array([change.mass.after for change in links])
+    interval = np.array([change.mass.interval for change in links]).reshape(-1, 2)
     error = {
         "type": "data",
         "symmetric": False,
@@ -34,7 +34,7 @@ def mass_chart(changes: Sequence[LinkChange]) -> Chart:
         "arrayminus": np.maximum(mass - interval[:, 0], 0.0),
     }
     told = "%{x}: %{y:.4g} kg"
-    before = np.array([change.mass_before for change in links])
+    before = np.array([change.mass.before for change in links])
     traces = [_bars(names, before, "robot file", GREY, told)]
     traces.append({**_bars(names, mass, "identified", BLUE, told), "error_y": error})
     axes = {"yaxis": {"title": {"text": "mass [kg]"}}, "barmode": "group"}
@@ -47,16 +47,16 @@ def centre_chart(changes: Sequence[LinkChange]) -> Chart:
     Args:
         changes: Of the links; those without a centre are left out.
     """
-    pairs = [
-        (plain(change.link), change.centre_before, change.centre_after)
-        for change in changes
-        if change.centre_before is not None and change.centre_after is not None
-    ]
-    names = [name for name, _, _ in pairs]
+    links = [change for change in changes if change.centre]
+    names = [plain(change.link) for change in links]
     traces: list[Trace] = []
     for axis, letter in enumerate("xyz"):
-        for label, colour, k in (("robot file", GREY, 1), ("identified", BLUE, 2)):
-            values = np.array([float(pair[k][axis]) for pair in pairs])
+        moved = [change.centre[axis] for change in links]
+        before, after = np.array([[m.before, m.after] for m in moved]).reshape(-1, 2).T
+        for label, colour, values in (
+            ("robot file", GREY, before),
+            ("identified", BLUE, after),
+        ):
             told = f"%{{x}}: {letter} %{{y:.4f}} m"
             bars = _bars(names, values, label, colour, told)
             own = {"yaxis": panel_axis(axis), "legendgroup": label, "showlegend": axis == 0}

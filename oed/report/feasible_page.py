@@ -158,10 +158,11 @@ def _change_section(result: FeasibleCalibration) -> Section:
     if not result.changes:
         return Section("What changed from the robot's file", (*warnings, pull))
     about = Text(
-        "A mass is marked as beyond reason where it is more than twice or less than half of the "
-        "file's though least squares on the data alone leave it open. `data alone` is empty where "
-        "no torque depends on that mass by itself; inertias are means of the principal moments about "
-        "the centre of mass."
+        "Beyond reason is what least squares on the data alone leave open and yet makes the link twice "
+        "the body it was: a mass or an inertia that doubled or halved, a centre that moved by more than "
+        "the radius of gyration, which doubles the inertia about where it was. `data alone` is a standard "
+        "deviation, and empty where no torque depends on that value by itself; inertias are means of the "
+        "principal moments about the centre of mass."
     )
     charts = (mass_chart(result.changes), centre_chart(result.changes))
     return Section(
@@ -171,11 +172,12 @@ def _change_section(result: FeasibleCalibration) -> Section:
 
 
 def _total(change: LinkChange) -> Text:
-    low, high = change.interval
-    percent = 100 * (change.mass_after / change.mass_before - 1)
+    mass = change.mass
+    low, high = mass.interval
+    percent = 100 * (mass.after / mass.before - 1)
     return Text(
-        f"Total mass of the moving links: {change.mass_after:.4g} kg identified (95 %: {low:.4g} to "
-        f"{high:.4g} kg), {change.mass_before:.4g} kg in the file: {percent:+.1f} %."
+        f"Total mass of the moving links: {mass.after:.4g} kg identified (95 %: {low:.4g} to "
+        f"{high:.4g} kg), {mass.before:.4g} kg in the file: {percent:+.1f} %."
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from oed.estimation.feasible.calibration import FeasibleCalibration
+from oed.estimation.feasible.change_from_file import LinkChange
 from oed.report.table import Row
 
 MOSTLY_DATA = 0.5  # share from data above which a parameter counts as measured
@@ -64,30 +65,43 @@ def link_rows(result: FeasibleCalibration) -> list[Row]:
 
 def change_rows(result: FeasibleCalibration) -> list[Row]:
     """One row a link and one for the total mass: in the file, as identified, and the change."""
-    rows: list[Row] = []
-    for change in result.changes:
-        row: dict[str, str | float | bool | None] = {
-            "link": change.link,
-            "file [kg]": change.mass_before,
-            "identified [kg]": change.mass_after,
-            "change [%]": 100 * (change.mass_after / change.mass_before - 1),
-            "lower95 [kg]": float(change.interval[0]),
-            "upper95 [kg]": float(change.interval[1]),
-            "data alone +- [kg]": change.deviation if np.isfinite(change.deviation) else None,
-            "centre moved [m]": None,
-            "inertia, file [kg m^2]": None,
-            "inertia, identified [kg m^2]": None,
-            "beyond reason": change.is_unreasonable,
+    return [_change_row(change) for change in result.changes]
+
+
+def _change_row(change: LinkChange) -> Row:
+    mass, inertia = change.mass, change.inertia
+    displacement = [moved.after - moved.before for moved in change.centre]
+    spread = float(np.linalg.norm([moved.deviation for moved in change.centre]))
+    row: dict[str, str | float | bool | None] = {
+        "link": change.link,
+        "file [kg]": mass.before,
+        "identified [kg]": mass.after,
+        "change [%]": 100 * (mass.after / mass.before - 1),
+        "lower95 [kg]": float(mass.interval[0]),
+        "upper95 [kg]": float(mass.interval[1]),
+        "data alone +- [kg]": _finite(mass.deviation),
+        "centre moved [m]": float(np.linalg.norm(displacement)) if change.centre else None,
+        "data alone +- [m]": _finite(spread) if change.centre else None,
+        "inertia, file [kg m^2]": None,
+        "inertia, identified [kg m^2]": None,
+        "lower95 [kg m^2]": None,
+        "upper95 [kg m^2]": None,
+        "data alone +- [kg m^2]": None,
+        "beyond reason": ", ".join(moved.name for moved in change.unreasonable),
+    }
+    if inertia is not None:
+        row |= {
+            "inertia, file [kg m^2]": inertia.before,
+            "inertia, identified [kg m^2]": inertia.after,
+            "lower95 [kg m^2]": float(inertia.interval[0]),
+            "upper95 [kg m^2]": float(inertia.interval[1]),
+            "data alone +- [kg m^2]": _finite(inertia.deviation),
         }
-        if change.centre_before is not None and change.centre_after is not None:
-            row["centre moved [m]"] = float(
-                np.linalg.norm(change.centre_after - change.centre_before)
-            )
-        if change.inertia_before is not None and change.inertia_after is not None:
-            row["inertia, file [kg m^2]"] = float(change.inertia_before.sum() / 3)
-            row["inertia, identified [kg m^2]"] = float(change.inertia_after.sum() / 3)
-        rows.append(row)
-    return rows
+    return row
+
+
+def _finite(deviation: float) -> float | None:
+    return deviation if np.isfinite(deviation) else None
 
 
 def validation_rows(result: FeasibleCalibration) -> list[Row]:

@@ -67,11 +67,8 @@ def plan(seeds: int, groups: Sequence[str] = GROUPS, *, first: int = 0) -> list[
 
 
 def smoke() -> list[Case]:
-    """Two small cases."""
-    return [
-        Case("clean", "scara", (), 1.0, "white", True, 0),
-        Case("single", "scara", ("constant",), 1.0, "white", True, 0),
-    ]
+    """One small case."""
+    return [Case("single", "scara", ("constant",), 1.0, "white", True, 0)]
 
 
 def _round(seed: int) -> Iterator[Case]:

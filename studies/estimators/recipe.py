@@ -65,7 +65,7 @@ class Recipe:
 
     def motion(self, q: Float[ndarray, "rows joints"]) -> Motion:
         """Filtered, with central differences."""
-        smooth = filtfilt(*butter(ORDER, CUTOFF, fs=self.rate), q, axis=0)
+        smooth = filtfilt(*butter(ORDER, CUTOFF, fs=self.rate), q, axis=0)  # pyright: ignore[reportCallIssue]  # SciPy has no types: by default these are b, a
         dq = np.gradient(smooth, 1 / self.rate, axis=0)
         ddq = np.gradient(dq, 1 / self.rate, axis=0)
         return Motion(np.arange(len(q)) / self.rate, smooth, dq, ddq)

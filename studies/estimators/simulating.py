@@ -134,8 +134,8 @@ def _closed_loop(
         costs = np.sum((errors(tried) / deviation[:, :, None]) ** 2, axis=(0, 1))
         best = np.argmin(np.nan_to_num(costs, nan=np.inf), axis=1)
         found = tried[np.arange(count), best]
-    told = np.isfinite(spread).all(axis=1)
-    return [Found.of_std(found[k], spread[k]) if told[k] else None for k in range(count)]
+    told = np.flatnonzero(np.all(np.isfinite(spread), axis=1))
+    return [Found.of_std(found[k], spread[k]) if k in told else None for k in range(count)]
 
 
 def _steps(key: str, logs: Logs) -> Float[ndarray, " base"]:

@@ -91,10 +91,10 @@ def findings(lines: Sequence[Line]) -> list[str]:
             f"total least squares gain nothing over least squares: {word}: {min(same):.2g} to "
             f"{max(same):.2g} times the error, the median {median(same):.2g}"
         )
-    slow = [_seconds(lines, m) for m in ("output error", USUAL)]
-    if all(slow):
+    slow, usual = (_seconds(lines, m) for m in ("output error", USUAL))
+    if slow and usual:
         said.append(
-            f"output error is dear: {slow[0] / slow[1]:.0f} times the seconds of {USUAL}, with machine code"
+            f"output error is dear: {slow / usual:.0f} times the seconds of {USUAL}, with machine code"
         )
     return said
 

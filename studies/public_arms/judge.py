@@ -43,6 +43,9 @@ BASE: ModelName = (
 )
 HORIZONS = (0.1, 0.4)  # [s]: sealed parts may be as short as 1.5 s
 WINDOWS = 3  # of a recording
+SMOKE_WEIGHT = (
+    1e-3  # of the pull to bodies of the size of the links, in place of a cross-validation
+)
 KEY = ("arm", "content", "budget", "seed", "smoke")
 VALUES = (
     "status",
@@ -176,7 +179,11 @@ def feasible_beside(case: Case, dataset: DataSet) -> Predictor:
     prepared = prepare_estimate(unsealed, model=case.kept / "diagnosis" / MODEL)
     # Intervals of bodies are not shown here: the fewest resamples and poses.
     settings = FeasibleSettings(
-        demands=FeasibleSet.of(prepared.model), resamples=2, poses=100, seed=case.seed
+        demands=FeasibleSet.of(prepared.model),
+        weight=SMOKE_WEIGHT if case.smoke else None,
+        resamples=2,
+        poses=100,
+        seed=case.seed,
     )
     result = estimate(prepared, settings)
     model = of_feasible(result, Provenance.collect(case, seed=case.seed), prepared.started)

@@ -60,6 +60,7 @@ def test_no_held_out_recording_is_told(sound):
 
 def test_reversed_torques_are_red_though_no_estimate_can_be_made(sound):
     found = check(changed(sound, tau=lambda tau: -tau))
+    assert found.cause is not None
     assert found.cause.kind == "sign"
     assert found.level == "red"
     assert "all torques have the opposite sign" in found.notes[0]

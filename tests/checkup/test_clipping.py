@@ -28,8 +28,8 @@ def test_a_clipped_joint_is_named_with_value_and_share():
     found = clipping_finding(dataset(clipped(1, level)))
     assert found.level == "red"
     assert {row["joint"] for row in found.rows} == {"joint_2"}
-    shares = [row["piled up [%]"] for row in found.rows]
-    assert sum(shares) == pytest.approx(5.0, abs=0.5)
+    shares = np.array([row["piled up [%]"] for row in found.rows], dtype=float)
+    assert shares.sum() == pytest.approx(5.0, abs=0.5)
     assert f"{level:.4g}" in found.text
 
 

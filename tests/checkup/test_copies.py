@@ -20,7 +20,7 @@ def test_a_copy_is_told_though_it_was_written_with_fewer_digits(digits):
     copy = dataclasses.replace(fit, name="test", role="test", t=fit.t + 3.0, q=q, tau=tau)
     found = copy_finding(dataset(recordings=(fit, copy)))
     assert found.level == "red"
-    assert found.rows[0]["copied [%]"] > 90
+    assert float(str(found.rows[0]["copied [%]"])) > 90
     assert "test (test)" in found.text
 
 

@@ -40,6 +40,7 @@ def test_a_known_load_gives_newton_metres_an_ampere(folders, tmp_path, capsys):
     drive = tomllib.loads((tmp_path / "out" / "drive.toml").read_text(encoding="utf-8"))["drive"]
     assert drive["current_to_torque"] == pytest.approx(GAINS, rel=0.01)
     told = re.search(r"load 1: 1.5 kg, centre of mass at x ([0-9.]+)", capsys.readouterr().out)
+    assert told
     assert float(told[1]) == pytest.approx(50.0, rel=0.01)
 
 

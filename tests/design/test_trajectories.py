@@ -135,6 +135,7 @@ def test_a_swing_is_near_the_sine(name) -> None:
     middle, amplitude = np.array([0.5, -1.0]), np.array([0.7, 0.3])
     rate = 2 * np.pi / HORIZON * np.array([1.0, 2.0])
     z = trajectory.swing(middle, amplitude, rate)
+    assert z is not None
     t = np.linspace(2.0, 8.0, 100)
     sine = middle + amplitude * np.sin(t[:, None] * rate)
     allowed = 0.3 if trajectory.at_rest else 0.01

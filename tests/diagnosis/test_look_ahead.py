@@ -37,7 +37,9 @@ def _over_position(problem, held_out):
     there = dataclasses.replace(problem, rows=rows)
     views = Views.of(there, (), "fitted")
     curve = next(c for c in problem.smooth if c.label == "f(q_1)[11]@1")
-    return views.grown((as_term(evaluate(curve, (), views.means)),), "fitted")
+    scored = evaluate(curve, (), views.means)
+    assert scored is not None
+    return views.grown((as_term(scored),), "fitted")
 
 
 def test_a_curve_is_judged_where_held_out_rows_visit_it_and_not_from_a_corner(problem):
@@ -77,6 +79,7 @@ def test_no_candidate_gains_more_than_its_bound(problem):
             beside = fitted.projection.beside(scored.columns)
             own = weighed(candidate, values, fitted, beside, counted)
             weighed_ones += 1
+            assert own is not None
             assert own.nats <= most_gained(beside, counted) - least_price(candidate, problem) + 1e-6
     assert weighed_ones > 30
 

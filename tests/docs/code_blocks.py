@@ -9,6 +9,14 @@ from tests.paths import REPO
 
 # Notebooks hold their text in comments.
 COMMENT = re.compile(r"^# ?", re.MULTILINE)
+STUDY = re.compile(r"python -m studies\.[^`\n]+")
+# Where the command line of a study of several files is read.
+IN_PACKAGES = {
+    "studies.bench": "studies.bench.study",
+    "studies.estimators": "studies.estimators.study",
+    "studies.paper_experiment": "studies.paper_experiment.experiment",
+    "studies.public_arms": "studies.public_arms.study",
+}
 
 
 def pages() -> list[Path]:
@@ -20,6 +28,13 @@ def pages() -> list[Path]:
         *sorted(docs.rglob("*.md")),
         *sorted(docs.glob("tutorials/*.py")),
     ]
+
+
+def study_lines() -> list[str]:
+    """Command lines of studies, in blocks and within sentences."""
+    return sorted(
+        {line for page in pages() for line in STUDY.findall(page.read_text(encoding="utf-8"))}
+    )
 
 
 def blocks(page: Path, language: str) -> list[str]:

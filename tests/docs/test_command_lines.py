@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from oed.commands.main import COMMANDS, configuration_of
-from tests.docs.code_blocks import blocks, pages
+from tests.docs.code_blocks import IN_PACKAGES, blocks, pages, study_lines
 from tests.paths import REPO
 
 LINES = sorted(
@@ -22,17 +22,8 @@ LINES = sorted(
         for line in block.splitlines()
         if line.strip()
     }
-    # The table of claims names a command a row.
-    | set(re.findall(r"`(python -m studies\.[^`]+)`", (REPO / "README.md").read_text()))
+    | set(study_lines())
 )
-
-# Where the command line of a study of several files is read.
-IN_PACKAGES = {
-    "studies.bench": "studies.bench.study",
-    "studies.estimators": "studies.estimators.study",
-    "studies.paper_experiment": "studies.paper_experiment.experiment",
-    "studies.public_arms": "studies.public_arms.study",
-}
 
 
 class Parsed(Exception):  # it ends a command that was only to be parsed

@@ -26,12 +26,13 @@ def recorded():
     diagram, plant = build_simulation(model, sign_width=WIDTH)
     simulator = Simulator(diagram)
     context = simulator.get_mutable_context()
-    plant.SetPositions(plant.GetMyMutableContextFromRoot(context), [-1.4, 0.2])
+    start = np.array([-1.4, 0.2])
+    plant.SetPositions(plant.GetMyMutableContextFromRoot(context), start)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
     t = np.arange(0.0, SECONDS, 1 / RATE)
     tau = np.stack([6 * np.sin(3 * t), 2 * np.cos(5 * t)], axis=1)
     q, dq = np.empty_like(tau), np.empty_like(tau)
     for k, now in enumerate(t):
-        state = diagram.GetOutputPort("state").Eval(context)
+        state = np.asarray(diagram.GetOutputPort("state").Eval(context))
         q[k], dq[k] = state[:2], state[2:]
         diagram.GetInputPort("torque").FixValue(context, tau[k])
         simulator.AdvanceTo(now + 1 / RATE)

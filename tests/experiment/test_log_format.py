@@ -2,6 +2,7 @@
 
 import dataclasses
 import io
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -21,7 +22,7 @@ from tests.experiment.tiny_dataset import (
 )
 
 
-def with_format(folder, lines: str, change) -> object:
+def with_format(folder, lines: str, change) -> Path:
     """The tiny set with keys above its recordings, and its logs' tables changed alike."""
     files = tiny_files()
     files["dataset.toml"] = MANIFEST.replace("[[recording]]", f"{lines}\n[[recording]]", 1).encode()

@@ -9,6 +9,7 @@ import pytest
 from oed.dynamics.identifiability import base_parameters
 from oed.errors import NoUsableResult
 from oed.experiment.dataset import DataSet
+from oed.experiment.drive import TorqueKind
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Recording
 from oed.experiment.write_dataset import write_dataset
@@ -21,7 +22,7 @@ from tests.running import oed
 GAINS = np.array([14.0, 12.5, 11.0, 9.0, 8.0, 8.5])  # [N m/A]
 
 
-def write(folder, divided, *, units="", torque_kind="current"):
+def write(folder, divided, *, units="", torque_kind: TorqueKind = "current"):
     """A data set of torques over constants, whatever they are called."""
     rng = np.random.default_rng(3)
     motion = sweep(rng, 12.0)

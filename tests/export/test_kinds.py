@@ -51,8 +51,9 @@ def test_urdf_is_the_robots_own_but_for_what_was_found(exported):
     for tag in ("link", "joint", "visual", "collision", "mesh"):
         assert len(list(new.iter(tag))) == len(list(own.iter(tag)))
     for root in (own, new):
-        limit = root.find("joint[@name='panda_joint3']/limit").attrib
-        assert float(limit["effort"]) == model.robot.limits.torque[URDF_JOINT, 1]
+        limit = root.find("joint[@name='panda_joint3']/limit")
+        assert limit is not None
+        assert float(limit.attrib["effort"]) == model.robot.limits.torque[URDF_JOINT, 1]
 
 
 @pytest.mark.parametrize(("name", "tags"), [("robot.sdf", ("visual", "collision"))])
@@ -60,7 +61,9 @@ def test_sdf_has_shapes_limits_and_the_robots_name(exported, name, tags):
     model, out = exported
     own = xml(model.robot.description.text)
     new = xml((out / name).read_text(encoding="utf-8"))
-    assert new.find("model").get("name") == own.get("name")
+    arm = new.find("model")
+    assert arm is not None
+    assert arm.get("name") == own.get("name")
     for tag in tags:
         assert len(list(new.iter(tag))) == len(list(own.iter(tag)))
     again = load_robot(out / name, joints=model.robot.joint_names)

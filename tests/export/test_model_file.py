@@ -39,6 +39,8 @@ def test_every_effect_comes_back(tmp_path, name):
         type(e) for e in model.torque_model.effects
     ]
     assert again.torque_model.parameters == model.torque_model.parameters
+    assert model.covariance is not None
+    assert again.covariance is not None
     assert np.array_equal(again.covariance, np.where(model.estimated, model.covariance, 0))
 
 
@@ -56,6 +58,8 @@ def test_a_robot_with_a_file_keeps_it(tmp_path):
     model, _ = model_with("stribeck", robot=robot, duration=0.5)
     again = load_model(written(model, tmp_path))
     assert same_torque(model, again, motion)
+    assert again.robot.description is not None
+    assert robot.description is not None
     assert again.robot.description.text == robot.description.text
     assert again.robot.description.path.resolve() == robot.description.path.resolve()
     for kind in ("position", "velocity", "torque"):
@@ -66,6 +70,8 @@ def test_what_is_known_of_the_numbers_comes_back(tmp_path):
     model, _ = model_with("stribeck")
     again = oed.load_model(written(model, tmp_path))
     assert again.origin == model.origin
+    assert model.validity is not None
+    assert again.validity is not None
     assert np.array_equal(again.validity.tau, model.validity.tau)
     assert again.std == pytest.approx(model.std, nan_ok=True)
 

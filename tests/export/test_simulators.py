@@ -116,7 +116,7 @@ def test_drake_needs_the_models_torque(arm, names):
         state[order], state[n + np.array(order)] = states.q[k], states.dq[k]
         drive.GetInputPort("state").FixValue(context, state)
         drive.GetInputPort("torque").FixValue(context, expected[k])
-        beside[k] += expected[k] - drive.get_output_port().Eval(context)[order]
+        beside[k] += expected[k] - np.asarray(drive.get_output_port().Eval(context))[order]
     assert agrees(beside, expected)
 
 

@@ -6,11 +6,12 @@ import plotly.graph_objects as go
 import pytest
 
 from oed.experiment.dataset import DataSet
+from oed.experiment.recording import Role
 from oed.report.chart import Chart
 from oed.report.check_charts import range_chart, signal_charts
 from oed.robot.builtin import imi_scara
 
-RANGES = {"estimation": (-1.0, 1.5), "test": (0.25, 0.5)}
+RANGES: dict[Role, tuple[float, float]] = {"estimation": (-1.0, 1.5), "test": (0.25, 0.5)}
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +26,7 @@ def dataset() -> DataSet:
         for joint, name in zip(robot.joints, ("shoulder <b>", "elbow"), strict=True)
     )
     robot = dataclasses.replace(robot, joints=joints)
-    return DataSet.from_arrays(robot, t=[t, t], q=q, tau=q, roles=tuple(RANGES))
+    return DataSet.from_arrays(robot, t=[t, t], q=q, tau=q, roles=list(RANGES))
 
 
 def test_are_figures_that_plotly_knows(dataset):

@@ -23,6 +23,7 @@ def test_every_file_has_a_schema_of_its_own() -> None:
 
 def test_a_file_with_an_unknown_or_a_wrong_field_is_refused() -> None:
     record = plain_value(Provenance.collect(DEMO, seed=None))
+    assert isinstance(record, dict)
     schema = SCHEMAS["provenance.schema.json"]
     jsonschema.validate(record, schema)
     for wrong in ({**record, "more": 1}, {**record, "seed": "one"}, {"seed": 1}):

@@ -169,7 +169,7 @@ def _check_motion(case: Case, file: Path, out: Path, said: str) -> None:
             if limit is None:
                 continue
             low, high = limit if isinstance(limit, tuple) else (-limit, limit)
-            values = motion[f"{prefix}_{name}"]
+            values = motion[f"{prefix}_{name}"].to_numpy(dtype=float)
             slack = TOLERANCE * (high - low)
             assert values.min() >= low - slack, (name, prefix, values.min(), low)
             assert values.max() <= high + slack, (name, prefix, values.max(), high)
@@ -183,7 +183,7 @@ def _check_torque(
 ) -> None:
     """Hold the torque that Drake computes against the file's effort limits."""
     plant = MultibodyPlant(0.0)
-    Parser(plant).AddModels(str(file))
+    Parser(plant).AddModels(file)
     plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("link_0"))
     plant.Finalize()
     context = plant.CreateDefaultContext()
@@ -198,11 +198,11 @@ def _check_torque(
         q, v, a = rest.copy(), np.zeros_like(rest), np.zeros_like(rest)
         for k, name in zip(at, joints, strict=True):
             q[k], v[k], a[k] = (row[f"{prefix}_{name}"] for prefix in ("q", "dq", "ddq"))
-        plant.SetPositions(context, q)
-        plant.SetVelocities(context, v)
+        plant.SetPositions(context, q)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
+        plant.SetVelocities(context, v)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
         forces.SetZero()
         plant.CalcForceElementsContribution(context, forces)
-        torque = plant.CalcInverseDynamics(context, a, forces)
+        torque = plant.CalcInverseDynamics(context, a, forces)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
         for k, name in zip(at, joints, strict=True):
             effort = case.bounds[name].effort
             if effort is not None:

@@ -60,7 +60,8 @@ def make_case(number: int, folder: Path) -> Case:
     )[0]
     if command == "cross-check":
         return Case(command, (*source, "--states", "50"), told)
-    return Case(command, (*source, "--smoke", *(() if command == "diagnose" else more)), told)
+    less = () if command == "identify" else ("--smoke",)
+    return Case(command, (*source, *less, *(() if command == "diagnose" else more)), told)
 
 
 def _spoil(files: dict[str, str], folder: Path, rng: random.Random) -> str:

@@ -193,7 +193,7 @@ def test_the_accuracy_and_the_changes_are_in_the_record_and_on_the_page(
     for row in record["changes_from_file"]:
         assert row["change [%]"] == pytest.approx(0.0, abs=1.0)
         assert row["data alone +- [kg]"] is None
-        assert row["beyond reason"] is False
+        assert row["beyond reason"] == ""
     assert record["warnings"] == []
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "of its optimum, relatively; all demands are met" in page
@@ -206,8 +206,8 @@ def test_a_mass_beyond_reason_is_told_with_the_files(simulated: Path, tmp_path: 
     record = json.loads((tmp_path / "estimate.json").read_text(encoding="utf-8"))
     total = record["changes_from_file"][-1]
     assert total["identified [kg]"] == pytest.approx(300.0, rel=1e-6)
-    assert total["beyond reason"] is True
-    assert any("all links: 300 kg, in the file" in warning for warning in record["warnings"])
+    assert total["beyond reason"] == "mass"
+    assert any("all links: mass 300 kg, in the file" in warning for warning in record["warnings"])
     assert "believe the file" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 

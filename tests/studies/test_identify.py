@@ -117,7 +117,7 @@ def test_gaps_of_the_log_are_told_and_cost_no_accuracy(
 def test_leaves_everything_that_it_promises(tmp_path: Path) -> None:
     _simulated(tmp_path / "data", np.random.default_rng(22))
     out = tmp_path / "out"
-    assert oed("identify", str(tmp_path / "data"), "--out", str(out), "--smoke") == 0
+    assert oed("identify", str(tmp_path / "data"), "--out", str(out)) == 0
     record = json.loads((out / "estimate.json").read_text())
     promised = {
         "format", "data", "joints", "samples", "parameters", "unidentifiable", "condition",
@@ -154,7 +154,7 @@ def test_a_motionless_joint_is_named_and_not_given_numbers(tmp_path: Path) -> No
 
 def test_what_cannot_be_right_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     _simulated(tmp_path / "data", np.random.default_rng(28))
-    arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
+    arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
     assert oed(*arguments, "--model", "standard") == 0
     assert json.loads((tmp_path / "out" / "estimate.json").read_text())["doubts"] == []
     assert "they cannot be" not in capsys.readouterr().out
@@ -184,7 +184,7 @@ def test_a_joint_whose_encoder_only_flickers_is_told(
         header = file.read_text().splitlines()[0]
         table[:, header.split(",").index("q_2")] = 0.1 + 1e-5 * rng.normal(size=len(table))
         np.savetxt(file, table, delimiter=",", header=header, comments="", fmt="%.17g")
-    arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--smoke"]
+    arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
     assert oed(*arguments) == 0
     assert "does not move in the recordings for estimation: joint_2" in capsys.readouterr().out
 

@@ -46,7 +46,8 @@ def test_a_true_arm_holds_what_it_is_given():
     rng = np.random.default_rng(1)
     arm = ARMS["scara"]
     true, body = TrueArm.draw(arm, rng), draw_load(rng)
-    still = TrueArm(true.robot, *(0 * x for x in (true.coulomb,) * 3), true.speed, 0 * true.coulomb)
+    nothing = 0 * true.coulomb
+    still = TrueArm(true.robot, nothing, nothing, nothing, true.speed, nothing)
     motion = random_motion_of(arm, 2.0, rng)
     more = still.holding(arm.frame, body).torque(motion) - still.torque(motion)
     assert still.torque(motion) == pytest.approx(rigid_body_torque(true.robot, motion), abs=1e-8)

@@ -2,6 +2,8 @@
 
 import csv
 import shutil
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pandas as pd
@@ -12,6 +14,7 @@ from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepared import Prepared
 from oed.report.table import read_csv
 from oed.robot.builtin import imi_scara
 from studies.public_arms import judge, panda_rome, pendulum_dfki, psm_worcester, study, tx40_nantes
@@ -120,15 +123,15 @@ def test_the_second_motion_of_the_manipulator_is_sealed_whole(tmp_path):
     t = np.arange(0, 5, 1 / psm_worcester.RATE)
     folder = tmp_path / "clone" / psm_worcester.DATA
     folder.mkdir(parents=True)
-    for seed, name in enumerate(("one", "two")):
-        x = motion(t, 7, seed)
+    first, second = (motion(t, 7, seed) for seed in range(2))
+    for name, x in (("one", first), ("two", second)):
         rows = np.hstack([0.1 * x.q + 0.15, 0.1 * x.dq, x.ddq])
         np.savetxt(folder / f"{name}_results.csv", rows, delimiter=",")
     dataset = psm_worcester.ARM.imported(tmp_path / "clone", tmp_path / "out")
     by_role = {r.role: r for r in dataset.recordings}
     assert [joint.unit("N m") for joint in dataset.robot.joints] == ["N m", "N m", "N"]
     assert len(by_role["test"].t) == len(t)
-    np.testing.assert_allclose(by_role["test"].tau, x.ddq[:, :3])
+    np.testing.assert_allclose(by_role["test"].tau, second.ddq[:, :3])
     assert by_role["estimation"].t[-1] < by_role["validation"].t[0]
 
 
@@ -193,6 +196,25 @@ def test_an_arm_without_a_clone_has_a_line_that_says_how_to_get_it(tmp_path):
     assert "TX40 (Nantes): failed" in (out / "summary.md").read_text()
 
 
+def test_a_clone_is_diagnosed_and_its_sealed_rows_are_judged(tmp_path):
+    pendulum(tmp_path / "clone")
+    out = tmp_path / "out"
+    given = [
+        "--repo",
+        str(tmp_path / "clone"),
+        "--out",
+        str(out),
+        "--reports",
+        str(tmp_path / "reports"),
+    ]
+    assert study.main([*given, "--smoke"]) == 0
+    (row,) = [r for r in read_csv(out / "runs.csv") if r["arm"] == pendulum_dfki.ARM.name]
+    assert row["status"] == "done"
+    # The torque is a weight at each joint and viscous friction: that has a rigid body, but the published
+    # numbers are of another.
+    assert row["relative_base"] < 0.2 < row["relative_peer"]
+
+
 def test_a_clone_is_found_by_what_it_holds_also_in_a_folder_of_clones(tmp_path):
     clone = tmp_path / "clones" / "anything"
     pendulum(clone)
@@ -230,20 +252,13 @@ def test_a_user_s_data_set_stands_beside_the_public_ones_and_a_fault_is_a_line(t
 
 
 def test_errors_are_those_of_the_rows_and_intervals_hold_them():
-    class Rows:
-        valid = np.ones(400, dtype=bool)
-
-        class band:  # noqa: N801
-            analysis_rate = 20.0
-
     rng = np.random.default_rng(0)
-    rows = Rows()
-    rows.torque = rng.normal(size=(400, 2)) * [3.0, 1.0]
+    torque = rng.normal(size=(400, 2)) * [3.0, 1.0]
+    band = SimpleNamespace(analysis_rate=20.0)
+    rows = cast(Prepared, SimpleNamespace(valid=np.ones(400, dtype=bool), torque=torque, band=band))
     ours = rng.normal(size=(400, 2)) * 0.1
     found = compare({"loop": [ours], "peer": [2 * ours]}, [rows], rng, ours="loop")
-    assert found.relative["loop"] == pytest.approx(
-        np.sqrt((ours**2).sum() / (rows.torque**2).sum())
-    )
+    assert found.relative["loop"] == pytest.approx(np.sqrt((ours**2).sum() / (torque**2).sum()))
     low, high = found.interval["loop"]
     assert low < found.relative["loop"] < high
     assert found.ratio["peer"] == pytest.approx((0.5, 0.5))

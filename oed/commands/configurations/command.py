@@ -38,7 +38,6 @@ class DataSetCommand(Command):
             (offset), or with rotor inertias besides (rotor); if not given, rotor where the data set
             declares gears and determines it, else standard.
         sign_width: Velocity over which Coulomb friction turns [rad/s]; from the data if not given.
-        smoke: Do less, to see that it works.
     """
 
     data: Annotated[Path, tyro.conf.Positional]
@@ -47,4 +46,3 @@ class DataSetCommand(Command):
     cutoff: float | None = None
     model: ModelName | None = None
     sign_width: float | None = None
-    smoke: bool = False

@@ -54,6 +54,7 @@ class Feasible(DataSetCommand):
         weight: Of that pull; by cross-validation if not given.
         total_mass: Of all moving links [kg], where it is known.
         collision: Each link's mass lies within its collision geometry.
+        smoke: Do less, to see that it works.
         seed: Of poses and bootstrap.
     """
 
@@ -63,6 +64,7 @@ class Feasible(DataSetCommand):
     weight: float | None = None
     total_mass: float | None = None
     collision: bool = False
+    smoke: bool = False
     seed: Seed = 0
 
 

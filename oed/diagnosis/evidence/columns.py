@@ -94,9 +94,10 @@ def _seen_through(
             return own
         return np.concatenate([np.zeros((*own.shape[:2], leading)), own], axis=2)
 
+    seen_last: Callable[[Motion], Float[ndarray, "_ joints columns"]] = evaluate
     for seen_through in model.measurement:
-        evaluate = _through(seen_through, evaluate)
-    return evaluate(motion)[:, :, leading:]
+        seen_last = _through(seen_through, seen_last)
+    return seen_last(motion)[:, :, leading:]
 
 
 def _through(

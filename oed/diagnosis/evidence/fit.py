@@ -112,17 +112,17 @@ class Beside:
     @cached_property
     def within(self) -> Float[ndarray, "rank columns"]:
         """Q' X of all joints."""
-        return sum(self.inside.values())
+        return np.sum(list(self.inside.values()), axis=0)
 
     @cached_property
     def information(self) -> Float[ndarray, "columns columns"]:
         """A = X' X less what lies in the span."""
-        return sum(self.squares.values()) - self.within.T @ self.within
+        return np.sum(list(self.squares.values()), axis=0) - self.within.T @ self.within
 
     @cached_property
     def score(self) -> Float[ndarray, " columns"]:
         """G = X' r."""
-        return sum(self.scores.values())
+        return np.sum(list(self.scores.values()), axis=0)
 
     def left_by(self, sizes: Float[ndarray, " columns"]) -> Float[ndarray, " joints"]:
         """(n,) sums of squares that are left of white rows with these coefficients, all else refitted."""

@@ -210,8 +210,10 @@ def _moved(
     x = -steps - whole
     weights = ((1 - x) ** 3, 4 - 6 * x**2 + 3 * x**3, 4 - 6 * (1 - x) ** 2 + 3 * (1 - x) ** 3, x**3)
     first = held + max(min(whole, len(t)), -len(t)) - 1
-    rows = (spline[first + k : first + k + len(t)] for k in range(4))
-    return sum(w / 6 * row for w, row in zip(weights, rows, strict=True))
+    moved = np.zeros_like(u)
+    for k, weight in enumerate(weights):
+        moved += weight / 6 * spline[first + k : first + k + len(t)]
+    return moved
 
 
 def earlier(motion: Motion, delay: float) -> Float[ndarray, " samples"]:

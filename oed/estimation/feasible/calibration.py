@@ -129,7 +129,7 @@ class FeasibleCalibration:
                 f"weight {weight:.0e} was passed over: no solver came to a solution in every fold"
                 for weight in unsolved
             ),
-            *(change.warning for change in self.changes if change.is_unreasonable),
+            *(change.warning for change in self.changes if change.warning),
         )
 
     def price(self, role: Role) -> float:

@@ -1,4 +1,10 @@
-"""What an estimate makes of the robot file's links: before, after, and whether the data asked for it."""
+"""What an estimate makes of the robot file's links: before, after, and whether the data asked for it.
+
+One rule for mass, centre of mass and moments of inertia. A value moved beyond reason if the data alone do
+not determine it and the body is twice what it was: the mass doubled or halved, the moments about the
+centre of mass doubled or halved, or the centre moved so far that the moment about where it was doubled,
+J + m d^2 > 2 J, which is by the radius of gyration.
+"""
 
 from __future__ import annotations
 
@@ -11,70 +17,98 @@ from scipy.linalg import svd
 
 from oed.estimation.feasible.coordinates import ENTRIES
 from oed.estimation.feasible.problem import FeasibleProblem
-from oed.robot.inertia import pseudo_inertia
 
-# A mass beyond this factor of the file's is reported: makers' masses of whole links agree with
-# identified ones within some ten per cent where both are told apart (Gaz and others 2019, Panda).
+# Makers' masses of whole links agree with identified ones within some ten per cent where both are
+# told apart (Gaz and others 2019, Panda): twice as much is another body.
 FACTOR = 2.0
 # Standard deviation, per value, up to which least squares on the data alone determine it.
 DETERMINED = 0.3
 # Share of a unit vector outside the data's row space that is taken for rounding.
 OUTSIDE = 1e-4
 RANK = 1e-8  # of the largest singular value of columns of unit length
+NAMES = ("mass", "centre x", "centre y", "centre z", "inertia")
+UNITS = ("kg", "m", "m", "m", "kg m^2")
 
 
 @dataclass(frozen=True)
-class LinkChange:
-    """One link, or all of them together, in the file and as identified.
+class Moved:
+    """A value of a link in the file and as identified.
 
     Attributes:
-        link: Its name; "all links" for the sum.
-        mass_before: In the file [kg].
-        mass_after: As identified [kg].
-        interval: (2) of that mass [kg].
-        deviation: Standard deviation of the mass by least squares on the data alone [kg], inf
-            where they do not depend on it.
-        centre_before: (3) centre of mass in the file, body frame [m]; None for the sum.
-        centre_after: (3) as identified [m]; None for the sum.
-        inertia_before: (3) principal moments about the centre of mass in the file [kg m^2].
-        inertia_after: (3) as identified [kg m^2].
+        name: "mass"; "centre x" and so on, in the body frame; "inertia", the mean of the principal
+            moments about the centre of mass.
+        unit: Of all numbers here.
+        before: In the file.
+        after: As identified.
+        interval: (2) of that.
+        deviation: Its standard deviation by least squares on the data alone, inf where they do not
+            depend on it.
+        size: What counts as one: the value itself, of a centre the file's radius of gyration.
+        reason: (2) least and most that is within reason.
     """
 
-    link: str
-    mass_before: float
-    mass_after: float
+    name: str
+    unit: str
+    before: float
+    after: float
     interval: Float[ndarray, "2"]
     deviation: float
-    centre_before: Float[ndarray, "3"] | None = None
-    centre_after: Float[ndarray, "3"] | None = None
-    inertia_before: Float[ndarray, "3"] | None = None
-    inertia_after: Float[ndarray, "3"] | None = None
+    size: float
+    reason: tuple[float, float]
 
     @property
     def is_determined(self) -> bool:
-        """Whether the data alone determine the mass."""
-        return self.deviation <= DETERMINED * abs(self.mass_after)
+        """Whether the data alone determine it."""
+        return self.deviation <= DETERMINED * self.size
 
     @property
     def is_unreasonable(self) -> bool:
-        """Whether the mass moved by more than a factor without the data determining it."""
-        ratio = self.mass_after / self.mass_before
-        return not self.is_determined and not 1 / FACTOR <= ratio <= FACTOR
+        """Whether it moved beyond reason without the data determining it."""
+        return not self.is_determined and not self.reason[0] <= self.after <= self.reason[1]
 
     @property
-    def warning(self) -> str:
-        """What moved, in words."""
+    def words(self) -> str:
+        """Before and after, and what is known of it."""
         low, high = self.interval
         known = (
             "no torque in the data depends on it by itself"
             if not np.isfinite(self.deviation)
-            else f"the data alone leave it uncertain by {self.deviation:.3g} kg"
+            else f"the data alone leave it uncertain by {self.deviation:.3g} {self.unit}"
         )
         return (
-            f"{self.link}: {self.mass_after:.3g} kg, in the file {self.mass_before:.3g} kg (95 % of "
-            f"resampled estimates: {low:.3g} to {high:.3g} kg), and {known}: believe the file, state "
-            "--total-mass or raise --weight"
+            f"{self.name} {self.after:.3g} {self.unit}, in the file {self.before:.3g} {self.unit} (95 % "
+            f"of resampled estimates: {low:.3g} to {high:.3g} {self.unit}), and {known}"
         )
+
+
+@dataclass(frozen=True)
+class LinkChange:
+    """One link, or all of them together.
+
+    Attributes:
+        link: Its name; "all links" for the sum.
+        mass: Of it.
+        centre: (3) along the axes of the body frame; none for the sum.
+        inertia: None for the sum.
+    """
+
+    link: str
+    mass: Moved
+    centre: tuple[Moved, ...] = ()
+    inertia: Moved | None = None
+
+    @property
+    def unreasonable(self) -> tuple[Moved, ...]:
+        """What moved beyond reason."""
+        every = (self.mass, *self.centre, *(() if self.inertia is None else (self.inertia,)))
+        return tuple(moved for moved in every if moved.is_unreasonable)
+
+    @property
+    def warning(self) -> str:
+        """What moved beyond reason, in words; empty if nothing did."""
+        told = "; ".join(moved.words for moved in self.unreasonable)
+        remedy = "believe the file, state --total-mass or raise --weight"
+        return f"{self.link}: {told}: {remedy}" if told else ""
 
 
 def link_changes(
@@ -96,32 +130,77 @@ def link_changes(
         problem: Whose data say what they determine.
         level: Of the intervals.
     """
-    inertial = len(after)
-    masses = np.arange(0, inertial, ENTRIES)
-    tail = 50 * (1 - level)
-    weights = [np.eye(len(masses))[k] for k in range(len(masses))] + [np.ones(len(masses))]
-    combinations = np.zeros((len(weights), problem.coordinates.size))
-    combinations[:, masses] = weights
-    deviations = deviations_from_data(problem, combinations)
+    tail = [50 * (1 - level), 50 * (1 + level)]
+    old, new = (_values(p.reshape(-1, ENTRIES)) for p in (before, after))
+    drawn = _values(samples[:, : len(after)].reshape(len(samples), -1, ENTRIES))
+    intervals = np.moveaxis(np.percentile(drawn, tail, axis=0), 0, -1)
+    deviations = deviations_from_data(problem, _slopes(after, problem.coordinates.size))
+    total, each = deviations[-1], deviations[:-1].reshape(new.shape)
     changes = []
-    for k, (weight, deviation) in enumerate(zip(weights, deviations, strict=True)):
-        own = slice(ENTRIES * k, ENTRIES * k + ENTRIES)
-        is_link = k < len(links)
-        old, new = (_body(p[own]) if is_link else (None, None) for p in (before, after))
-        changes.append(
-            LinkChange(
-                link=links[k] if is_link else "all links",
-                mass_before=float(weight @ before[masses]),
-                mass_after=float(weight @ after[masses]),
-                interval=np.percentile(samples[:, masses] @ weight, [tail, 100 - tail]),
-                deviation=float(deviation),
-                centre_before=old[0],
-                centre_after=new[0],
-                inertia_before=old[1],
-                inertia_after=new[1],
+    for k, link in enumerate(links):
+        gyration = float(np.sqrt(old[k, 4] / old[k, 0]))
+        mass, *centre, inertia = (
+            _moved(
+                i,
+                old[k, i],
+                new[k, i],
+                interval=intervals[k, i],
+                deviation=each[k, i],
+                gyration=gyration,
             )
+            for i in range(len(NAMES))
         )
-    return tuple(changes)
+        changes.append(LinkChange(link, mass, tuple(centre), inertia))
+    masses = np.percentile(drawn[:, :, 0].sum(axis=1), tail)
+    sums = old[:, 0].sum(), new[:, 0].sum()
+    whole = _moved(0, *sums, interval=masses, deviation=total, gyration=np.nan)
+    return (*changes, LinkChange("all links", whole))
+
+
+def _moved(
+    kind: int,
+    before: float,
+    after: float,
+    *,
+    interval: Float[ndarray, "2"],
+    deviation: float,
+    gyration: float,
+) -> Moved:
+    is_centre = NAMES[kind].startswith("centre")
+    far = (FACTOR - 1) ** 0.5 * gyration
+    return Moved(
+        NAMES[kind],
+        UNITS[kind],
+        float(before),
+        float(after),
+        interval,
+        float(deviation),
+        size=gyration if is_centre else abs(float(after)),
+        reason=(before - far, before + far) if is_centre else (before / FACTOR, before * FACTOR),
+    )
+
+
+def _values(parameters: Float[ndarray, "*k 10"]) -> Float[ndarray, "*k 5"]:
+    """Mass, centre of mass and mean principal moment about it, of each body."""
+    mass, first = parameters[..., :1], parameters[..., 1:4]
+    about_origin = parameters[..., [4, 7, 9]].sum(axis=-1, keepdims=True)
+    about_centre = about_origin - 2 * (first**2).sum(axis=-1, keepdims=True) / mass
+    return np.concatenate([mass, first / mass, about_centre / 3], axis=-1)
+
+
+def _slopes(after: Float[ndarray, " inertial"], size: int) -> Float[ndarray, "k p"]:
+    """Derivatives of the values of all bodies, and of the total mass, by the parameters."""
+    bodies = after.reshape(-1, ENTRIES)
+    slopes = np.zeros((len(bodies), len(NAMES), size))
+    for k, (mass, *first) in enumerate(bodies[:, :4]):
+        own, centre = slice(ENTRIES * k, ENTRIES * (k + 1)), np.array(first) / mass
+        slopes[k, 0, own][0] = 1.0
+        slopes[k, 1:4, own][:, 0] = -centre / mass
+        slopes[k, 1:4, own][:, 1:4] = np.eye(3) / mass
+        slopes[k, 4, own][[4, 7, 9]] = 1 / 3
+        slopes[k, 4, own][1:4] = -4 / 3 * centre
+        slopes[k, 4, own][0] = 2 / 3 * centre @ centre
+    return np.vstack([slopes.reshape(-1, size), slopes[:, 0].sum(axis=0)])
 
 
 def deviations_from_data(
@@ -152,11 +231,3 @@ def deviations_from_data(
     outside |= np.any(np.abs(rows[:, ~used]) > 0, axis=1)
     deviations = np.linalg.norm(along / values[kept], axis=1) / np.sqrt(problem.rows)
     return np.where(outside, np.inf, deviations)
-
-
-def _body(parameters: Float[ndarray, "10"]) -> tuple[ndarray, ndarray]:
-    """Centre of mass and principal moments about it."""
-    pseudo = pseudo_inertia(parameters)
-    centre = pseudo[:3, 3] / parameters[0]
-    spread = pseudo[:3, :3] - parameters[0] * np.outer(centre, centre)
-    return centre, np.linalg.eigvalsh(np.trace(spread) * np.eye(3) - spread)

@@ -110,8 +110,11 @@ def _check_units(bare: DataSet, loaded: DataSet, both: str) -> None:
             "[drive] current_to_torque in dataset.toml"
         )
     mine, theirs = (d.drive.current_to_torque for d in (bare, loaded))
-    both_stated = mine is not None and theirs is not None
-    if both_stated and not np.allclose(mine, theirs, rtol=SAME_CONSTANT):
+    if mine is None or theirs is None:
+        is_same = True
+    else:
+        is_same = np.allclose(mine, theirs, rtol=SAME_CONSTANT)
+    if not is_same:
         raise OtherArm(
             f"{both}: current_to_torque is {_listed(mine)} and {_listed(theirs)} N m/A: "
             "the drives are the same, so are their constants"

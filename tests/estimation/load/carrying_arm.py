@@ -7,6 +7,7 @@ import pinocchio as pin
 
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
+from oed.estimation.load.quantities import Quantity
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.preparation.processed import ProcessedRecording, processed
 from oed.experiment.preparation.settings import choose_settings
@@ -44,6 +45,12 @@ def sweep(rng, seconds):
         np.sum(amplitude * omega * np.cos(phase), axis=2),
         np.sum(-amplitude * omega**2 * np.sin(phase), axis=2),
     )
+
+
+def known_interval(quantity: Quantity) -> tuple[float, float]:
+    """Of a quantity that the data determine."""
+    assert quantity.interval is not None
+    return quantity.interval
 
 
 def torque(motion, *, is_loaded, load_friction=0.0, at="tool0"):

@@ -38,7 +38,9 @@ def test_a_centre_of_mass_is_held_however_badly_the_mass_is_known():
     hits = 0
     for _ in range(2000):
         drawn = BODY + std * rng.standard_normal(10)
-        low, high = _ratio_interval(known(drawn, np.diag(std**2)), 3, 1.96)
+        interval = _ratio_interval(known(drawn, np.diag(std**2)), 3, 1.96)
+        assert interval is not None
+        low, high = interval
         hits += low <= BODY[3] / BODY[0] <= high
     assert 0.94 < hits / 2000 <= 0.97
 

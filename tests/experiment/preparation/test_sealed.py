@@ -29,7 +29,7 @@ def test_a_test_recording_changes_nothing_of_the_others(change):
 
 def test_a_repeated_test_does_not_widen_the_band_of_motions_that_ran_once():
     recordings = data_set(1, step=1e-7).recordings
-    single = tuple(map(once, recordings))
+    single = tuple(once(r) for r in recordings)
     mixed = tuple(r if r.role == "test" else once(r) for r in recordings)
     one, same = (prepare(own)[0].band for own in (single, mixed))
     assert one.cutoff == same.cutoff < prepare(recordings)[0].band.cutoff
