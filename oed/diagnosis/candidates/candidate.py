@@ -193,15 +193,15 @@ class SmoothCandidate(Candidate):
         return None
 
     def precision(self, columns: int) -> Float[ndarray, "columns columns"]:
-        """Second differences along each coordinate (Eilers and Marx 1996, Statistical Science 11(2))."""
+        """First differences along each coordinate (Eilers and Marx 1996, Statistical Science 11(2)).
+
+        Where no row was, the function lies between what it is around (Currie, Durban and Eilers
+        2004, Statistical Modelling 4(4)); second differences would go on along its slope.
+        """
         counts = [c.functions for c in self.term.coordinates]
         result = np.zeros((columns, columns))
         for k, count in enumerate(counts):
-            if count < 3:
-                own = np.eye(count) * (count > 1)
-            else:
-                bends = np.diff(np.eye(count), 2, axis=0)
-                own = bends.T @ bends
+            steps = np.diff(np.eye(count), axis=0)
             before, after = int(np.prod(counts[:k])), int(np.prod(counts[k + 1 :]))
-            result += np.kron(np.kron(np.eye(before), own), np.eye(after))
+            result += np.kron(np.kron(np.eye(before), steps.T @ steps), np.eye(after))
         return result

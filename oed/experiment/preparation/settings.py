@@ -21,6 +21,7 @@ from oed.experiment.preparation.band import (
 )
 from oed.experiment.preparation.fresh import fresh_samples
 from oed.experiment.preparation.motion_band import search_cutoff
+from oed.experiment.preparation.torque_end import torque_end
 from oed.experiment.preparation.uniform import between_gaps, uniform, uniform_rate
 from oed.experiment.recording import Recording
 
@@ -93,9 +94,10 @@ def choose_settings(
         raise ValueError("no recording has the role estimation: give it to one in dataset.toml")
     rate = uniform_rate(recordings)
     seen = [r for r in recordings if r.role != "test"]
-    positions = [q for r in seen for q in between_gaps(r, uniform(r, rate), rate)]
+    positions, torques = _stretches(seen, rate)
     noise = position_noise(positions, rate)
     lowest, highest, why = LEAST_BAND, HIGHEST_BAND, _why(noise)
+    end = torque_end(torques, rate)
     if cutoff is not None:
         if not 0 < cutoff <= rate / (2 * SAMPLES_PER_CUTOFF):
             raise ValueError(
@@ -105,6 +107,8 @@ def choose_settings(
         lowest, highest, why = cutoff, cutoff, "given"
     elif all(r.repetitions < 2 for r in recordings if r.role == "estimation"):
         highest = min(highest, _motion_band(recordings, rate))
+    if cutoff is None and end < highest:
+        lowest, highest, why = min(lowest, end), end, _why_filtered(end)
     band = choose_band(noise, rate, lowest, highest)
     periods = [p for p in map(period_of, recordings) if p is not None]
     band = band.thinned(_fastest_wave(band, positions), periods)
@@ -119,6 +123,17 @@ def period_of(recording: Recording) -> float | None:
         return recording.period
     _, first = np.unique(recording.repetition, return_index=True)
     return float(np.median(np.diff(recording.t[np.sort(first)])))
+
+
+def _stretches(recordings: Sequence[Recording], rate: float) -> tuple[list[ndarray], list[ndarray]]:
+    """Positions and torques on a uniform grid, between gaps of the log."""
+    positions, torques = [], []
+    for recording in recordings:
+        signals = uniform(recording, rate)
+        for stretch in between_gaps(recording, signals.t, rate):
+            positions.append(signals.q[stretch])
+            torques.append(signals.tau[stretch])
+    return positions, torques
 
 
 def _fastest_wave(band: Band, positions: Sequence[Float[ndarray, "_ joints"]]) -> float:
@@ -144,6 +159,13 @@ def _why(noise: PositionNoise) -> str:
         f"the power of its encoder's noise, joint {joint + 1} no further; from {LEAST_BAND:g} Hz, in "
         f"which friction's steps are seen, to {HIGHEST_BAND:g} Hz or, where no motion is repeated, "
         "twice the motion's own band"
+    )
+
+
+def _why_filtered(end: float) -> str:
+    return (
+        f"beyond {end:.3g} Hz the torque's spectrum is nowhere a thousandth of its largest value: it was "
+        "filtered before it was logged, and tells nothing there"
     )
 
 

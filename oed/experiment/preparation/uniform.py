@@ -78,13 +78,12 @@ def recorded(
     return inside
 
 
-def between_gaps(
-    recording: Recording, signals: Uniform, rate: float
-) -> list[Float[ndarray, "_ joints"]]:
-    """Positions between gaps of the log: the leap across a gap would pass for fast motion."""
-    inside = recorded(recording, signals.t, rate)
-    edges = np.flatnonzero(np.diff(inside, prepend=False, append=False))
-    stretches = [signals.q[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    longest = max((len(s) for s in stretches), default=0)
+def between_gaps(recording: Recording, t: Float[ndarray, " samples"], rate: float) -> list[slice]:
+    """Where a log on a uniform grid has no gap: the leap across one would pass for fast motion."""
+    inside = recorded(recording, t, rate)
+    edges = np.flatnonzero(np.diff(inside, prepend=False, append=False)).tolist()
+    stretches = [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    longest = max((s.stop - s.start for s in stretches), default=0)
     # Short stretches tell little of slow motion, and would shorten the spectra of all.
-    return [s for s in stretches if len(s) >= max(longest / 2, LEAST_STRETCH * rate)] or [signals.q]
+    least = max(longest / 2, LEAST_STRETCH * rate)
+    return [s for s in stretches if s.stop - s.start >= least] or [slice(0, len(t))]
