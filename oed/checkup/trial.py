@@ -185,19 +185,35 @@ def _fit(
     torque = np.array([np.linalg.norm(b) for _, b in rows])
     floor = LEAST_RESIDUAL * np.where(torque > 0, torque, 1.0)
     residual = np.maximum(torque, floor)
-    parameters = np.zeros(rows[0][0].shape[1])
+    parameters, residual = _weighted(rows, residual, floor)
+    usual = np.sqrt((torque**2 + np.array([np.linalg.norm(b) for _, b in held]) ** 2) / 2)
+    reach = find_reach(_interleaved(rows), [_interleaved(held)], residual, usual)
+    if reach.lost:
+        parameters, _ = _weighted(rows, residual, floor, reach.prior(len(rows)).factor)
+    return parameters, reach.lost
+
+
+def _weighted(
+    rows: Sequence[tuple[ndarray, ndarray]],
+    residual: Float[ndarray, " joints"],
+    floor: Float[ndarray, " joints"],
+    held_at_zero: Float[ndarray, "held columns"] | None = None,
+) -> tuple[Float[ndarray, " columns"], Float[ndarray, " joints"]]:
+    """Parameters and each joint's residual, which is its weight."""
+    count = rows[0][0].shape[1]
+    held = np.zeros((0, count)) if held_at_zero is None else held_at_zero
+    parameters = np.zeros(count)
     for _ in range(STEPS):
-        stacked = np.vstack([a / s for (a, _), s in zip(rows, residual, strict=True)])
-        target = np.concatenate([b / s for (_, b), s in zip(rows, residual, strict=True)])
+        stacked = np.vstack([*(a / s for (a, _), s in zip(rows, residual, strict=True)), held])
+        own = [b / s for (_, b), s in zip(rows, residual, strict=True)]
+        target = np.concatenate([*own, np.zeros(len(held))])
         parameters = np.linalg.lstsq(stacked, target, rcond=RANK)[0]
         before = residual
         residual = np.array([np.linalg.norm(a @ parameters - b) for a, b in rows])
         residual = np.maximum(residual, floor)
         if np.all(np.abs(residual - before) < SETTLED * before):
             break
-    usual = np.sqrt((torque**2 + np.array([np.linalg.norm(b) for _, b in held]) ** 2) / 2)
-    reach = find_reach(_interleaved(rows), [_interleaved(held)], residual, usual)
-    return (reach.projection @ parameters if reach.lost else parameters), reach.lost
+    return parameters, residual
 
 
 def _interleaved(rows: Sequence[tuple[ndarray, ndarray]]) -> ndarray:

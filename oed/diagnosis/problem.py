@@ -26,6 +26,8 @@ class Problem:
         base: The base model.
         sharpest: The same with signs that turn as encoder noise alone has it.
         columns: (b,) of its columns that are estimated.
+        base_precision: (b, b) of their prior: along what the estimation recordings do not carry to other
+            motions they are zero, as in `oed identify`; elsewhere nothing is known of them.
         context: What is known of arm and data before any addition.
         floor: (n,) deviation of the noise [N m].
         names: What may be named.
@@ -41,6 +43,7 @@ class Problem:
     base: TorqueModel
     sharpest: TorqueModel
     columns: Int[ndarray, " base"]
+    base_precision: Float[ndarray, "base base"]
     context: Context
     floor: Float[ndarray, " joints"]
     names: Sequence[NamedCandidate]

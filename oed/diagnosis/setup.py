@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import SmoothCandidate
@@ -131,6 +131,7 @@ def pose(
         baseline.model,
         with_widths(baseline.model, baseline.least_widths),
         baseline.columns,
+        _precision_of_untold(before, baseline.columns),
         context,
         baseline.floor.deviation,
         named_candidates(catalogue, tuple(names or catalogue), context),
@@ -147,6 +148,17 @@ def pose(
         means = dataclasses.replace(problem, rows=few, nuisances=own)
         problem = dataclasses.replace(problem, means=means)
     return problem, Sealed(prepared, before, baseline), _sign_notes(first, estimation, dataset.name)
+
+
+def _precision_of_untold(
+    before: Calibration, columns: Int[ndarray, " base"]
+) -> Float[ndarray, "base base"]:
+    """Prior of base parameters that holds at zero what `oed identify` leaves there."""
+    estimate = before.estimate
+    own = np.searchsorted(columns, before.base.columns[list(estimate.columns)])
+    held = np.zeros((len(estimate.held_at_zero.factor), len(columns)))
+    held[:, own] = estimate.held_at_zero.factor
+    return held.T @ held
 
 
 def _sign_notes(first: LinearFit, prepared: Sequence[Prepared], name: str) -> tuple[str, ...]:

@@ -92,11 +92,28 @@ def identify(
         raise ValueError("a robust estimate finds its own noise: give either")
     found = _determined(regressor, names, prior)
     columns = regressor[:, list(found.kept)]
-    fit = (
-        _fit_robust(columns, rows, joints, prior, robust)
-        if robust
-        else _fit_least_squares(columns, rows, joints, prior, noise)
+
+    def fitted(prior: Prior | None) -> _Fit:
+        if robust:
+            return _fit_robust(columns, rows, joints, prior, robust)
+        return _fit_least_squares(columns, rows, joints, prior, noise)
+
+    def variances_of(fit: _Fit) -> Float[ndarray, " joints"]:
+        # Of a row that is certain: others have less than all of it in their squares.
+        return fit.variances / np.maximum(weights.mean(axis=0), SMALLEST)
+
+    whole = fitted(prior)
+    usual = np.sqrt(np.mean(torque**2, axis=0)) if usual_torque is None else usual_torque
+    kept = list(found.kept)
+    # With a prior on them no direction is left to the data alone.
+    reach = (
+        Reach.none(len(kept))
+        if prior is not None and len(prior.factor)
+        else find_reach(columns, [h[:, kept] for h in others], np.sqrt(variances_of(whole)), usual)
     )
+    # A joint may fit worse for what is held at zero: then its weight is another.
+    fit = fitted(reach.prior(torque.size)) if reach.lost else whole
+    parameters = fit.solution.parameters
     spread = estimate_covariance(
         fit.white_regressor,
         fit.white_residual,
@@ -104,25 +121,12 @@ def identify(
         method=covariance,
         segments=segments,
     )
-    # Of a row that is certain: others have less than all of it in their squares.
-    variances = fit.variances / np.maximum(weights.mean(axis=0), SMALLEST)
-    usual = np.sqrt(np.mean(torque**2, axis=0)) if usual_torque is None else usual_torque
-    kept = list(found.kept)
-    # With a prior on them no direction is left to the data alone.
-    reach = (
-        Reach.none(len(kept))
-        if prior is not None and len(prior.factor)
-        else find_reach(columns, [h[:, kept] for h in others], np.sqrt(variances), usual)
-    )
-    projection = reach.projection if reach.lost else np.eye(len(kept))
-    parameters = projection @ fit.solution.parameters
-    of_kept = projection @ spread.covariance @ projection.T
     weak = {
         **badly_excited(
             found.names,
             parameters,
-            of_kept,
-            fit.solution.information_factor,
+            spread.covariance,
+            whole.solution.information_factor,
             threshold=largest_relative_std,
         ),
         **hidden_errors(found.names, parameters, reach.spread, threshold=largest_relative_std),
@@ -131,18 +135,19 @@ def identify(
         names=found.names,
         units=tuple(units[c] for c in found.kept),
         parameters=parameters,
-        covariance=of_kept,
-        information_factor=fit.solution.information_factor,
+        covariance=spread.covariance,
+        information_factor=whole.solution.information_factor,
         residual=torque - (measured[:, kept] @ parameters).reshape(torque.shape),
         degrees_of_freedom=float(max(weights.sum() - len(parameters), 1.0)),
         effective_degrees_of_freedom=spread.degrees_of_freedom,
-        joint_variances=variances,
+        joint_variances=variances_of(fit),
         status="reduced" if found.removed or reach.lost else "determined",
         method=f"{fit.text}; covariance: {spread.text}",
         unidentifiable=found.removed + tuple(weak),
         reasons=found.reasons + tuple(weak.values()),
         columns=found.kept,
         reach=reach.factor,
+        held_at_zero=reach.prior(torque.size),
         quoted_from=1 / largest_relative_std,
     )
 

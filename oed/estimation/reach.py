@@ -19,10 +19,14 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.estimation.prior import Prior
 from oed.estimation.triangular import triangularise, unit_columns
 
 # An error that equals the whole torque: a prediction of nothing at all is no worse.
 LARGEST_REACH = 1.0
+# Along what is left at zero a row tells less than one, in units of what is left: a prior that tells a
+# hundred times as much leaves a hundredth.
+HELD_AT_ZERO = 100.0
 # Measured arms leave residuals of 1 % and more; a smaller one is rounding and hides no error.
 LEAST_RESIDUAL = 1e-3  # of the torque
 
@@ -53,10 +57,17 @@ class Reach:
         return int(np.sum(self.factor > LARGEST_REACH))
 
     @property
-    def projection(self) -> Float[ndarray, "p p"]:
-        """Sets a parameter vector's coordinates along the undetermined directions to zero."""
-        kept = slice(self.lost, None)
-        return self.directions[:, kept] @ self.coordinates[kept]
+    def untold(self) -> Float[ndarray, "lost p"]:
+        """Each row gives a parameter vector's coordinate along a direction that is not determined."""
+        return self.coordinates[: self.lost]
+
+    def prior(self, rows: int) -> Prior:
+        """Holds a parameter vector's coordinates along the undetermined directions at zero.
+
+        Args:
+            rows: To which it is added, each in units of what is left of its joint.
+        """
+        return Prior(np.zeros(len(self.factor)), np.sqrt(HELD_AT_ZERO * rows) * self.untold)
 
     @property
     def spread(self) -> Float[ndarray, " p"]:

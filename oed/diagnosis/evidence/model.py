@@ -184,6 +184,8 @@ def _once(
         start += count
     columns = np.concatenate(blocks, axis=2) if len(blocks) > 1 else blocks[0]
     precision = np.zeros((start, start))
+    if np.array_equal(visible, problem.columns):  # under another gravity there are others
+        precision[: len(visible), : len(visible)] = problem.base_precision
     for term, place in zip(terms, places, strict=True):
         if term.precision is not None:
             precision[place, place] = term.precision

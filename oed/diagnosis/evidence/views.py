@@ -115,12 +115,16 @@ class Views:
         """Whether a term of it makes repetitions differ, which their mean does not show."""
         return any(term.candidate.changes for term in self.terms)
 
-    def rise(self, before: Views, which: Which) -> float:
+    def rise(self, before: Views, which: Which, *, on_all: bool | None = None) -> float:
         """Rise of the log score from another model to this one, on the same rows [nats].
 
-        On means; on all rows where either has a term that only these show.
+        Args:
+            before: The other.
+            which: Rows.
+            on_all: Whether repetitions count one by one, not by their mean; where either model has a
+                term that only this shows if None.
         """
-        changing = self.changes or before.changes
+        changing = self.changes or before.changes if on_all is None else on_all
         return self._score(which, changing) - before._score(which, changing)
 
     def _score(self, which: Which, changing: bool) -> float:

@@ -48,9 +48,10 @@ def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Score
     """Those that predict held-out rows better, each with what it is worth when all is refitted.
 
     All rows together, and those of the joint on which a term acts: it may mend others by what its
-    absence had spoiled, but not at the cost of its own.
+    absence had spoiled, but not at the cost of its own. All are ranked on the same rows.
     """
     options = []
+    on_all = current.changes or any(scored.candidate.changes for scored in tried)
     for scored in tried:
         if scored.nats <= 0:
             continue
@@ -62,7 +63,8 @@ def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Score
         if ahead <= PREDICTION_GAIN or gain <= occam:
             continue
         if _serves(scored.candidate, grown, current) and is_tested(grown):
-            options.append((float(gain - occam), scored, grown))
+            worth = grown.rise(current, "fitted", on_all=on_all) - occam
+            options.append((float(worth), scored, grown))
     return options
 
 

@@ -14,6 +14,7 @@ from numpy import ndarray
 from oed.experiment.preparation.band import (
     SAMPLES_PER_CUTOFF,
     SIGNAL_TO_NOISE,
+    TRANSITION,
     Band,
     PositionNoise,
     choose_band,
@@ -98,6 +99,7 @@ def choose_settings(
     noise = position_noise(positions, rate)
     lowest, highest, why = LEAST_BAND, HIGHEST_BAND, _why(noise)
     end = torque_end(torques, rate)
+    passed = end / (1 - TRANSITION / 2)  # all of the torque: the filter begins where it ends
     if cutoff is not None:
         if not 0 < cutoff <= rate / (2 * SAMPLES_PER_CUTOFF):
             raise ValueError(
@@ -107,8 +109,8 @@ def choose_settings(
         lowest, highest, why = cutoff, cutoff, "given"
     elif all(r.repetitions < 2 for r in recordings if r.role == "estimation"):
         highest = min(highest, _motion_band(recordings, rate))
-    if cutoff is None and end < highest:
-        lowest, highest, why = min(lowest, end), end, _why_filtered(end)
+    if cutoff is None and passed < highest:
+        lowest, highest, why = min(lowest, passed), passed, _why_filtered(end)
     band = choose_band(noise, rate, lowest, highest)
     periods = [p for p in map(period_of, recordings) if p is not None]
     band = band.thinned(_fastest_wave(band, positions), periods)

@@ -34,7 +34,7 @@ def recording(*, step=STEP, digits=None, apart=0.0, repetitions=REPETITIONS, spe
     exact = q + apart * STEP * rng.normal(size=(repetitions, 2))[turn]
     q = np.round(exact / step) * step if step else exact
     q = q if digits is None else np.round(q, digits)
-    tau = np.sin(angle)[:, None] + np.zeros((1, 2))
+    tau = np.sin(angle)[:, None] + 0.1 * rng.normal(size=q.shape)  # of a sensor, not of a filter
     repeated = {"repetition": turn, "period": PERIOD} if repetitions > 1 else {}
     return exact, Recording("a", "estimation", t, q, tau, **repeated)
 
