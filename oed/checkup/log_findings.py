@@ -157,6 +157,12 @@ def noise_finding(dataset: DataSet, settings: ProcessingSettings) -> Finding:
     if ratio.max() > 1:
         remedy = "that joint hardly tells anything: move it more, or measure its torque more finely"
         return Finding("noise and usable band", "amber", text, remedy, rows)
+    if settings.filtered_at is not None:
+        text += (
+            f"; the torque was filtered at about {settings.filtered_at:.3g} Hz before it was logged"
+        )
+        remedy = "log it unfiltered: friction's steps and the noise, which say how sure the estimate is, are beyond"
+        return Finding("noise and usable band", "amber", text, remedy, rows)
     return Finding("noise and usable band", "green", text, "", rows)
 
 

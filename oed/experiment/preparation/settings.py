@@ -41,12 +41,14 @@ class ProcessingSettings:
         band: Filter of torque and model, and the rates.
         noise: Of the positions.
         velocity: "differentiated" from the smoothed position, or the "logged" dq.
+        filtered_at: Where the torque was filtered before it was logged, if the band ends by it [Hz].
         reasons: One line a setting, why it was chosen.
     """
 
     band: Band
     noise: PositionNoise = field(repr=False, compare=False)
     velocity: VelocitySource = "differentiated"
+    filtered_at: float | None = field(default=None, compare=False)
     reasons: tuple[str, ...] = field(default=(), compare=False)
 
     @property
@@ -109,12 +111,18 @@ def choose_settings(
         lowest, highest, why = cutoff, cutoff, "given"
     elif all(r.repetitions < 2 for r in recordings if r.role == "estimation"):
         highest = min(highest, _motion_band(recordings, rate))
-    if cutoff is None and passed < highest:
+    is_filtered = cutoff is None and passed < highest
+    if is_filtered:
         lowest, highest, why = min(lowest, passed), passed, _why_filtered(end)
     band = choose_band(noise, rate, lowest, highest)
     periods = [p for p in map(period_of, recordings) if p is not None]
     band = band.thinned(_fastest_wave(band, positions), periods)
-    return ProcessingSettings(band, noise, reasons=_reasons(recordings, band, why))
+    return ProcessingSettings(
+        band,
+        noise,
+        filtered_at=end if is_filtered else None,
+        reasons=_reasons(recordings, band, why),
+    )
 
 
 def period_of(recording: Recording) -> float | None:
