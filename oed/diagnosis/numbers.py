@@ -8,6 +8,7 @@ MOST_BLOCK_SHARE = (
     1 / 12
 )  # of the rows: fewer blocks leave no estimate of a score's variance; assumed
 SMOOTHNESS = (1e-3, 1e-1, 1e1, 1e3)  # precisions of a smoothing prior, of the columns' own
+LEAST_LEFT = 0.1  # of noise that a model may leave: below, rows are too few to tell; assumed
 NULL_SHARE = 1e-3  # of a smoothing prior's precision, on what it does not penalise
 
 # Selection.

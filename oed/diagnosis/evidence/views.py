@@ -19,6 +19,7 @@ from oed.diagnosis.evidence.criterion import Moments, log_score
 from oed.diagnosis.evidence.model import Fitted, fit
 from oed.diagnosis.evidence.moments import columns_of, moments_of
 from oed.diagnosis.evidence.term import Term
+from oed.diagnosis.numbers import LEAST_LEFT
 from oed.diagnosis.problem import Problem
 
 Which = Literal["fitted", "held_out", "all"]
@@ -108,7 +109,7 @@ class Views:
         every = chosen(self.every.problem, which)
         apart = self.every.squares(every, is_ahead=is_ahead) - squares
         count = np.maximum(self.every.rows(every) - self.means.rows(means), 1.0)
-        return np.maximum(own + (1 - apart / count), LEAST)
+        return np.maximum(own + (1 - apart / count), LEAST_LEFT)
 
     @property
     def changes(self) -> bool:
@@ -133,9 +134,6 @@ class Views:
             return self.every.score(every, is_ahead=which == "held_out")
         rows = self.means.rows(chosen(self.means.problem, which))
         return log_score(self.left(which) * rows, rows, self.means.tolerated)
-
-
-LEAST = 0.1  # of noise: below, rows are too few to tell
 
 
 def moments(

@@ -1,4 +1,4 @@
-"""Generalised least squares of a torque model on whitened rows, kept as a projection.
+"""Generalised least squares of a torque model on whitened rows, kept as a factorisation.
 
 After one factorisation X = Q R of the whitened regressor, whatever is asked of the fit is a
 product with Q.
@@ -25,7 +25,7 @@ NUISANCES = 2  # columns a joint that are fitted beside every model
 
 
 @dataclass(frozen=True)
-class Projection:
+class Factorisation:
     """An orthonormal basis of a whitened regressor.
 
     Attributes:
@@ -50,7 +50,7 @@ class Projection:
         """Columns less their projections."""
         return columns - self.basis @ self._inside(columns)
 
-    def extended(self, columns: Float[ndarray, "joints rows columns"]) -> Projection:
+    def extended(self, columns: Float[ndarray, "joints rows columns"]) -> Factorisation:
         """The span with further columns, whose parameters follow.
 
         A column that lies inside adds nothing, and its parameter is zero.
@@ -64,7 +64,7 @@ class Projection:
         upper = np.hstack([self.inverse, -self.inverse @ (inside + again) @ added.inverse])
         below = np.hstack([np.zeros((len(added.inverse), self.rank)), added.inverse])
         basis = np.concatenate([self.basis, added.basis], axis=2)
-        return Projection(basis, np.vstack([upper, below]))
+        return Factorisation(basis, np.vstack([upper, below]))
 
     def _inside(
         self, columns: Float[ndarray, "joints rows columns"]
@@ -86,7 +86,7 @@ def _flat(columns: Float[ndarray, "joints rows columns"]) -> Float[ndarray, "all
     return columns.reshape(joints * rows, count)
 
 
-def project(regressor: Float[ndarray, "joints rows parameters"]) -> Projection:
+def factorise(regressor: Float[ndarray, "joints rows parameters"]) -> Factorisation:
     """Factorise a whitened regressor; directions that the data do not excite are left out."""
     lengths = np.sqrt(np.einsum("jrp,jrp->p", regressor, regressor, optimize=True))
     return _factorised(regressor, lengths)
@@ -94,7 +94,7 @@ def project(regressor: Float[ndarray, "joints rows parameters"]) -> Projection:
 
 def _factorised(
     columns: Float[ndarray, "joints rows columns"], lengths: Float[ndarray, " columns"]
-) -> Projection:
+) -> Factorisation:
     """Factorise columns in units of these lengths; directions shorter than the tolerance drop out."""
     joints, rows, count = columns.shape
     lengths = np.where(lengths > 0, lengths, 1.0)
@@ -102,7 +102,7 @@ def _factorised(
     u, s, vt = np.linalg.svd(r, full_matrices=False)
     kept = s > RANK_TOLERANCE * max(s.max(initial=0.0), 1.0)
     basis = q @ u[:, kept]
-    return Projection(basis.reshape(joints, rows, -1), (vt[kept].T / s[kept]) / lengths[:, None])
+    return Factorisation(basis.reshape(joints, rows, -1), (vt[kept].T / s[kept]) / lengths[:, None])
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class LinearFit:
         model: The torque model, shapes fixed.
         columns: (b,) indices of the model's columns that are estimated; additions follow them.
         rows: What it is fitted to.
-        projection: Of its whitened regressor.
+        factorisation: Of its whitened regressor.
         parameters: (p,) estimates of these columns, then of the additions'.
         residual: (n, R) white residual.
     """
@@ -121,7 +121,7 @@ class LinearFit:
     model: TorqueModel
     columns: Int[ndarray, " base"]
     rows: Rows
-    projection: Projection
+    factorisation: Factorisation
     parameters: Float[ndarray, " parameters"]
     residual: Float[ndarray, "joints rows"]
 
@@ -132,7 +132,7 @@ class LinearFit:
 
     def freedom(self) -> Float[ndarray, " joints"]:
         """(n,) rows of each joint that count, less its share of the fitted columns; at least one."""
-        return np.maximum(self.rows.counted - self.projection.shares(), 1.0)
+        return np.maximum(self.rows.counted - self.factorisation.shares(), 1.0)
 
     def full_parameters(self) -> Float[ndarray, " all_parameters"]:
         """Parameters of every column of the model, regrouped ones at zero."""
@@ -142,7 +142,7 @@ class LinearFit:
 
     def covariance(self) -> Float[ndarray, "parameters parameters"]:
         """Covariance of the estimates, unit noise."""
-        return self.projection.inverse @ self.projection.inverse.T
+        return self.factorisation.inverse @ self.factorisation.inverse.T
 
 
 def whitened_regressor(
@@ -191,9 +191,9 @@ def fit_model(
     return fit_span(model, columns, rows, span_of_model(model, columns, rows), torque)
 
 
-def span_of_model(model: TorqueModel, columns: Int[ndarray, " base"], rows: Rows) -> Projection:
+def span_of_model(model: TorqueModel, columns: Int[ndarray, " base"], rows: Rows) -> Factorisation:
     """The chosen white columns of a model, and after them the nuisances."""
-    return project(
+    return factorise(
         np.concatenate([whitened_regressor(model, columns, rows), reversal_nuisances(rows)], axis=2)
     )
 
@@ -202,7 +202,7 @@ def fit_span(
     model: TorqueModel,
     columns: Int[ndarray, " base"],
     rows: Rows,
-    span: Projection,
+    span: Factorisation,
     torque: Float[ndarray, "joints rows"],
 ) -> LinearFit:
     """Fit white columns to white torque.
@@ -221,7 +221,7 @@ def fit_span(
         model=model,
         columns=columns,
         rows=rows,
-        projection=Projection(span.basis, asked),
+        factorisation=Factorisation(span.basis, asked),
         parameters=asked @ coordinates,
         residual=torque - span.basis @ coordinates,
     )

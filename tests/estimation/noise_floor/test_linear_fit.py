@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.estimation.noise_floor.linear_fit import project
+from oed.estimation.noise_floor.linear_fit import factorise
 
 
 @pytest.mark.parametrize("added", [0, 3, 40])
@@ -11,7 +11,7 @@ def test_a_span_with_more_columns_is_that_of_all_of_them(added):
     """Also where these are more than the rows: the shortest parameters of a perfect fit."""
     rng = np.random.default_rng(6)
     first, more = rng.normal(size=(2, 9, 4)), rng.normal(size=(2, 9, added))
-    span = project(first).extended(more)
+    span = factorise(first).extended(more)
     whole = np.concatenate([first, more], axis=2).reshape(18, -1)
     torque = rng.normal(size=(2, 9))
     fitted = whole @ np.linalg.lstsq(whole, torque.ravel(), rcond=None)[0]
