@@ -1,4 +1,4 @@
-"""Figure 2: the J_k-optimal trajectories."""
+"""Figure 2: the trajectories for J_k."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from paper_figures.drawing import draw_design
-from paper_figures.reading import design_value
+from paper_figures.reading import of_design
 from paper_figures.writing import write
 
 CAPTION = (
-    "The J_k-optimal trajectories of the genetic algorithm: they keep all limits (dotted "
-    "where near), and their condition number is lower than that of the J_d-optimal ones."
+    "The trajectories that the genetic algorithm found for J_k, the run that figure 3 shows: they "
+    "keep all limits (dotted where near), and their condition number is lower than "
+    "that of those for J_d."
 )
 
 
@@ -22,8 +23,8 @@ def draw(results: Path) -> Figure:
     Args:
         results: Folder that `studies.paper_experiment` wrote.
     """
-    assert design_value(results, "J_k, GA", "J_k") < design_value(results, "J_d, GA", "J_k")
-    return draw_design(results, "J_k, GA")
+    assert of_design(results, "J_k")["J_k"] < of_design(results, "J_d")["J_k"]
+    return draw_design(results, "J_k")
 
 
 if __name__ == "__main__":

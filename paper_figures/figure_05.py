@@ -10,9 +10,8 @@ from paper_figures.drawing import draw_residual
 from paper_figures.writing import write
 
 CAPTION = (
-    "Torque residuals on the estimation repetitions of the J_k-optimal trajectories (dotted "
-    "lines part the repetitions); their rms is the one in the table, and below half of the "
-    "torque's."
+    "Torque residuals on the estimation repetitions of the trajectories for J_k (dotted lines "
+    "part the repetitions); their rms is the one in the table, and below half of the torque's."
 )
 
 

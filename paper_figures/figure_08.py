@@ -10,8 +10,8 @@ from paper_figures.drawing import draw_residual
 from paper_figures.writing import write
 
 CAPTION = (
-    "Torque residuals on the test trajectory with the parameters of the J_k-optimal ones; "
-    "their rms is the one in the table, and below half of the torque's."
+    "Torque residuals on the test trajectory with the parameters found on those for J_k; their "
+    "rms is the one in the table, and below half of the torque's."
 )
 
 

@@ -25,15 +25,16 @@ def settings(results: Path) -> dict[str, Any]:
     return found
 
 
+def by_joint(table: dict[str, ndarray], symbol: str, rows: ndarray) -> ndarray:
+    """Columns symbol_1 and symbol_2 of some rows, (N, 2)."""
+    return np.stack([table[f"{symbol}_{j}"][rows].astype(float) for j in (1, 2)], axis=1)
+
+
 def trajectory(results: Path, design: str) -> tuple[ndarray, ndarray, ndarray, ndarray]:
     """Time (N,), position, velocity and acceleration (N, 2) of a design."""
     table = columns(results / "figures" / "trajectories.csv")
     mine = table["design"] == design
-    signals = (
-        np.stack([table[f"{symbol}_{j}"][mine].astype(float) for j in (1, 2)], axis=1)
-        for symbol in ("q", "dq", "ddq")
-    )
-    q, dq, ddq = signals
+    q, dq, ddq = (by_joint(table, symbol, mine) for symbol in ("q", "dq", "ddq"))
     return table["t"][mine].astype(float), q, dq, ddq
 
 
@@ -43,29 +44,20 @@ def torque(results: Path, design: str, part: str) -> tuple[ndarray, ndarray, nda
     mine = (table["design"] == design) & (table["set"] == part)
     given = settings(results)
     t = table["sample"][mine].astype(float) * given["horizon"] / given["samples"]
-    measured, predicted = (
-        np.stack([table[f"{kind}_{j}"][mine].astype(float) for j in (1, 2)], axis=1)
-        for kind in ("measured", "predicted")
-    )
-    return t, measured, predicted
+    return t, by_joint(table, "measured", mine), by_joint(table, "predicted", mine)
 
 
-def design_value(results: Path, design: str, criterion: str) -> float:
-    """J_k or J_d of a design."""
+def rms(results: Path, design: str, part: str) -> ndarray:
+    """Rms residual of each joint as the study states it (2,)."""
+    table = columns(results / "figures" / "residuals.csv")
+    mine = (table["design"] == design) & (table["set"] == part)
+    return table["rms"][mine].astype(float)
+
+
+def of_design(results: Path, design: str) -> dict[str, Any]:
+    """Criteria, margin and speed of a design."""
     rows = read_csv(results / "figures" / "designs.csv")
-    value = next(row[criterion] for row in rows if row["design"] == design)
-    assert isinstance(value, int | float)
-    return float(value)
-
-
-def reproduced(results: Path, design: str, quantity: str) -> float:
-    """A number of the comparison table, as reproduced."""
-    return _compared(results, design, quantity, "reproduced")
-
-
-def published(results: Path, design: str, quantity: str) -> float:
-    """A number of the comparison table, as the paper states it."""
-    return _compared(results, design, quantity, "paper")
+    return next(row for row in rows if row["design"] == design)
 
 
 def parameter_symbol(name: str) -> str:
@@ -81,11 +73,3 @@ def parameter_symbol(name: str) -> str:
 def unit_symbol(unit: str) -> str:
     """A unit as it is printed."""
     return unit.replace("^2", "²")
-
-
-def _compared(results: Path, design: str, quantity: str, column: str) -> float:
-    rows = read_csv(results / "comparison.csv")
-    found = [r for r in rows if r["design"] == design and str(r["quantity"]).startswith(quantity)]
-    value = found[0][column]
-    assert isinstance(value, int | float)
-    return float(value)

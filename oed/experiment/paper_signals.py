@@ -7,6 +7,7 @@ zero-phase filter; periodic motion has exact derivatives (Swevers et al. 1997).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -30,6 +31,7 @@ from oed.robot.builtin import IMI_LINK_LENGTHS
 # come between the two sides of the equation.
 Processing = Literal["online", "aligned", "zero_phase", "parallel", "spectral"]
 PROCESSINGS: tuple[Processing, ...] = get_args(Processing)
+Regressor = Callable[[Motion], Float[ndarray, "samples joints columns"]]
 WIDE_BAND = 10.0  # cut-off of the regressor's signals before "parallel" filtering, of the filter's
 
 
@@ -38,12 +40,12 @@ class SampledRuns:
     """R runs at S instants each.
 
     Attributes:
-        columns: (R, S, n, 8) regressor (16).
+        columns: (R, S, n, c) regressor (16), or the one asked for.
         tau: (R, S, n) processed torque [N m].
         raw: (R, S, n) torque as logged [N m].
     """
 
-    columns: Float[ndarray, "runs samples joints 8"]
+    columns: Float[ndarray, "runs samples joints columns"]
     tau: Float[ndarray, "runs samples joints"]
     raw: Float[ndarray, "runs samples joints"]
 
@@ -53,7 +55,7 @@ class SampledRuns:
         return len(self.tau)
 
     @property
-    def regressor(self) -> Float[ndarray, "rows 8"]:
+    def regressor(self) -> Float[ndarray, "rows columns"]:
         """H of (6a), run after run."""
         return self.columns.reshape(-1, self.columns.shape[3])
 
@@ -62,8 +64,19 @@ class SampledRuns:
         return SampledRuns(self.columns[runs], self.tau[runs], self.raw[runs])
 
 
+def paper_regressor(motion: Motion) -> Float[ndarray, "samples 2 8"]:
+    """Regressor (16) of the paper's arm."""
+    return planar_regressor(motion, IMI_LINK_LENGTHS[0])
+
+
 def sample_runs(
-    log: Log, period: float, samples: int, processing: Processing, *, harmonics: int = 5
+    log: Log,
+    period: float,
+    samples: int,
+    processing: Processing,
+    *,
+    harmonics: int = 5,
+    regressor: Regressor = paper_regressor,
 ) -> SampledRuns:
     """Process the signals of all runs and keep S equally spaced instants of each.
 
@@ -75,14 +88,15 @@ def sample_runs(
         samples: S.
         processing: How.
         harmonics: Kept of the position, for "spectral" alone, where each run is one period.
+        regressor: Of the motion's instants.
     """
     kept = log.lead + np.round(np.arange(samples) * (log.samples / samples)).astype(int)
     if processing == "parallel":
-        columns, tau = _parallel(log, period)
+        columns, tau = _parallel(log, period, regressor)
         columns = columns[:, kept]
     else:
         q, dq, ddq, tau = processed_signals(log, period, processing, harmonics=harmonics)
-        columns = _columns(*(x[kept] for x in (q, dq, ddq)))
+        columns = _columns(regressor, *(x[kept] for x in (q, dq, ddq)))
     return SampledRuns(columns, _by_run(tau[kept]), _by_run(log.command[kept]))
 
 
@@ -112,27 +126,28 @@ def processed_signals(
     return parts[0], parts[1], parts[2], log.command
 
 
-def _parallel(log: Log, period: float) -> tuple[ndarray, ndarray]:
-    """(R, N, n, 8) filtered regressor columns and (N, n, R) filtered torque."""
+def _parallel(log: Log, period: float, regressor: Regressor) -> tuple[ndarray, ndarray]:
+    """(R, N, n, c) filtered regressor columns and (N, n, R) filtered torque."""
     rate = 1 / period
     cutoff = WIDE_BAND * PAPER_FILTER.half_power_frequency() / (2 * np.pi)
     q = _zero_phase(log.measured, rate, cutoff)
     dq = central_difference(q, rate)
-    columns = _columns(q, dq, central_difference(dq, rate))
+    columns = _columns(regressor, q, dq, central_difference(dq, rate))
     # Run by run, so that one run's filter does not see the next.
     filtered = np.stack([PAPER_FILTER.apply(run) for run in columns])
     return filtered, PAPER_FILTER.apply(log.command)
 
 
 def _columns(
+    regressor: Regressor,
     q: Float[ndarray, "kept joints runs"],
     dq: Float[ndarray, "kept joints runs"],
     ddq: Float[ndarray, "kept joints runs"],
-) -> Float[ndarray, "runs kept joints 8"]:
+) -> Float[ndarray, "runs kept joints columns"]:
     kept, joints, runs = q.shape
     flat = [_by_run(x).reshape(-1, joints) for x in (q, dq, ddq)]
     motion = Motion(np.zeros(kept * runs), *flat)
-    return planar_regressor(motion, IMI_LINK_LENGTHS[0]).reshape(runs, kept, joints, 8)
+    return regressor(motion).reshape(runs, kept, joints, -1)
 
 
 def _by_run(x: Float[ndarray, "kept joints runs"]) -> Float[ndarray, "runs kept joints"]:

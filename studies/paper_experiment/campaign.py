@@ -1,292 +1,202 @@
-"""One experiment as the paper made it, and many more to see what it could have shown."""
+"""The paper's experiment on many designs, test motions and draws of the noise, all crossed.
+
+Every pair of designs is run with both frictions and E draws of the noise, and so is every test
+motion; each estimate is then asked for the torque of each test motion.
+"""
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.energy_model import EnergyModel
-from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion
-from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.least_squares import batch_least_squares
-from oed.estimation.recursive import recursive_least_squares
 from oed.estimation.weights import variances_from_repetitions
-from oed.experiment.control import Controller
-from oed.experiment.disturbance import Disturbance, calibrate
-from oed.experiment.imi_laboratory import Friction, ImiLaboratory
-from oed.experiment.observer import HighGainObserver
-from oed.experiment.paper_signals import (
-    PROCESSINGS,
-    Processing,
-    processed_signals,
-    sample_runs,
+from oed.experiment.paper_signals import Processing, SampledRuns, sample_runs
+from oed.parallel_map import one_by_one
+from oed.report.progress import progress
+from studies.paper_experiment import energy
+from studies.paper_experiment.fitting import PLAIN, Sums, regressor
+from studies.paper_experiment.laboratory import (
+    DESIGN,
+    FRICTIONS,
+    JOINTS,
+    PERIOD,
+    TEST,
+    Bench,
+    LaboratoryConfig,
 )
-from oed.experiment.simulation import Log, Setup, run
-from oed.robot.builtin import imi_scara
 
-JOINTS = 2
-XI = 8  # parameters of the paper's model (16)
-# xi of the paper by the names that its columns carry in the torque model.
-XI_NAMES = ("Izz_1", "mx_2", "my_2", "Izz_2", "Fc_1", "Fv_1", "Fc_2", "Fv_2")
-SETS = ("estimation", "validation", "test")
-FRICTIONS: tuple[Friction, Friction] = ("plain", "rich")
+WAYS: tuple[Processing, ...] = ("online", "aligned", "zero_phase", "parallel")
+# The paper's estimate; the same with R_v of the torque as it was filtered; richer friction.
+FITS = ("paper", "filtered R_v", "richer friction")
+SETS = ("estimation", "validation")
 
 
 @dataclass(frozen=True)
-class CampaignConfig:
-    """How the experiments are made.
+class Estimates:
+    """What experiments on designs gave; the axes before those named are F, K, P, E and W.
 
     Attributes:
-        laboratory: The arm and what the paper leaves open about it.
-        samples: Instants of each repetition that are used.
-        repetitions: In each of the estimation, validation and test sets.
-        variance_repetitions: M of the paper's variance formula.
-        target_variances: The paper's, for the J_k trajectory, to set the disturbance's level.
-        seed: Of every draw here.
+        parameters: (fits, c) estimates; the first 8 are xi, zero where a model lacks a column.
+        covariance: (2, 8, 8) P of (8), of the first two fits.
+        variances: (n,) of the torque as logged, over repetitions [N^2 m^2].
+        filtered: (n,) of the torque as it was processed [N^2 m^2].
+        rms: (sets, n) what the paper's estimate leaves on the sets of `SETS` [N m].
+        relative: (sets, n) the same over the rms torque.
     """
 
-    laboratory: ImiLaboratory = field(default_factory=ImiLaboratory)
-    samples: int = 80
-    repetitions: int = 6
-    variance_repetitions: int = 20
-    target_variances: tuple[float, float] = (3.069, 0.157)
-    seed: int = 55
+    parameters: Float[ndarray, "*cells fits c"]
+    covariance: Float[ndarray, "*cells 2 8 8"]
+    variances: Float[ndarray, "*cells n"]
+    filtered: Float[ndarray, "*cells n"]
+    rms: Float[ndarray, "*cells sets n"]
+    relative: Float[ndarray, "*cells sets n"]
+
+    @classmethod
+    def stacked(cls, parts: Sequence[Estimates], axis: int = 0) -> Estimates:
+        """Several as one, along a new axis."""
+        names = [field.name for field in fields(cls)]
+        return cls(*(np.stack([getattr(p, name) for p in parts], axis) for name in names))
 
 
 @dataclass(frozen=True)
-class Bench:
-    """The laboratory made ready.
+class Campaign(Estimates):
+    """F frictions, K kinds of design, P seeds of each, E draws, W processings, T test motions.
 
     Attributes:
-        stiffness: (n,) K_p [N m/rad].
-        damping: (n,) K_d [N m s/rad].
-        disturbance_std: (n,) calibrated level [N m].
+        test_rms: (F, K, P, T, E, W, fits, n) on each test motion [N m].
+        test_relative: (F, K, P, T, E, W, fits, n) the same over the rms torque.
+        energy: (F, P, E, 2, 8) estimates by the energy model, designs for J_k, signals of
+            `energy.WAYS`.
     """
 
-    stiffness: Float[ndarray, " n"]
-    damping: Float[ndarray, " n"]
-    disturbance_std: Float[ndarray, " n"]
-
-    def setup(self, config: CampaignConfig, friction: Friction) -> Setup:
-        """The laboratory with one or the other friction."""
-        laboratory = config.laboratory
-        return laboratory.setup(friction, controller_of(self), self.disturbance(config))
-
-    def disturbance(self, config: CampaignConfig) -> Disturbance:
-        """The calibrated disturbance."""
-        return config.laboratory.quiet().with_std(self.disturbance_std)
+    test_rms: Float[ndarray, "F K P T E W fits n"]
+    test_relative: Float[ndarray, "F K P T E W fits n"]
+    energy: Float[ndarray, "F P E 2 8"]
 
 
 @dataclass(frozen=True)
-class Experiment:
-    """One trajectory, one friction, processed one way: what the paper's tables state.
+class Conditions:
+    """What all recordings of a campaign share.
 
     Attributes:
-        variances: (n,) of the torque as logged, over M repetitions [N^2 m^2].
-        parameters: (8,) xi-hat.
-        covariance: (8, 8) P of (8).
-        recursion: (steps, 8) xi-hat after each sample.
-        recursion_std: (steps, 8) square roots of diag P.
-        rms: (3, n) residual on the sets of `SETS` [N m].
-        relative: (3, n) the same over the rms torque.
-        torque: (3, rows, n) measured [N m].
-        predicted: (3, rows, n) [N m].
+        config: Of the laboratory.
+        bench: Made ready.
+        draws: E.
     """
 
-    variances: Float[ndarray, " n"]
-    parameters: Float[ndarray, "8"]
-    covariance: Float[ndarray, "8 8"]
-    recursion: Float[ndarray, "steps 8"]
-    recursion_std: Float[ndarray, "steps 8"]
-    rms: Float[ndarray, "3 n"]
-    relative: Float[ndarray, "3 n"]
-    torque: Float[ndarray, "3 rows n"]
-    predicted: Float[ndarray, "3 rows n"]
+    config: LaboratoryConfig
+    bench: Bench
+    draws: int
 
 
-@dataclass(frozen=True)
-class EnergyComparison:
-    """Newton-Euler and energy estimates of the same experiments, equally weighted rows.
+def run_campaign(
+    conditions: Conditions, designs: Sequence[Sequence[Motion]], tests: Sequence[Motion]
+) -> Campaign:
+    """Record, estimate and predict.
 
-    Attributes:
-        torque: (E, 8) by Newton-Euler.
-        energy: (E, 8) by the energy model.
+    Args:
+        conditions: Of all.
+        designs: K kinds of P motions.
+        tests: T motions.
     """
-
-    torque: Float[ndarray, "E 8"]
-    energy: Float[ndarray, "E 8"]
-
-
-@dataclass(frozen=True)
-class ProcessingComparison:
-    """Estimates of the same experiments by way of processing W.
-
-    Attributes:
-        ways: (W,) names.
-        parameters: (W, E, 8) xi-hat.
-        rms: (W, E, n) residual [N m].
-        variances: (W, n) of the processed torque between repetitions [N^2 m^2].
-    """
-
-    ways: ndarray
-    parameters: Float[ndarray, "W E 8"]
-    rms: Float[ndarray, "W E n"]
-    variances: Float[ndarray, "W n"]
-
-
-def controller_of(bench: Bench) -> Controller:
-    """The paper's controller with the bench's gains."""
-    return Controller(
-        tuple(bench.stiffness.tolist()), tuple(bench.damping.tolist()), HighGainObserver.paper()
+    shape = (len(FRICTIONS), len(designs), len(designs[0]))
+    places = list(np.ndindex(*shape))
+    work = partial(_design, conditions, designs)
+    found = list(progress(one_by_one(work, places), "designs on the arm", total=len(places)))
+    flat = vars(Estimates.stacked([estimates for estimates, _ in found]))
+    shaped = {name: part.reshape(*shape, *part.shape[1:]) for name, part in flat.items()}
+    works = np.array([energies for _, energies in found if energies is not None])
+    places = list(np.ndindex(len(FRICTIONS), len(tests)))
+    work = partial(_test, conditions, tests)
+    sums = list(progress(one_by_one(work, places), "test motions on the arm", total=len(places)))
+    rms, relative = _predict(shaped["parameters"], dict(zip(places, sums, strict=True)))
+    return Campaign(
+        **shaped,
+        test_rms=rms,
+        test_relative=relative,
+        energy=works.reshape(shape[0], shape[2], *works.shape[1:]),
     )
 
 
-def prepare(config: CampaignConfig, reference: Motion) -> Bench:
-    """Design the gains, and set the disturbance so that the variances are the paper's."""
-    laboratory = config.laboratory
-    controller = laboratory.controller()
-
-    def variances(disturbance: Disturbance) -> Float[ndarray, " n"]:
-        log = run(
-            laboratory.setup("plain", controller, disturbance),
-            reference,
-            np.random.default_rng(config.seed),
-            runs=config.variance_repetitions,
-        )
-        return variances_from_repetitions(
-            sample_runs(log, controller.period, config.samples, "online").raw
-        )
-
-    found = calibrate(laboratory.quiet(), np.array(config.target_variances), variances)
-    return Bench(np.array(controller.stiffness), np.array(controller.damping), np.array(found.std))
-
-
-def repetitions(
-    config: CampaignConfig, bench: Bench, friction: Friction, reference: Motion, design: int
-) -> Log:
-    """M repetitions of a trajectory in the virtual laboratory."""
-    rng = np.random.default_rng([config.seed, FRICTIONS.index(friction), design])
-    setup = bench.setup(config, friction)
-    return run(setup, reference, rng, runs=config.variance_repetitions)
-
-
-def analyse(
-    config: CampaignConfig, log: Log, test: Log, period: float, processing: Processing
-) -> Experiment:
-    """Variances, recursive estimate and validation, as in sections 4 and 5."""
-    M, keep = config.repetitions, config.samples
-    runs = sample_runs(log, period, keep, processing)
-    sets = (
-        runs.of(slice(0, M)),
-        runs.of(slice(M, 2 * M)),
-        sample_runs(test, period, keep, processing).of(slice(0, M)),
+def _design(
+    conditions: Conditions, designs: Sequence[Sequence[Motion]], place: tuple[int, int, int]
+) -> tuple[Estimates, Float[ndarray, "E 2 8"] | None]:
+    """One design: (E, W) estimates, and by the energy model where J_k is the criterion."""
+    friction, kind, seed = place
+    config, M = conditions.config, conditions.config.repetitions
+    log = conditions.bench.record(
+        config,
+        FRICTIONS[friction],
+        designs[kind][seed],
+        (DESIGN, kind, seed),
+        runs=conditions.draws * 2 * M,
     )
-    variances = variances_from_repetitions(runs.raw)
-    estimate = recursive_least_squares(
-        sets[0].regressor, sets[0].tau.ravel(), JOINTS, noise=variances, block=JOINTS
+    firsts = range(0, conditions.draws * 2 * M, 2 * M)
+    by_way = []
+    for way in WAYS:
+        runs = sample_runs(log, PERIOD, config.samples, way, regressor=regressor)
+        drawn = [_estimate(runs.of(slice(i, i + 2 * M)), M) for i in firsts]
+        by_way.append(Estimates.stacked(drawn))
+    found = Estimates.stacked(by_way, axis=1)
+    if kind > 0:
+        return found, None
+    sets = [range(i, i + M) for i in firsts]
+    works = [energy.energy_estimates(log, way, config.samples, sets) for way in energy.WAYS]
+    return found, np.stack(works, axis=1)
+
+
+def _estimate(runs: SampledRuns, repetitions: int) -> Estimates:
+    """One experiment: the first half of its runs are fitted, the others validate."""
+    first, second = (
+        Sums.of(runs.of(part)) for part in (slice(repetitions), slice(repetitions, None))
     )
-    torque = np.stack([s.tau.reshape(-1, JOINTS) for s in sets])
-    parameters = estimate.solution.parameters
-    predicted = np.stack([(s.columns @ parameters).reshape(-1, JOINTS) for s in sets])
-    rms = np.sqrt(((torque - predicted) ** 2).mean(axis=1))
-    return Experiment(
-        variances=variances,
-        parameters=parameters,
-        covariance=estimate.solution.covariance,
-        recursion=estimate.parameters,
-        recursion_std=estimate.std,
-        rms=rms,
-        relative=rms / np.sqrt((torque**2).mean(axis=1)),
-        torque=torque,
-        predicted=predicted,
+    logged, filtered = (variances_from_repetitions(tau) for tau in (runs.raw, runs.tau))
+    fits = [first.fit(variances, PLAIN) for variances in (logged, filtered)]
+    xi = fits[0][0]
+    squares = np.stack([part.squared_residual(xi) for part in (first, second)])
+    return Estimates(
+        np.stack([fits[0][0], fits[1][0], first.fit_rich(logged)]),
+        np.stack([covariance for _, covariance in fits]),
+        logged,
+        filtered,
+        np.sqrt(squares),
+        np.stack([part.relative(xi) for part in (first, second)]),
     )
 
 
-def compare_processing(
-    config: CampaignConfig,
-    bench: Bench,
-    reference: Motion,
-    *,
-    friction: Friction,
-    experiments: int,
-    periodic: bool,
-) -> ProcessingComparison:
-    """Estimate the same recordings from differently processed signals.
-
-    A periodic reference is run twice through and its second period kept, so that
-    "spectral" can take part.
-    """
-    setup, M, N = bench.setup(config, friction), config.repetitions, len(reference)
-    period = setup.controller.period
-    played = reference
-    if periodic:
-        t = np.arange(2 * N) * period
-        twice = (np.tile(x, (2, 1)) for x in (reference.q, reference.dq, reference.ddq))
-        played = Motion(t, *twice)
-    rng = np.random.default_rng([config.seed, 78, FRICTIONS.index(friction), int(periodic)])
-    log = run(setup, played, rng, runs=experiments * M)
-    if periodic:
-        log = dataclasses.replace(log, lead=log.lead + N, samples=N)
-    ways: tuple[Processing, ...] = (
-        PROCESSINGS if periodic else tuple(p for p in PROCESSINGS if p != "spectral")
+def _test(
+    conditions: Conditions, tests: Sequence[Motion], place: tuple[int, int]
+) -> list[list[Sums]]:
+    """One test motion: sums of each draw and processing."""
+    friction, test = place
+    config, M = conditions.config, conditions.config.repetitions
+    log = conditions.bench.record(
+        config, FRICTIONS[friction], tests[test], (TEST, test), runs=conditions.draws * M
     )
-    parameters, rms, variances = [], [], []
-    for way in ways:
-        runs = sample_runs(log, period, config.samples, way)
-        parts = [runs.of(slice(e * M, (e + 1) * M)) for e in range(experiments)]
-        noise = variances_from_repetitions(runs.raw)
-        found = [
-            batch_least_squares(p.regressor, p.tau.ravel(), JOINTS, noise=noise).parameters
-            for p in parts
-        ]
-        residuals = [p.tau - p.columns @ xi for p, xi in zip(parts, found, strict=True)]
-        parameters.append(found)
-        rms.append([np.sqrt((r**2).mean(axis=(0, 1))) for r in residuals])
-        variances.append(variances_from_repetitions(runs.tau))
-    return ProcessingComparison(
-        np.array(ways), np.array(parameters), np.array(rms), np.array(variances)
-    )
+    by_way = [sample_runs(log, PERIOD, config.samples, w, regressor=regressor) for w in WAYS]
+    return [
+        [Sums.of(runs.of(slice(e * M, (e + 1) * M))) for runs in by_way]
+        for e in range(conditions.draws)
+    ]
 
 
-def compare_energy(
-    config: CampaignConfig,
-    bench: Bench,
-    reference: Motion,
-    processing: Processing,
-    *,
-    friction: Friction,
-    experiments: int,
-) -> EnergyComparison:
-    """Estimate the same recordings by Newton-Euler and by energy, equally many rows of each."""
-    setup, M = bench.setup(config, friction), config.repetitions
-    period = setup.controller.period
-    model = TorqueModel.standard(imi_scara())
-    base = base_parameters(model)
-    order = [base.names.index(name) for name in XI_NAMES]
-    window = max(1, len(reference) // config.samples)
-    rng = np.random.default_rng([config.seed, 77, FRICTIONS.index(friction)])
-    log = run(setup, reference, rng, runs=experiments * M)
-    signals = processed_signals(log, period, processing)
-    proper = slice(log.lead, log.lead + log.samples)
-    sampled = sample_runs(log, period, config.samples, processing)
-    form = EnergyModel(model, window)
-    rows, works = [], []
-    for r in range(experiments * M):
-        q, dq, ddq, tau = (np.ascontiguousarray(x[proper, :, r]) for x in signals)
-        motion = Motion(reference.t, q, dq, ddq)
-        rows.append(base.reduce(form.regressor(motion))[:, order])
-        works.append(form.target(motion, tau))
-    energy, torque = [], []
-    for e in range(experiments):
-        mine = slice(e * M, (e + 1) * M)
-        energy.append(
-            np.linalg.lstsq(np.concatenate(rows[mine]), np.concatenate(works[mine]), rcond=None)[0]
-        )
-        part = sampled.of(mine)
-        torque.append(batch_least_squares(part.regressor, part.tau.ravel(), JOINTS).parameters)
-    return EnergyComparison(np.array(torque), np.array(energy))
+def _predict(
+    parameters: Float[ndarray, "F K P E W fits c"], sums: dict[tuple[int, ...], list[list[Sums]]]
+) -> tuple[Float[ndarray, "F K P T E W fits n"], Float[ndarray, "F K P T E W fits n"]]:
+    """Rms and relative error of every estimate on every test motion, draw by draw."""
+    frictions, kinds, seeds, draws, ways, fits, _ = parameters.shape
+    tests = len(sums) // frictions
+    rms = np.empty((frictions, kinds, seeds, tests, draws, ways, fits, JOINTS))
+    relative = np.empty_like(rms)
+    for (f, t), by_draw in sums.items():
+        for e, w in np.ndindex(draws, ways):
+            part, xi = by_draw[e][w], parameters[f, :, :, e, w]
+            rms[f, :, :, t, e, w] = np.sqrt(part.squared_residual(xi))
+            relative[f, :, :, t, e, w] = part.relative(xi)
+    return rms, relative

@@ -1,10 +1,11 @@
-"""Does the paper's experiment come back, and do its claims hold beyond one draw of the noise?
+"""Does the paper's experiment come back, and do its claims hold beyond one draw of everything?
 
-    python -m studies.paper_experiment [--out DIR] [--experiments N] [--workers N] [--smoke] [--seed N]
+    python -m studies.paper_experiment [--out DIR] [--cache DIR] [--smoke] [--seed N]
 
-Designs the paper's trajectories, runs them on the simulated IMI arm, estimates and validates as
-the paper did, repeats all of it hundreds of times, and leaves tables, the figures' data,
-claims.csv and summary.md. Stages that nothing has changed for are read back from the cache.
+Designs the paper's trajectories from many seeds, runs them and test motions on the simulated IMI
+arm with many draws of the noise, estimates and validates as the paper did, and leaves tables, the
+figures' data, claims.csv and summary.md. Stages that nothing has changed for are read back from
+the cache.
 """
 
 from __future__ import annotations
@@ -14,10 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from oed.commands.options import Count, Seed, parse
-from oed.experiment.paper_signals import Processing
-from studies.paper_experiment.campaign import CampaignConfig
+from oed.commands.options import Seed, parse
 from studies.paper_experiment.config import Config
+from studies.paper_experiment.laboratory import LaboratoryConfig
 from studies.paper_experiment.stages import run_stages
 from studies.paper_experiment.writing import FILES, write
 from studies.study_options import StudyOptions
@@ -29,32 +29,19 @@ class Options(StudyOptions):
 
     Attributes:
         cache: Where finished stages are kept.
-        experiments: Of the Monte Carlo, a cell.
-        processings: Of the signals in the Monte Carlo.
-        workers: Processes on this machine.
-        seed: Of everything random.
+        seed: Of all noise.
     """
 
     study: ClassVar[str] = "paper"
     names: ClassVar[tuple[str, ...]] = FILES
 
     cache: Path = Config.cache
-    experiments: Count = Config.experiments
-    processings: tuple[Processing, ...] = Config.processings
-    workers: Count = Config.workers
-    seed: Seed = CampaignConfig.seed
+    seed: Seed = LaboratoryConfig.seed
 
     @property
     def config(self) -> Config:
         """The whole study."""
-        whole = Config(
-            out=self.results,
-            cache=self.cache,
-            experiments=self.experiments,
-            processings=self.processings,
-            workers=self.workers,
-            campaign=CampaignConfig(seed=self.seed),
-        )
+        whole = Config(self.results, self.cache, laboratory=LaboratoryConfig(seed=self.seed))
         return whole.smoke() if self.smoke else whole
 
 

@@ -8,23 +8,22 @@ from numpy import ndarray
 from oed.report.table import Row
 from oed.robot.builtin import imi_scara
 from studies.paper_experiment import values as paper
-from studies.paper_experiment.campaign import (
-    JOINTS,
-    SETS,
-    Bench,
-    CampaignConfig,
-)
-from studies.paper_experiment.designs import CRITERIA, NAMES, DesignConfig, DesignSet
-from studies.paper_experiment.tables import Single, joint_response, table_rows
+from studies.paper_experiment.config import Config
+from studies.paper_experiment.designs import CRITERIA, KINDS
+from studies.paper_experiment.laboratory import JOINTS, Bench, LaboratoryConfig
+from studies.paper_experiment.stages import Result
+from studies.paper_experiment.tables import joint_response, table_rows
 
+DIGITS = 5  # of what is drawn
 DRAWN_EVERY = 20  # [samples of 1 ms]: 50 points a second draw these slow motions smoothly
 BODE_FREQUENCIES = np.geomspace(1.0, 1000.0, 200)  # [rad/s]
+SETS = ("estimation", "validation", "test")
 
 
-def bode(campaign: CampaignConfig, bench: Bench) -> list[Row]:
+def bode(config: LaboratoryConfig, bench: Bench) -> list[Row]:
     """Closed-loop gain of both joints at least, typical and greatest inertia."""
     columns: dict[str, ndarray] = {"frequency": BODE_FREQUENCIES}
-    for j, load in enumerate(campaign.laboratory.loads()):
+    for j, load in enumerate(config.laboratory.loads()):
         for name, inertia in (
             ("least", load.extremes[0]),
             ("typical", load.inertia),
@@ -36,12 +35,12 @@ def bode(campaign: CampaignConfig, bench: Bench) -> list[Row]:
     return table_rows(columns)
 
 
-def trajectories(designs: DesignSet, period: float) -> list[Row]:
-    """Position, velocity and acceleration of every design, 50 points a second."""
+def trajectories(found: Result) -> list[Row]:
+    """Position, velocity and acceleration of what is shown, 50 points a second."""
     rows: list[Row] = []
     kept = slice(None, None, DRAWN_EVERY)
-    for d, name in enumerate(NAMES):
-        motion = designs.motion(d, period)[kept]
+    for name, whole in zip((*CRITERIA, "test"), found.shown_references, strict=True):
+        motion = whole[kept]
         columns = {"t": motion.t}
         for symbol, values in (("q", motion.q), ("dq", motion.dq), ("ddq", motion.ddq)):
             for j in range(JOINTS):
@@ -50,74 +49,83 @@ def trajectories(designs: DesignSet, period: float) -> list[Row]:
     return rows
 
 
-def generations(designs: DesignSet) -> list[Row]:
-    """Best and mean fitness of each generation."""
-    return [
-        {
-            "criterion": criterion,
-            "generation": g,
-            "best": float(designs.best[c, g]),
-            "mean": float(designs.mean[c, g]),
-            "best_so_far": float(designs.best_so_far[c, g]),
-        }
-        for c, criterion in enumerate(CRITERIA)
-        for g in range(designs.best.shape[1])
-    ]
-
-
-def torques(single: Single, horizon: float) -> list[Row]:
-    """Measured and predicted torque of the rich-friction experiments, row after row."""
+def designs(found: Result) -> list[Row]:
+    """Criteria, proven margin and speed of the designs that are shown."""
+    speed = found.speed()
     rows: list[Row] = []
-    for criterion, experiment in zip(CRITERIA, single.rich, strict=True):
-        for s, name in enumerate(SETS):
-            measured, predicted = experiment.torque[s], experiment.predicted[s]
-            count = len(measured)
-            columns = {"sample": np.arange(count)}
-            for j in range(JOINTS):
-                columns[f"measured_{j + 1}"] = measured[:, j]
-                columns[f"predicted_{j + 1}"] = predicted[:, j]
-            rows += [
-                {"design": criterion, "set": name, "horizon": horizon, **row}
-                for row in table_rows(columns)
-            ]
+    for k, run in enumerate(found.designs.shown):
+        row = {name: float(getattr(found.designs, name)[k, run]) for name in ("J_k", "J_d")}
+        row["margin"] = round(float(found.designs.margin[k, run]), 6)  # further digits are rounding
+        row["best of a bit's change"] = float(found.designs.neighbours[k])
+        ends = (found.searches.condition, found.searches.determinant)[k].best[:, -1]
+        row["best of all seeds"] = float((ends.min(), ends.max())[k])
+        row |= {f"speed_{j + 1}": float(speed[k, run, j]) for j in range(JOINTS)}
+        rows.append({"design": CRITERIA[k], "kind": KINDS[k], **row})
     return rows
 
 
-def recursion(single: Single) -> list[Row]:
-    """Recursive estimates of the rich-friction J_k experiment, and their deviations."""
-    experiment = single.rich[0]
-    columns: dict[str, ndarray] = {"sample": np.arange(1, len(experiment.recursion) + 1)}
-    for p in range(len(paper.PARAMETERS)):
-        columns[f"xi_{p + 1}"] = experiment.recursion[:, p]
-        columns[f"std_{p + 1}"] = experiment.recursion_std[:, p]
-    return table_rows(columns)
-
-
-def designs(found: DesignSet) -> list[Row]:
-    """Criteria and proven margin of every trajectory."""
-    return [
-        {
-            "design": name,
-            "J_k": float(found.J_k[d]),
-            "J_d": float(found.J_d[d]),
-            "margin": float(found.margin[d]),
+def generations(found: Result) -> list[Row]:
+    """Best and mean fitness of each generation of the runs that are shown."""
+    rows: list[Row] = []
+    searches = (found.searches.condition, found.searches.determinant)
+    for criterion, search, run in zip(CRITERIA, searches, found.designs.shown, strict=True):
+        columns = {
+            "generation": np.arange(search.generations + 1),
+            "best": search.best[run],
+            "mean": search.mean[run],
         }
-        for d, name in enumerate(NAMES)
+        rows += [{"criterion": criterion, **row} for row in table_rows(columns)]
+    return rows
+
+
+def torques(found: Result) -> list[Row]:
+    """Measured and predicted torque of what is shown, row after row."""
+    rows: list[Row] = []
+    for criterion, shown in zip(CRITERIA, found.shown, strict=True):
+        for s, name in enumerate(SETS):
+            columns = {"sample": np.arange(shown.torque.shape[1])}
+            for j in range(JOINTS):
+                columns[f"measured_{j + 1}"] = shown.torque[s, :, j]
+                columns[f"predicted_{j + 1}"] = shown.predicted[s, :, j]
+            rows += [{"design": criterion, "set": name, **row} for row in table_rows(columns)]
+    return rows
+
+
+def residuals(found: Result) -> list[Row]:
+    """Rms residual of what is shown."""
+    return [
+        {"design": criterion, "set": name, "joint": j + 1, "rms": float(rms[s, j])}
+        for criterion, shown in zip(CRITERIA, found.shown, strict=True)
+        for rms in [np.sqrt(((shown.torque - shown.predicted) ** 2).mean(axis=1))]
+        for s, name in enumerate(SETS)
+        for j in range(JOINTS)
     ]
 
 
-def settings(config: DesignConfig, campaign: CampaignConfig, horizon: float) -> dict[str, object]:
+def recursion(found: Result) -> list[Row]:
+    """Recursive estimates of the J_k experiment that is shown, and their deviations."""
+    shown = found.shown[0]
+    columns: dict[str, ndarray] = {"sample": np.arange(1, len(shown.recursion) + 1)}
+    for p in range(len(paper.PARAMETERS)):
+        columns[f"xi_{p + 1}"] = shown.recursion[:, p]
+        columns[f"std_{p + 1}"] = shown.recursion_std[:, p]
+    return table_rows(columns)
+
+
+def settings(config: Config, found: Result) -> dict[str, object]:
     """What the figures' captions need to know."""
     limits = imi_scara().limits
+    laboratory = config.laboratory.laboratory
     return {
-        "horizon": horizon,
-        "samples": config.samples,
-        "repetitions": campaign.repetitions,
-        "truth": campaign.laboratory.truth().tolist(),
+        "horizon": float(found.horizons.chosen),
+        "samples": config.laboratory.samples,
+        "repetitions": config.laboratory.repetitions,
+        "truth": laboratory.truth().tolist(),
         "parameters": [list(p) for p in paper.PARAMETERS],
+        "paper": {"J_k": paper.J_K, "J_d": paper.J_D},
         "position_limit": limits.position[:, 1].tolist(),
         "velocity_limit": limits.velocity[:, 1].tolist(),
         "acceleration_limit": limits.acceleration[:, 1].tolist(),
-        "bandwidth": campaign.laboratory.specification.bandwidth,
-        "peak_db": campaign.laboratory.specification.peak_db,
+        "bandwidth": laboratory.specification.bandwidth,
+        "peak_db": laboratory.specification.peak_db,
     }

@@ -1,4 +1,4 @@
-"""The stages of the study: designs, laboratory, experiments, and all of it again and again.
+"""The stages of the study: searches, designs, laboratory, and experiments, all crossed.
 
 A stage that nothing has changed for is read back from the cache.
 """
@@ -7,40 +7,32 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from oed.dynamics.motion import Motion
 from oed.experiment.drake_experiment import run_on_drake
-from oed.experiment.imi_laboratory import Friction
 from oed.experiment.sensors import Sensors
 from oed.experiment.simulation import run as run_fast
-from studies.paper_experiment import tables
-from studies.paper_experiment.campaign import (
-    FRICTIONS,
-    Bench,
-    EnergyComparison,
-    Experiment,
-    ProcessingComparison,
-    analyse,
-    compare_energy,
-    compare_processing,
-    prepare,
-    repetitions,
-)
-from studies.paper_experiment.config import PERIOD, Config
-from studies.paper_experiment.designs import (
-    NAMES,
-    DesignSet,
+from studies.paper_experiment.campaign import Campaign, Conditions, run_campaign
+from studies.paper_experiment.config import Config
+from studies.paper_experiment.designs import DesignSet, design_all, reference
+from studies.paper_experiment.fitness import Fitness
+from studies.paper_experiment.laboratory import PERIOD, Bench, prepare
+from studies.paper_experiment.searches import (
+    DesignConfig,
     HorizonTable,
-    design_all,
+    Search,
+    Searches,
+    at_half_the_instants,
+    search,
     sweep_horizons,
 )
-from studies.paper_experiment.monte_carlo import MonteCarlo, run_monte_carlo
+from studies.paper_experiment.shown import Shown, show
 from studies.paper_experiment.stage_cache import StageCache
-
-DESIGNS = ("studies.paper_experiment.designs",)
-LABORATORY = ("studies.paper_experiment.campaign",)
 
 
 @dataclass(frozen=True)
@@ -53,81 +45,123 @@ class DrakeCheck:
         command: () largest difference of a command [N m].
     """
 
-    duration: np.ndarray
-    position: np.ndarray
-    command: np.ndarray
+    duration: ndarray
+    position: ndarray
+    command: ndarray
 
 
 @dataclass(frozen=True)
 class Result:
-    """Everything that the study found."""
+    """Everything that the study found.
+
+    Attributes:
+        horizons: What the unstated T does.
+        searches: Runs of the algorithm.
+        designs: What is run on the arm.
+        references: K kinds of P designs' motions.
+        tests: T test motions.
+        bench: The laboratory.
+        drake: The loop beside Drake.
+        shown: The experiments of the figures, for J_k and J_d.
+        campaign: All experiments.
+    """
 
     horizons: HorizonTable
+    searches: Searches
     designs: DesignSet
+    references: list[list[Motion]]
+    tests: list[Motion]
     bench: Bench
-    single: tables.Single
-    processing: dict[tuple[str, str], ProcessingComparison]
-    energy: dict[tuple[str, str], EnergyComparison]
-    monte_carlo: MonteCarlo
     drake: DrakeCheck
+    shown: tuple[Shown, Shown]
+    campaign: Campaign
+
+    @property
+    def shown_references(self) -> list[Motion]:
+        """The designs of the figures, for J_k and J_d, and their test motion."""
+        return [self.references[k][run] for k, run in enumerate(self.designs.shown)] + [
+            self.tests[0]
+        ]
+
+    def speed(self) -> Float[ndarray, "K P n"]:
+        """Rms speed of the joints [rad/s]."""
+        return np.array([[np.sqrt((m.dq**2).mean(axis=0)) for m in own] for own in self.references])
 
 
 def run_stages(config: Config) -> Result:
     """All stages, each read back where it is unchanged."""
-    cache, campaign = StageCache(config.cache), config.campaign
-    key = cache.key("horizons", [config.designs], DESIGNS)
-    horizons = cache.get("horizons", key, HorizonTable, lambda: sweep_horizons(config.designs))
+    cache, sizes, laboratory = StageCache(config.cache), config.designs, config.laboratory
+    key = cache.key("designs", [sizes], [design_all.__module__])
+    horizons = cache.get("horizons", key, HorizonTable, lambda: sweep_horizons(sizes))
     horizon = float(horizons.chosen)
-    key = cache.key("designs", [key], DESIGNS)
-    designs = cache.get(
-        "designs", key, DesignSet, lambda: design_all(config.designs, horizon, PERIOD)
-    )
-    reference = designs.motion(0, PERIOD)
-    key = cache.key("laboratory", [key, campaign], LABORATORY)
-    bench = cache.get("laboratory", key, Bench, lambda: prepare(campaign, reference))
+    found = _search(cache, key, sizes, horizon)
+    designs = cache.get("designs", key, DesignSet, lambda: design_all(sizes, horizon, found))
+    references = [[reference(sizes, horizon, z, PERIOD) for z in own] for own in designs.z]
+    tests = [reference(sizes, horizon, z, PERIOD) for z in designs.tests]
+    shown_references = [references[k][run] for k, run in enumerate(designs.shown)]
+    key = cache.key("laboratory", [key, laboratory], [prepare.__module__])
+    bench = cache.get("laboratory", key, Bench, lambda: prepare(laboratory, shown_references[0]))
     drake = cache.get(
         "drake",
         cache.key("drake", [key, config.drake_seconds], [check_drake.__module__]),
         DrakeCheck,
-        lambda: check_drake(config, bench, reference),
+        lambda: check_drake(config, bench, shown_references[0]),
     )
-    single = tables.Single(
-        *(
-            _displayed(
-                config, cache=cache, key=key, bench=bench, designs=designs, friction=friction
-            )
-            for friction in FRICTIONS
+    shown_key = cache.key("shown", [key], [show.__module__])
+    shown = [
+        cache.get(
+            f"shown_{kind}",
+            shown_key,
+            Shown,
+            partial(show, laboratory, bench, motion, tests[0], kind),
         )
+        for kind, motion in enumerate(shown_references)
+    ]
+    campaign = cache.get(
+        "campaign",
+        cache.key("campaign", [key, config.draws], [run_campaign.__module__]),
+        Campaign,
+        lambda: run_campaign(Conditions(laboratory, bench, config.draws), references, tests),
     )
-    processing, energy = _comparisons(config, cache, key, bench, designs)
-    monte_carlo = cache.get(
-        "monte_carlo",
-        cache.key(
-            "monte_carlo",
-            [key, config.experiments, config.processings],
-            [run_monte_carlo.__module__],
-        ),
-        MonteCarlo,
-        lambda: run_monte_carlo(
-            campaign,
-            bench,
-            designs,
-            config.processings,
-            experiments=config.experiments,
-            workers=config.workers,
+    pair = (shown[0], shown[1])
+    return Result(horizons, found, designs, references, tests, bench, drake, pair, campaign)
+
+
+def _search(cache: StageCache, key: str, sizes: DesignConfig, horizon: float) -> Searches:
+    """Every run of the algorithm, kept by fitness and population."""
+    small, large = sizes.population, sizes.large_population
+    kinds: list[tuple[Fitness, bool]] = [
+        (fitness, is_large) for is_large in (False, True) for fitness in ("-J_k", "-log10 J_k")
+    ]
+    runs = {
+        (fitness, large if is_large else small): cache.get(
+            f"search_{fitness.split()[0]}_{large if is_large else small}",
+            key,
+            Search,
+            partial(search, sizes, horizon, fitness, runs=sizes.runs, is_large=is_large),
+        )
+        for fitness, is_large in [*kinds, ("J_d", False)]
+    }
+    more = cache.get(
+        "search_more_terms",
+        key,
+        Search,
+        partial(
+            search, sizes, horizon, "-J_k", runs=2 * sizes.horizon_runs, terms=sizes.more_terms
         ),
     )
-    return Result(horizons, designs, bench, single, processing, energy, monte_carlo, drake)
+    half = at_half_the_instants(sizes, horizon, runs["J_d", small])
+    return Searches(runs, small, more, half)
 
 
 def check_drake(config: Config, bench: Bench, reference: Motion) -> DrakeCheck:
     """The start of the J_k trajectory on Drake and on the compiled loop, with one noise."""
-    setup = bench.setup(config.campaign, "rich")
+    setup = bench.setup(config.laboratory, "rich")
     # Which side of a resolver's step a rounding error falls on is chaos: without resolvers.
     setup = dataclasses.replace(setup, sensors=Sensors(), lead_in=0.2, lead_out=0.0)
     part = reference[: max(2, round(config.drake_seconds / PERIOD))]
     fast, drake = (
-        runner(setup, part, np.random.default_rng(config.campaign.seed), runs=1)
+        runner(setup, part, np.random.default_rng(config.laboratory.seed), runs=1)
         for runner in (run_fast, run_on_drake)
     )
     return DrakeCheck(
@@ -135,69 +169,3 @@ def check_drake(config: Config, bench: Bench, reference: Motion) -> DrakeCheck:
         np.abs(fast.q - drake.q).max(),
         np.abs(fast.command - drake.command).max(),
     )
-
-
-def _displayed(
-    config: Config,
-    *,
-    cache: StageCache,
-    key: str,
-    bench: Bench,
-    designs: DesignSet,
-    friction: Friction,
-) -> tuple[Experiment, Experiment]:
-    """The J_k and J_d experiments of the GA, once, as the paper shows them."""
-    campaign, found = config.campaign, []
-    for design in range(2):
-
-        def compute(design: int = design) -> Experiment:
-            logs = [
-                repetitions(campaign, bench, friction, designs.motion(d, PERIOD), d)
-                for d in (design, NAMES.index("test"))
-            ]
-            return analyse(campaign, logs[0], logs[1], PERIOD, "online")
-
-        name = f"experiment_{friction}_{design}"
-        found.append(cache.get(name, cache.key(name, [key], []), Experiment, compute))
-    return found[0], found[1]
-
-
-def _comparisons(
-    config: Config, cache: StageCache, key: str, bench: Bench, designs: DesignSet
-) -> tuple[dict[tuple[str, str], ProcessingComparison], dict[tuple[str, str], EnergyComparison]]:
-    """Processings by design and friction, and energy by friction and processing."""
-    campaign, count = config.campaign, config.comparisons
-    processing, energy = {}, {}
-    for friction in FRICTIONS:
-        for design in ("J_k, GA", "J_d, GA", "J_d, Fourier"):
-            motion = designs.motion(NAMES.index(design), PERIOD)
-            name = f"processing_{friction}_{NAMES.index(design)}"
-            processing[design, friction] = cache.get(
-                name,
-                cache.key(name, [key, count], []),
-                ProcessingComparison,
-                lambda motion=motion, design=design, friction=friction: compare_processing(
-                    campaign,
-                    bench,
-                    motion,
-                    friction=friction,
-                    experiments=count,
-                    periodic=design == "J_d, Fourier",
-                ),
-            )
-        for way in ("online", "zero_phase"):
-            name = f"energy_{friction}_{way}"
-            energy[friction, way] = cache.get(
-                name,
-                cache.key(name, [key, count], []),
-                EnergyComparison,
-                lambda friction=friction, way=way: compare_energy(
-                    campaign,
-                    bench,
-                    designs.motion(0, PERIOD),
-                    way,
-                    friction=friction,
-                    experiments=count,
-                ),
-            )
-    return processing, energy

@@ -1,8 +1,8 @@
-"""Rows of the paper's experiment: its numbers beside ours."""
+"""Tables of the paper's experiment: its numbers beside ours, and what was done, cell by cell."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -13,145 +13,129 @@ from oed.experiment.paper_signals import PAPER_FILTER
 from oed.report.table import Cell, Row
 from oed.robot.builtin import imi_scara
 from studies.paper_experiment import values as paper
-from studies.paper_experiment.campaign import (
-    FRICTIONS,
-    JOINTS,
-    SETS,
-    Bench,
-    CampaignConfig,
-    EnergyComparison,
-    Experiment,
-    ProcessingComparison,
-    controller_of,
+from studies.paper_experiment.campaign import WAYS, Campaign
+from studies.paper_experiment.designs import CRITERIA, KINDS
+from studies.paper_experiment.findings import (
+    PAPER_FIT,
+    RICHER_FIT,
+    Finding,
+    rms_relative,
 )
-from studies.paper_experiment.designs import CRITERIA, NAMES, DesignConfig, DesignSet, HorizonTable
-from studies.paper_experiment.monte_carlo import DESIGNS, MonteCarlo
+from studies.paper_experiment.fitting import XI
+from studies.paper_experiment.laboratory import FRICTIONS, JOINTS, Bench, LaboratoryConfig
+from studies.paper_experiment.searches import HorizonTable, Searches
+
+DIGITS = 4  # of a table's numbers: what the intervals carry, and more than rounding reaches
+PERCENTILES = (2.5, 97.5)
+ONLINE, RICH = WAYS.index("online"), FRICTIONS.index("rich")
 
 
-@dataclass(frozen=True)
-class Single:
-    """The displayed experiments: friction by design, in the order J_k, J_d of the GA."""
+def rounded(rows: Sequence[Row], digits: int = DIGITS) -> list[Row]:
+    """Rows whose numbers have the digits that they carry: a rerun then writes the same."""
+    return [{name: _rounded(value, digits) for name, value in row.items()} for row in rows]
 
-    plain: tuple[Experiment, Experiment]
-    rich: tuple[Experiment, Experiment]
 
-    def of(self, friction: str) -> tuple[Experiment, Experiment]:
-        """Those of one friction."""
-        return self.plain if friction == "plain" else self.rich
+def table_rows(columns: dict[str, ndarray]) -> list[Row]:
+    """Columns of equal length as rows of plain numbers."""
+    listed = [values.tolist() for values in columns.values()]
+    return [dict(zip(columns, values, strict=True)) for values in zip(*listed, strict=True)]
 
 
 def comparison(
-    config: DesignConfig,
-    campaign: CampaignConfig,
-    designs: DesignSet,
-    bench: Bench,
-    single: Single,
+    config: LaboratoryConfig, bench: Bench, searches: Searches, campaign: Campaign
 ) -> list[Row]:
-    """Every number of the paper's section 4 and 5 beside the one reproduced."""
-    rows = _design_rows(config, designs) + _loop_rows(campaign, bench)
-    for d, criterion in enumerate(CRITERIA):
-        pair = [single.of(friction)[d] for friction in FRICTIONS]
-        for j in range(JOINTS):
-            values = [e.variances[j] for e in pair]
-            rows.append(
-                _row(criterion, f"sigma_{j + 1}^2", "N^2 m^2", paper.VARIANCES[d][j], *values)
-            )
-        for p, (name, unit) in enumerate(paper.PARAMETERS):
-            values = [e.parameters[p] for e in pair]
-            rows.append(_row(criterion, name, unit, paper.ESTIMATES[d][p], *values))
-        for p, (name, unit) in enumerate(paper.PARAMETERS):
-            values = [e.covariance[p, p] for e in pair]
-            rows.append(
-                _row(criterion, f"P of {name}", f"({unit})^2", paper.DIAGONAL_P[d][p], *values)
-            )
-        for s, name in enumerate(SETS):
-            for j in range(JOINTS):
-                rms = [e.rms[s, j] for e in pair]
-                relative = [100 * e.relative[s, j] for e in pair]
-                label = f"{name} set, joint {j + 1}"
-                rows.append(_row(criterion, f"rms, {label}", "N m", paper.RMS[d][s][j], *rms))
-                rows.append(
-                    _row(
-                        criterion,
-                        f"relative rms, {label}",
-                        "%",
-                        100 * paper.RELATIVE[d][s][j],
-                        *relative,
-                    )
-                )
-    truth = campaign.laboratory.truth()
-    for p, value in enumerate(paper.MANUFACTURER):
-        name, unit = paper.PARAMETERS[p]
-        rows.append(
-            _row("-", f"manufacturer's {name} (here: the truth)", unit, value, truth[p], truth[p])
-        )
+    """Every number of the paper's sections 4 and 5 beside the range of ours.
+
+    The range holds 95 % of single experiments over designs, test motions and noise, with rich
+    friction and the paper's signals.
+    """
+    rows = [*_design_rows(searches), *_loop_rows(config, bench)]
+    for k, criterion in enumerate(CRITERIA):
+        rows += [
+            _row(criterion, quantity, unit, published, drawn)
+            for quantity, unit, published, drawn in _experiment_values(campaign, k)
+        ]
+    truth = config.laboratory.truth()
+    for (name, unit), value, true in zip(paper.PARAMETERS, paper.MANUFACTURER, truth, strict=False):
+        rows.append(_row("-", f"manufacturer's {name} (here: the truth)", unit, value, true))
     return rows
 
 
-def _row(  # noqa: PLR0917  # reads as the row that it makes
-    design: str, quantity: str, unit: str, published: float, plain: float, rich: float
+def _experiment_values(
+    found: Campaign, k: int
+) -> Iterator[tuple[str, str, float, Float[ndarray, "..."]]]:
+    """Quantity, unit, the paper's value, and ours of every experiment."""
+    own = (RICH, k, slice(None), slice(None), ONLINE)
+    for j in range(JOINTS):
+        yield f"sigma_{j + 1}^2", "N^2 m^2", paper.VARIANCES[k][j], found.variances[own][..., j]
+    for p, (name, unit) in enumerate(paper.PARAMETERS):
+        yield name, unit, paper.ESTIMATES[k][p], found.parameters[own][..., PAPER_FIT, p]
+    for p, (name, unit) in enumerate(paper.PARAMETERS):
+        values = found.covariance[own][..., PAPER_FIT, p, p]
+        yield f"P of {name}", f"({unit})^2", paper.DIAGONAL_P[k][p], values
+    test = (RICH, k, slice(None), slice(None), slice(None), ONLINE, PAPER_FIT)
+    for s, name in enumerate(("estimation", "validation", "test")):
+        for j in range(JOINTS):
+            label = f"{name} set, joint {j + 1}"
+            if name == "test":
+                rms, relative = found.test_rms[test], found.test_relative[test]
+            else:
+                rms, relative = found.rms[own][..., s, :], found.relative[own][..., s, :]
+            yield f"rms, {label}", "N m", paper.RMS[k][s][j], rms[..., j]
+            share = 100 * paper.RELATIVE[k][s][j]
+            yield f"relative rms, {label}", "%", share, 100 * relative[..., j]
+
+
+def _row(
+    design: str, quantity: str, unit: str, published: float, drawn: float | Float[ndarray, "..."]
 ) -> Row:
+    low, high = np.percentile(drawn, PERCENTILES)
     return {
         "design": design,
         "quantity": quantity,
         "unit": unit,
         "paper": published,
-        "reproduced": float(rich),
-        "with the paper's friction": float(plain),
+        "mean of ours": float(np.mean(drawn)),
+        "from": float(low),
+        "to": float(high),
     }
 
 
-def _design_rows(config: DesignConfig, designs: DesignSet) -> list[Row]:
-    J_k, J_d = float(designs.J_k[0]), float(designs.J_d[1])
-    best = designs.best_so_far[0]
-    reached = float(np.argmax(best <= 1.05 * best[-1]))
+def _design_rows(searches: Searches) -> list[Row]:
     limits = imi_scara().limits
-    omega = float(
-        min(
-            limits.velocity[0, 1] / limits.position[0, 1],
-            np.sqrt(limits.acceleration[0, 1] / limits.position[0, 1]),
-        )
+    omega = min(
+        limits.velocity[0, 1] / limits.position[0, 1],
+        np.sqrt(limits.acceleration[0, 1] / limits.position[0, 1]),
     )
-    variables = 2 * config.terms * JOINTS
-    bits = variables * config.bits
+    J_k, J_d = searches.condition.best[:, -1], searches.determinant.best[:, -1]
     return [
-        _row("-", "omega_max of (12d)", "rad/s", paper.OMEGA_MAX, omega, omega),
-        _row("-", "decision variables", "-", 12, variables, variables),
-        _row("-", "bits of a genotype", "-", 48, bits, bits),
-        _row("J_k", "J_k = cond Lambda, best of the GA", "-", paper.J_K, J_k, J_k),
-        _row("J_k", "generations until within 5 %", "-", paper.GENERATIONS, reached, reached),
-        _row("J_d", "J_d = log10 det Lambda, best of the GA", "-", paper.J_D, J_d, J_d),
-        _row("J_d", "det Lambda", "-", paper.DETERMINANT, 10**J_d, 10**J_d),
+        _row("-", "omega_max of (12d)", "rad/s", paper.OMEGA_MAX, omega),
+        _row("J_k", "J_k = cond Lambda at the end", "-", paper.J_K, J_k),
+        _row("J_d", "J_d = log10 det Lambda at the end", "-", paper.J_D, J_d),
+        _row("J_d", "J_d with half of the instants", "-", paper.J_D, searches.half),
     ]
 
 
-def _loop_rows(campaign: CampaignConfig, bench: Bench) -> list[Row]:
-    rows = []
+def _loop_rows(config: LaboratoryConfig, bench: Bench) -> list[Row]:
     cutoff = PAPER_FILTER.half_power_frequency()
-    rows.append(_row("-", "half power of the filter", "rad/s", paper.FILTER_CUTOFF, cutoff, cutoff))
+    rows = [_row("-", "half power of the filter", "rad/s", paper.FILTER_CUTOFF, cutoff)]
     grid = np.geomspace(1.0, 2000.0, 4000)
-    for j, load in enumerate(campaign.laboratory.loads()):
+    for j, load in enumerate(config.laboratory.loads()):
         bandwidth, _ = bandwidth_and_peak(grid, joint_response(grid, bench, load, j, load.inertia))
         peak = max(
             bandwidth_and_peak(grid, joint_response(grid, bench, load, j, m))[1]
             for m in load.extremes
         )
-        rows.append(
-            _row("-", f"bandwidth, joint {j + 1}", "rad/s", paper.BANDWIDTH, bandwidth, bandwidth)
-        )
-        rows.append(_row("-", f"peak, joint {j + 1}", "dB", paper.PEAK_DB, peak, peak))
+        rows.append(_row("-", f"bandwidth, joint {j + 1}", "rad/s", paper.BANDWIDTH, bandwidth))
+        rows.append(_row("-", f"peak, joint {j + 1}", "dB", paper.PEAK_DB, peak))
     return rows
 
 
 def joint_response(
-    grid: Float[ndarray, " points"],
-    bench: Bench,
-    load: JointLoad,
-    joint: int,
-    inertia: float,
+    grid: Float[ndarray, " points"], bench: Bench, load: JointLoad, joint: int, inertia: float
 ) -> ndarray:
     """Closed-loop frequency response of one joint at an inertia."""
-    controller = controller_of(bench)
+    controller = bench.controller
     return closed_loop_response(
         grid,
         inertia,
@@ -180,109 +164,65 @@ def horizons(table: HorizonTable) -> list[Row]:
     ]
 
 
-def terms(table: HorizonTable) -> list[Row]:
-    """J_k by the number of sines, at the chosen horizon: median and range over the seeds."""
-    return [
-        {
-            "sines W": int(table.terms[k]),
-            "J_k median": float(np.median(table.J_k_by_terms[k])),
-            "J_k best": float(table.J_k_by_terms[k].min()),
-            "J_k worst": float(table.J_k_by_terms[k].max()),
-        }
-        for k in np.argsort(table.terms)
-    ]
-
-
-def processing(
-    comparisons: dict[tuple[str, str], ProcessingComparison], truth: Float[ndarray, "8"]
-) -> list[Row]:
-    """Bias and spread of the parameters, and residuals, by processing."""
+def claims(findings: Sequence[Finding]) -> list[Row]:
+    """Every finding, with its verdict and where its spread is from."""
     rows: list[Row] = []
-    for (design, friction), found in comparisons.items():
-        for w, way in enumerate(found.ways):
-            estimates = found.parameters[w]
-            rows.append(
-                {
-                    "design": design,
-                    "friction": friction,
-                    "processing": str(way),
-                    "rms bias [% of truth]": _rms_percent(estimates.mean(axis=0) - truth, truth),
-                    "rms std [% of truth]": _rms_percent(estimates.std(axis=0, ddof=1), truth),
-                    **{
-                        f"rms residual {j + 1} [N m]": float(found.rms[w, :, j].mean())
-                        for j in range(JOINTS)
-                    },
-                    **{
-                        f"noise floor {j + 1} [N m]": float(np.sqrt(found.variances[w, j]))
-                        for j in range(JOINTS)
-                    },
-                }
-            )
+    for f in findings:
+        sources = f.sources
+        rows.append(
+            {
+                "claim": f.claim.statement,
+                "quantity": f.claim.quantity,
+                "confirmed": f.claim.band,
+                "refuted": f.claim.outside,
+                "friction": f.friction,
+                "signals": f.signals,
+                "detail": f.detail,
+                "value": f.interval.value,
+                "lower": f.interval.lower,
+                "upper": f.interval.upper,
+                "unit": f.claim.unit,
+                "verdict": f.verdict,
+                "std, design pair": None if sources is None else sources.pair,
+                "std, test motion": None if sources is None else sources.motion,
+                "std, pair and motion": None if sources is None else sources.both,
+                "std, noise": None if sources is None else sources.noise,
+            }
+        )
     return rows
 
 
-def energy(
-    comparisons: dict[tuple[str, str], EnergyComparison], truth: Float[ndarray, "8"]
-) -> list[Row]:
-    """Each parameter by Newton-Euler and by energy: mean, spread and whether they agree."""
-    rows: list[Row] = []
-    for (friction, way), found in comparisons.items():
-        for p, (name, unit) in enumerate(paper.PARAMETERS):
-            torque, work = found.torque[:, p], found.energy[:, p]
-            spread = float(np.hypot(torque.std(ddof=1), work.std(ddof=1)))
-            rows.append(
-                {
-                    "friction": friction,
-                    "processing": way,
-                    "parameter": name,
-                    "unit": unit,
-                    "truth": float(truth[p]),
-                    "Newton-Euler": float(torque.mean()),
-                    "its std": float(torque.std(ddof=1)),
-                    "energy": float(work.mean()),
-                    "std of energy": float(work.std(ddof=1)),
-                    "agree": bool(abs(torque.mean() - work.mean()) < 1.96 * spread),
-                }
-            )
-    return rows
-
-
-def monte_carlo(runs: MonteCarlo, truth: Float[ndarray, "8"]) -> list[Row]:
+def cells(found: Campaign, truth: Float[ndarray, "8"]) -> list[Row]:
     """One row a cell: friction, design, processing."""
     rows: list[Row] = []
-    for f, friction in enumerate(FRICTIONS):
-        for d in DESIGNS:
-            for r, way in enumerate(runs.processings.tolist()):
-                estimates = runs.parameters[f, d, r]
-                row: dict[str, Cell] = {
-                    "friction": friction,
-                    "design": NAMES[d],
-                    "processing": way,
-                    "experiments": len(estimates),
-                    "rms bias [% of truth]": _rms_percent(estimates.mean(axis=0) - truth, truth),
-                    "rms std [% of truth]": _rms_percent(estimates.std(axis=0, ddof=1), truth),
-                }
-                for j in range(JOINTS):
-                    row[f"variance {j + 1} [N^2 m^2]"] = float(runs.variances[f, d, r, :, j].mean())
-                for s, name in enumerate(SETS):
-                    for j in range(JOINTS):
-                        row[f"rms {name} {j + 1} [N m]"] = float(runs.rms[f, d, r, :, s, j].mean())
-                        row[f"relative {name} {j + 1} [%]"] = float(
-                            100 * runs.relative[f, d, r, :, s, j].mean()
-                        )
-                rows.append(row)
+    for f, k, w in np.ndindex(len(FRICTIONS), len(KINDS), len(WAYS)):
+        xi = found.parameters[f, k, :, :, w, PAPER_FIT, :XI]
+        mean = xi.mean(axis=1)
+        bias, spread = mean - truth, (xi - mean[:, None]) * np.sqrt(xi.shape[1] / (xi.shape[1] - 1))
+        row: dict[str, Cell] = {
+            "friction": FRICTIONS[f],
+            "design": KINDS[k],
+            "signals": WAYS[w],
+            "bias [%]": _percent(rms_relative(bias, truth)),
+            "std [%]": _percent(rms_relative(spread, truth)),
+        }
+        test = found.test_relative[f, k, :, :, :, w]
+        for j in range(JOINTS):
+            row |= {
+                f"residual {j + 1} [N m]": float(found.rms[f, k, :, :, w, 0, j].mean()),
+                f"noise {j + 1} [N m]": float(np.sqrt(found.filtered[f, k, :, :, w, j].mean())),
+                f"validation {j + 1} [%]": float(100 * found.relative[f, k, :, :, w, 1, j].mean()),
+                f"test {j + 1} [%]": float(100 * test[..., PAPER_FIT, j].mean()),
+                f"test {j + 1}, richer [%]": float(100 * test[..., RICHER_FIT, j].mean()),
+            }
+        rows.append(row)
     return rows
 
 
-def table_rows(columns: dict[str, ndarray]) -> list[Row]:
-    """Columns of equal length as rows of plain numbers, to six digits: enough to draw."""
-    names = list(columns)
-    listed = [
-        [float(f"{x:.6g}") if isinstance(x, float) else x for x in values.tolist()]
-        for values in columns.values()
-    ]
-    return [dict(zip(names, values, strict=True)) for values in zip(*listed, strict=True)]
+def _percent(errors: Float[ndarray, "..."]) -> float:
+    return float(100 * np.sqrt((errors**2).mean()))
 
 
-def _rms_percent(error: Float[ndarray, "8"], truth: Float[ndarray, "8"]) -> float:
-    return float(100 * np.sqrt(np.mean((error / truth) ** 2)))
+def _rounded(value: Cell, digits: int) -> Cell:
+    value = value.item() if isinstance(value, np.generic) else value
+    return float(f"{value:.{digits}g}") if isinstance(value, float) else value
