@@ -26,6 +26,7 @@ from oed.report.style import (
 
 JOINT_COLOURS = (BLUE, VERMILION, GREEN, ORANGE)
 JOINT_STYLES = ("-", "--", "-.", ":")
+MARKERS = 40  # on a curve that has more points: as many as can be told apart in a column
 LEGEND = {"fontsize": 7.0, "frameon": False}
 
 
@@ -89,8 +90,17 @@ def draw_generations(
     """
     figure = new_figure(COLUMN, 3.2)
     panels = figure.subplots(len(best), 1, sharex=True)
+    every = 1 + len(generation) // MARKERS
     for panel, name in zip(np.atleast_1d(panels), best, strict=True):
-        panel.plot(generation, best[name], color=BLUE, marker="o", markersize=2.2, label="best")
+        panel.plot(
+            generation,
+            best[name],
+            color=BLUE,
+            marker="o",
+            markersize=2.2,
+            markevery=every,
+            label="best",
+        )
         panel.plot(
             generation,
             mean[name],
@@ -98,6 +108,7 @@ def draw_generations(
             linestyle="--",
             marker="s",
             markersize=2.0,
+            markevery=every,
             label="mean",
         )
         panel.axhline(published[name], color=BLACK, linewidth=0.8, linestyle=":", label="paper")
