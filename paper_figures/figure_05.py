@@ -11,7 +11,8 @@ from paper_figures.writing import write
 
 CAPTION = (
     "Torque residuals on the estimation repetitions of the trajectories for J_k (dotted lines "
-    "part the repetitions); their rms is the one in the table, and below half of the torque's."
+    "part the repetitions); their rms is within a fifth of the mean over all experiments, and "
+    "below half of the torque's."
 )
 
 

@@ -10,8 +10,9 @@ from paper_figures.drawing import draw_residual
 from paper_figures.writing import write
 
 CAPTION = (
-    "Torque residuals on the test trajectory with the parameters found on those for J_k; their "
-    "rms is the one in the table, and below half of the torque's."
+    "Torque residuals on the test trajectory with the parameters found on those for J_k; "
+    "their rms is within a fifth of the mean over all experiments, and below half of the "
+    "torque's."
 )
 
 

@@ -11,7 +11,7 @@ from paper_figures.writing import write
 
 CAPTION = (
     "Torque residuals on the estimation repetitions of the J_d-optimal trajectories; their "
-    "rms is the one in the table, and below half of the torque's."
+    "rms is within a fifth of the mean over all experiments, and below half of the torque's."
 )
 
 

@@ -47,11 +47,14 @@ def torque(results: Path, design: str, part: str) -> tuple[ndarray, ndarray, nda
     return t, by_joint(table, "measured", mine), by_joint(table, "predicted", mine)
 
 
-def rms(results: Path, design: str, part: str) -> ndarray:
-    """Rms residual of each joint as the study states it (2,)."""
-    table = columns(results / "figures" / "residuals.csv")
-    mine = (table["design"] == design) & (table["set"] == part)
-    return table["rms"][mine].astype(float)
+def mean_rms(results: Path, design: str, part: str) -> ndarray:
+    """Rms residual of each joint, mean over all experiments of the table (2,) [N m]."""
+    means = {
+        row["quantity"]: row["mean of ours"]
+        for row in read_csv(results / "comparison.csv")
+        if row["design"] == design
+    }
+    return np.array([means[f"rms, {part} set, joint {j}"] for j in (1, 2)])
 
 
 def of_design(results: Path, design: str) -> dict[str, Any]:

@@ -117,7 +117,7 @@ def test_every_figure_is_drawn_and_its_caption_holds(tmp_path):
     ],
 )
 def test_a_figure_notices_a_wrong_sign(tmp_path, figure, table, column):
-    shutil.copytree(RESULTS / "figures", tmp_path / "figures")
+    shutil.copytree(RESULTS, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "figures" / f"{table}.csv"
     write_csv(file, [{**row, column: -row[column]} for row in read_csv(file)])
     with pytest.raises(AssertionError):
@@ -125,7 +125,7 @@ def test_a_figure_notices_a_wrong_sign(tmp_path, figure, table, column):
 
 
 def test_a_figure_notices_a_search_that_could_go_on(tmp_path):
-    shutil.copytree(RESULTS / "figures", tmp_path / "figures")
+    shutil.copytree(RESULTS, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "figures" / "designs.csv"
     name = "best of a bit's change"
     write_csv(file, [{**row, name: row["J_d"] + 1} for row in read_csv(file)])
@@ -134,7 +134,7 @@ def test_a_figure_notices_a_search_that_could_go_on(tmp_path):
 
 
 def test_a_figure_notices_a_limit_that_is_left(tmp_path):
-    shutil.copytree(RESULTS / "figures", tmp_path / "figures")
+    shutil.copytree(RESULTS, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "figures" / "trajectories.csv"
     rows = read_csv(file)
     assert np.ptp([row["q_1"] for row in rows]) > 0

@@ -39,7 +39,7 @@ class Config:
         """The same study, as small as it can be."""
         designs = dataclasses.replace(
             self.designs,
-            horizons=(2.0,),
+            horizons=(1.0,),
             # So few bits that the algorithm converges, as the figures claim.
             bits=2,
             terms=2,

@@ -91,17 +91,6 @@ def torques(found: Result) -> list[Row]:
     return rows
 
 
-def residuals(found: Result) -> list[Row]:
-    """Rms residual of what is shown."""
-    return [
-        {"design": criterion, "set": name, "joint": j + 1, "rms": float(rms[s, j])}
-        for criterion, shown in zip(CRITERIA, found.shown, strict=True)
-        for rms in [np.sqrt(((shown.torque - shown.predicted) ** 2).mean(axis=1))]
-        for s, name in enumerate(SETS)
-        for j in range(JOINTS)
-    ]
-
-
 def recursion(found: Result) -> list[Row]:
     """Recursive estimates of the J_k experiment that is shown, and their deviations."""
     shown = found.shown[0]

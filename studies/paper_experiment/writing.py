@@ -15,7 +15,7 @@ from studies.paper_experiment.stages import DrakeCheck, Result
 from studies.paper_experiment.summary import PaperRows, summarise
 
 TABLES = ("comparison", "horizons", "cells", "claims", "drake")
-DRAWN = ("trajectories", "designs", "generations", "torques", "residuals", "recursion", "bode")
+DRAWN = ("trajectories", "designs", "generations", "torques", "recursion", "bode")
 FILES = (
     *(f"{name}.csv" for name in TABLES),
     *(f"figures/{name}.csv" for name in DRAWN),
@@ -62,7 +62,6 @@ def write(result: Result, config: Config, out: Path) -> None:
         data.designs(result),
         data.generations(result),
         data.torques(result),
-        data.residuals(result),
         data.recursion(result),
         data.bode(config.laboratory, result.bench),
     )
