@@ -58,7 +58,7 @@ def mean_rms(results: Path, design: str, part: str) -> ndarray:
 
 
 def of_design(results: Path, design: str) -> dict[str, Any]:
-    """Criteria, margin and speed of a design."""
+    """Criteria and proven margin of a design, and what is near or better."""
     rows = read_csv(results / "figures" / "designs.csv")
     return next(row for row in rows if row["design"] == design)
 

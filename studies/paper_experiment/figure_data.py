@@ -9,7 +9,7 @@ from oed.report.table import Row
 from oed.robot.builtin import imi_scara
 from studies.paper_experiment import values as paper
 from studies.paper_experiment.config import Config
-from studies.paper_experiment.designs import CRITERIA, KINDS
+from studies.paper_experiment.designs import CRITERIA
 from studies.paper_experiment.laboratory import JOINTS, Bench, LaboratoryConfig
 from studies.paper_experiment.stages import Result
 from studies.paper_experiment.tables import joint_response, table_rows
@@ -50,18 +50,28 @@ def trajectories(found: Result) -> list[Row]:
 
 
 def designs(found: Result) -> list[Row]:
-    """Criteria, proven margin and speed of the designs that are shown."""
-    speed = found.speed()
-    rows: list[Row] = []
-    for k, run in enumerate(found.designs.shown):
-        row = {name: float(getattr(found.designs, name)[k, run]) for name in ("J_k", "J_d")}
-        row["margin"] = round(float(found.designs.margin[k, run]), 6)  # further digits are rounding
-        row["best of a bit's change"] = float(found.designs.neighbours[k])
-        ends = (found.searches.condition, found.searches.determinant)[k].best[:, -1]
-        row["best of all seeds"] = float((ends.min(), ends.max())[k])
-        row |= {f"speed_{j + 1}": float(speed[k, run, j]) for j in range(JOINTS)}
-        rows.append({"design": CRITERIA[k], "kind": KINDS[k], **row})
-    return rows
+    """Criteria and proven margin of the designs that are shown, and what is near or better."""
+    return [
+        {
+            "design": criterion,
+            "J_k": float(found.designs.J_k[k, run]),
+            "J_d": float(found.designs.J_d[k, run]),
+            "margin": round(float(found.designs.margin[k, run]), 6),  # further digits are rounding
+            "best of a bit's change": float(found.designs.neighbours[k]),
+            "best of all seeds": best,
+        }
+        for k, (criterion, run, best) in enumerate(
+            zip(
+                CRITERIA,
+                found.designs.shown,
+                (
+                    float(found.searches.condition.best[:, -1].min()),
+                    float(found.searches.determinant.best[:, -1].max()),
+                ),
+                strict=True,
+            )
+        )
+    ]
 
 
 def generations(found: Result) -> list[Row]:

@@ -35,26 +35,7 @@ def write(result: Result, config: Config, out: Path) -> None:
         config: Behind it.
         out: A new folder; `config.out` still holds what an earlier run left.
     """
-    truth = config.laboratory.laboratory.truth()
-    found = [
-        *findings.of_searches(result.searches),
-        *findings.of_speed(result.speed()),
-        *findings.of_campaign(result.campaign, truth),
-    ]
-    drake = {f.name: getattr(result.drake, f.name)[None] for f in dataclasses.fields(DrakeCheck)}
-    rows = PaperRows(
-        comparison=tables.rounded(
-            tables.comparison(config.laboratory, result.bench, result.searches, result.campaign)
-        ),
-        horizons=tables.rounded(tables.horizons(result.horizons)),
-        cells=tables.rounded(tables.cells(result.campaign, truth)),
-        claims=tables.rounded(tables.claims(found)),
-        # Differences of rounding and step size: their size is what can be told.
-        drake=tables.rounded(tables.table_rows(drake), 2),
-        findings=found,
-        horizon=float(result.horizons.chosen),
-        config=config,
-    )
+    rows = _tables(result, config)
     for name in TABLES:
         write_csv(out / f"{name}.csv", getattr(rows, name))
     drawn = (
@@ -71,6 +52,29 @@ def write(result: Result, config: Config, out: Path) -> None:
     write_atomically(out / "summary.md", summarise(rows))
     Provenance.collect(config, seed=config.laboratory.seed).write(out / "provenance.json")
     keep_provenance(out, config.out)
+
+
+def _tables(result: Result, config: Config) -> PaperRows:
+    """All tables, with the digits that they carry."""
+    truth = config.laboratory.laboratory.truth()
+    found = [
+        *findings.of_searches(result.searches),
+        *findings.of_speed(result.speed()),
+        *findings.of_campaign(result.campaign, truth),
+    ]
+    compared = tables.comparison(config.laboratory, result.bench, result.searches, result.campaign)
+    drake = {f.name: getattr(result.drake, f.name)[None] for f in dataclasses.fields(DrakeCheck)}
+    return PaperRows(
+        comparison=tables.rounded(compared),
+        horizons=tables.rounded(tables.horizons(result.horizons)),
+        cells=tables.rounded(tables.cells(result.campaign, truth)),
+        claims=tables.rounded(tables.claims(found)),
+        # Differences of rounding and step size: their size is what can be told.
+        drake=tables.rounded(tables.table_rows(drake), 2),
+        findings=found,
+        horizon=float(result.horizons.chosen),
+        config=config,
+    )
 
 
 def keep_provenance(new: Path, old: Path) -> None:
