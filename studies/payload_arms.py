@@ -2,8 +2,8 @@
 
 Along a random motion the rigid-body torque of arm and load is Drake's inverse dynamics. Added are Coulomb
 and viscous friction, which changes from the bare day to the loaded one; a Stribeck term, which no model
-declares; friction that grows with what the gears carry; and noise, white or coloured. Positions are read
-by encoders with steps.
+declares; friction that grows with what the gears carry; noise, white or coloured; and, where it is asked
+for, an offset of the torque that drifts between the days. Positions are read by encoders with steps.
 """
 
 from __future__ import annotations
@@ -52,6 +52,7 @@ class TrueArm:
         stribeck: (n,) share of Coulomb friction.
         speed: (n,) of the Stribeck term.
         load_friction: (n,) share of what a gear carries.
+        offset: (n,) of the torque, none if not given [N m or N].
     """
 
     robot: Robot
@@ -60,6 +61,7 @@ class TrueArm:
     stribeck: Float[ndarray, " joints"]
     speed: Float[ndarray, " joints"]
     load_friction: Float[ndarray, " joints"]
+    offset: Float[ndarray, " joints"] | float = 0.0
 
     @classmethod
     def draw(cls, arm: CarryingArm, rng: np.random.Generator) -> TrueArm:
@@ -76,12 +78,20 @@ class TrueArm:
             rng.uniform(*LOAD_FRICTION, n),
         )
 
-    def another_day(self, rng: np.random.Generator) -> TrueArm:
-        """With friction of another temperature."""
+    def another_day(self, rng: np.random.Generator, *, drift: float = 0.0) -> TrueArm:
+        """With friction of another temperature.
+
+        Args:
+            rng: Source of what changes.
+            drift: Of the torque's offset since the other day, as a share of Coulomb friction.
+        """
         n = self.robot.n
         coulomb, viscous = 1 + DAY_SPREAD * rng.standard_normal((2, n))
+        offset = self.offset
+        if drift:
+            offset = offset + drift * self.coulomb * rng.standard_normal(n)
         return dataclasses.replace(
-            self, coulomb=self.coulomb * coulomb, viscous=self.viscous * viscous
+            self, coulomb=self.coulomb * coulomb, viscous=self.viscous * viscous, offset=offset
         )
 
     def holding(self, frame: AttachedFrame, body: Float[ndarray, "10"]) -> TrueArm:
@@ -106,6 +116,7 @@ class TrueArm:
             + self.coulomb * (1 + slow) * sign
             + self.viscous * motion.dq
             + self.load_friction * np.abs(rigid) * sign
+            + self.offset
         )
 
 

@@ -33,7 +33,8 @@ def page(rows: Sequence[RowOf]) -> str:
         + "\n## What decides how well a load is known\n\n"
         "Medians over loads: half width of the interval and error of the mass, as shares of it; distance of "
         "the centre of mass from the true one and the widest half width of its coordinates [mm]; widest "
-        "half width of the inertia [kg m^2]. `feasible`: all bodies can exist.\n\n"
+        "half width of the inertia [kg m^2]. `feasible`: all bodies can exist. `offsets drift`: between the days "
+        "each joint's torque drifts by 5 % of its Coulomb friction, which the model has not, or has.\n\n"
         + markdown_table(_cells(good), digits=3)
         + "\n## Friction that grows with the load\n\n"
         "The same data by a model without it: how far off the mass is, and how often its interval holds the "

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from oed.checkup.reversed_sign import check_signs
 from oed.commands.configurations import Gains as Config
 from oed.commands.from_data_set import Prepared, prepare_at
 from oed.commands.telling import say, speak
@@ -34,7 +35,7 @@ def measure(config: Config) -> GainsReport:
 
     Raises:
         OtherArm: If the data sets are not of one arm.
-        NoUsableResult: If torques are no currents.
+        NoUsableResult: If torques are no currents, or have the opposite sign.
     """
     loaded = [prepare_at(folder, config) for folder in config.loaded]
     bare = None if config.bare is None else prepare_at(config.bare, config)
@@ -65,7 +66,9 @@ def _estimation(prepared: Prepared, cutoff: float) -> tuple[ProcessedRecording, 
     if settings.cutoff > cutoff:
         narrower = choose_settings(prepared.dataset.recordings, cutoff=cutoff)
         settings = narrower.with_velocity(settings.velocity, settings.velocity)
-    return process_all(prepared.dataset, settings)["estimation"]
+    recordings = process_all(prepared.dataset, settings)["estimation"]
+    check_signs(prepared.dataset, prepared.model, recordings)
+    return recordings
 
 
 def _require_currents(dataset: DataSet) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from oed.checkup.reversed_sign import check_signs
 from oed.commands.configurations import Payload as Config
 from oed.commands.from_data_set import Prepared, prepare_at
 from oed.commands.telling import say, speak
@@ -63,7 +64,8 @@ def weigh(config: Config) -> PayloadReport:
 
     Raises:
         OtherArm: If the two data sets, or the model, are not of one arm.
-        NoUsableResult: If torques are in amperes, or nothing tells the arm from its load.
+        NoUsableResult: If torques are in amperes or have the opposite sign, or nothing tells the arm
+            from its load.
     """
     given = _given(config)
     arm = _arm(given, has_load_friction=True)
@@ -77,7 +79,7 @@ def weigh(config: Config) -> PayloadReport:
         open_quantities=open_quantities(payload),
         dataset=given.loaded,
         settings=given.settings,
-        notes=(*given.notes, *_model_note(given, arm)),
+        notes=(*given.notes, *_model_note(given, arm), *_gain_note(given.loaded)),
     )
 
 
@@ -100,14 +102,23 @@ def _given(config: Config) -> _Given:
         recordings=_estimation(loaded),
         bare=() if bare is None else _estimation(bare),
         found=found,
-        torque_model=loaded.model,
+        torque_model=_richer(loaded, bare),
         frame=frame,
         notes=notes,
     )
 
 
+def _richer(loaded: Prepared, bare: Prepared | None) -> TorqueModel:
+    """The model of the folder whose data determine more: a rotor that one shows, both have."""
+    if bare is None or len(bare.model.effects) <= len(loaded.model.effects):
+        return loaded.model
+    return bare.model
+
+
 def _estimation(prepared: Prepared) -> tuple[ProcessedRecording, ...]:
-    return process_all(prepared.dataset, prepared.settings)["estimation"]
+    recordings = process_all(prepared.dataset, prepared.settings)["estimation"]
+    check_signs(prepared.dataset, prepared.model, recordings)
+    return recordings
 
 
 def _found(path: Path) -> FoundArm:
@@ -141,6 +152,17 @@ def _model_note(given: _Given, arm: KnownArm) -> Sequence[str]:
     names = given.loaded.robot.joint_names
     told = ", ".join(f"{name} {share:.1%}" for name, share in zip(names, shares, strict=True))
     return (f"the model leaves of the bare arm's torque: {told}",)
+
+
+def _gain_note(dataset: DataSet) -> Sequence[str]:
+    """What no interval of a load holds, where its torques are currents."""
+    if dataset.torque != "current":
+        return ()
+    told = (
+        "torques are currents times current_to_torque: the mass is off by as much as these are, 1 % "
+        "for 1 %, and no interval here holds that; oed gains finds them from a weighed load"
+    )
+    return (told,)
 
 
 def run(config: Config) -> int:

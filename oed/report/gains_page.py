@@ -164,9 +164,7 @@ def _page(report: GainsReport, provenance: Provenance) -> Page:
                 "Joint by joint",
                 (Text(MEANING), Table(gain_rows(report)), *_charts(report), *copy),
             ),
-            Section("What is not told", tuple(Text(f"{x}.") for x in report.lines))
-            if report.lines
-            else Section("What is not told", (Text("Nothing: every gain is told."),)),
+            Section("Loads, and what is not told", tuple(Text(f"{x}.") for x in report.lines)),
             Section(
                 "How it was made",
                 (

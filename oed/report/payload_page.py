@@ -23,8 +23,8 @@ FILES = {
 }
 TYPED = (
     "As a teach pendant asks for it: kg, mm in the axes of the frame, and kg m² about the centre of "
-    "mass (entries of the matrix: products of inertia with the sign of URDF). Rows that the data do "
-    "not tell are those of a solid ball of water's density with this mass."
+    "mass (entries of the matrix: products of inertia with the sign of URDF). Where the data hardly "
+    "tell, the body is drawn towards a solid ball of water's density with this mass."
 )
 RESIDUAL = (
     "Root mean square of measured less modelled torque over that of the measured torque, in the "

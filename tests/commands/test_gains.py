@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import tomllib
 
 import numpy as np
@@ -61,6 +62,22 @@ def test_without_a_mass_ratios_are_told_and_said_to_be(folders, tmp_path, capsys
     assert "without a known mass (--mass)" in capsys.readouterr().out
 
 
+def test_a_current_with_the_opposite_sign_is_refused_by_name(folders, tmp_path, capsys):
+    other = tmp_path / "other"
+    shutil.copytree(folders / "bare", other)
+    manifest = other / "dataset.toml"
+    text = manifest.read_text(encoding="utf-8")
+    manifest.write_text(f"sign = {{tau = [-1, 1]}}\n{text}", encoding="utf-8")
+    status = oed(
+        "gains", "--bare", other, "--loaded", folders / "loaded", "--mass", MASS,
+        "--torque-model", "standard", "--quiet", "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert status == 3
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "the current of 1 joint has the opposite sign: joint_1" in said
+
+
 def test_measured_torques_have_no_gains(tmp_path, capsys):
     write_sets(tmp_path)
     status = oed(
@@ -82,6 +99,7 @@ def test_measured_torques_have_no_gains(tmp_path, capsys):
         (("--bare", "a", "--loaded", "b", "--mass", "1", "--com", "0", "0"), "2 numbers"),
         (("--bare", "a", "--mass", "1"), "no data set with a load"),
         (("--bare", "a", "--loaded", "b", "--mass", "-1"), "not a positive number"),
+        (("--bare", "a", "--loaded", "b", "./a", "--mass", "1"), "both are a"),
     ],
 )
 def test_options_that_cannot_be_meant_are_refused_in_one_line(options, line, tmp_path, capsys):

@@ -87,6 +87,29 @@ def test_folders_that_do_not_fit_are_refused_in_one_line(folders, tmp_path, chan
     assert not (tmp_path / "out" / "payload.json").exists()
 
 
+@pytest.mark.parametrize(
+    ("sign", "joints"), [("[1, -1]", ["joint_2"]), ("[-1, -1]", ["joint_1", "joint_2"])]
+)
+def test_a_torque_with_the_opposite_sign_is_refused_by_name(
+    folders, tmp_path, sign, joints, capsys
+):
+    other = tmp_path / "other"
+    shutil.copytree(folders / "loaded", other)
+    manifest = other / "dataset.toml"
+    text = manifest.read_text(encoding="utf-8")
+    manifest.write_text(f"sign = {{tau = {sign}}}\n{text}", encoding="utf-8")
+    status = oed(
+        "payload", "--bare", folders / "bare", "--loaded", other, "--torque-model", "standard",
+        "--quiet", "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert status == 3
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "opposite sign" in said
+    assert [name for name in ("joint_1", "joint_2") if name in said] == joints
+    assert not (tmp_path / "out" / "payload.json").exists()
+
+
 def test_a_model_of_another_robot_is_refused_in_one_line(folders, tmp_path, capsys):
     wrong = tmp_path / "model.json"
     wrong.write_text("{}", encoding="utf-8")

@@ -57,6 +57,16 @@ def test_a_true_arm_holds_what_it_is_given():
     assert np.abs(more[:, quill]) == pytest.approx(lifted, rel=0.35)
 
 
+def test_an_offset_drifts_and_nothing_else_of_it():
+    arm = ARMS["scara"]
+    true = TrueArm.draw(arm, np.random.default_rng(1))
+    days = [true.another_day(np.random.default_rng(2), drift=drift) for drift in (0.0, 0.05)]
+    motion = random_motion_of(arm, 2.0, np.random.default_rng(3))
+    apart = days[1].torque(motion) - days[0].torque(motion)
+    assert np.ptp(apart, axis=0) == pytest.approx(0.0, abs=1e-9)
+    assert np.all((apart[0] != 0) & (np.abs(apart[0]) < 0.2 * true.coulomb))
+
+
 def test_a_designed_motion_stands_still_before_and_after():
     motion = designed_motion("scara", 3.0)
     assert np.all(motion.dq[:100] == 0)

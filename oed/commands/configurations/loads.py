@@ -48,6 +48,9 @@ class Payload(LoadCommand):
     bare: Path | None = None
     model: Path | None = None
 
+    def __post_init__(self) -> None:
+        _require_two_folders(self.bare, (self.loaded,))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Gains(LoadCommand):
@@ -70,6 +73,7 @@ class Gains(LoadCommand):
     com: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        _require_two_folders(self.bare, self.loaded)
         count = len(self.loaded)
         if self.bare is None and count < 2:
             raise ValueError(
@@ -87,3 +91,10 @@ class Gains(LoadCommand):
             raise ValueError(f"--com: {len(self.com)} numbers are not x y z of {count} loads")
         if not all(map(isfinite, self.com)):
             raise ValueError("--com: a number is not finite")
+
+
+def _require_two_folders(bare: Path | None, loaded: tuple[Path, ...]) -> None:
+    if bare is not None and bare.resolve() in {folder.resolve() for folder in loaded}:
+        raise ValueError(
+            f"--bare and --loaded: both are {bare}: the arm alone has recordings of its own"
+        )

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.linalg import block_diag
 
 from oed.estimation.covariance import estimate_covariance
 from oed.estimation.feasible.data_factor import JointFactors
 from oed.estimation.load.current_equations import CurrentEquations
-from oed.estimation.load.known_arm import FRICTION_CHANGE, HEAVIEST, LOAD_FRICTION, WIDE
+from oed.estimation.load.friction_change import friction_change
+from oed.estimation.load.known_arm import HEAVIEST, LOAD_FRICTION, WIDE
 from oed.estimation.noise import whiten
 from oed.estimation.prior import Prior
 from oed.estimation.triangular import add_prior, solve
@@ -23,7 +25,6 @@ EXPLAINED = 0.5  # correlation from which the file's torque tells a joint's gain
 # Of log u about its start: a gain that nothing tells stays open by a factor of twenty.
 OPEN_GAIN = 3.0
 PINNED = 1e-4  # of the log u that is the unit of the others where no mass is known
-LEAST_CHANGE = 1e-3  # of the largest friction, of which a change is at least allowed
 
 
 @dataclass(frozen=True)
@@ -141,14 +142,23 @@ def _prior(
     std[places["beta"]] = np.divide(
         WIDE * largest, sizes, out=np.full(len(sizes), HEAVIEST), where=sizes > 0
     )
-    friction = np.abs(at[places["beta"]][list(equations.friction)])
-    friction = np.maximum(friction, LEAST_CHANGE * friction.max(initial=1.0))
-    std[places["change"]] = FRICTION_CHANGE * np.tile(friction, len(equations.sets) - 1)
     std[places["mu"]] = LOAD_FRICTION
     std[places["log_u"]], mean[places["log_u"]] = OPEN_GAIN, start
     if not equations.has_scale:
         std[places["log_u"].start + reference_joint(equations)] = PINNED
-    return Prior.independent(mean, std)
+    covariance = np.diag(std**2)
+    covariance[places["change"], places["change"]] = block_diag(*_changes(equations, at))
+    return Prior.gaussian(mean, covariance)
+
+
+def _changes(equations: CurrentEquations, at: Float[ndarray, " x"]) -> list[ndarray]:
+    """Covariance of what friction differs by in each folder but the first."""
+    own = np.ix_(equations.friction, equations.friction)
+    beta = at[equations.places["beta"]]
+    return [
+        friction_change(other, np.append(beta, np.zeros(len(other.model.names) - len(beta))))[own]
+        for other in equations.sets[1:]
+    ]
 
 
 def _solve(

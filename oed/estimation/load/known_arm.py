@@ -21,6 +21,7 @@ from oed.dynamics.effects.load import LoadFriction
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
 from oed.estimation.load.fit import Fit, fit
+from oed.estimation.load.friction_change import friction_change
 from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.loaded_model import ENTRIES, LoadedModel
 from oed.estimation.load.torque_equations import TorqueEquations
@@ -37,9 +38,6 @@ WIDE = 10.0
 # Friction of a gear loses between a fifth and two fifths of what it transmits in harmonic drives
 # (Harmonic Drive AG, efficiency of 60 to 80 %), less in others.
 LOAD_FRICTION = 0.2
-# From one day to the next: warming from 30 to 50 degrees changes viscous friction by a fifth
-# (Bittencourt, Wernholt, Sander-Tavallaey and Brogardh 2010, figure 5).
-FRICTION_CHANGE = 0.2
 # Inertials of makers' files beside identified ones: a third, by link.
 FILE_DEVIATION = 0.3
 
@@ -121,8 +119,7 @@ class KnownArm:
         equations = TorqueEquations.of(model, recordings)
         found = fit(equations, _wide(equations))
         words = (
-            f"both logs: rigid body common, friction common to {FRICTION_CHANGE:.0%}, "
-            "the load in one of them"
+            "both logs: rigid body common, friction of each day its own, the load in one of them"
         )
         return cls(model, found.parameters, found.covariance, "both logs", words, found)
 
@@ -204,8 +201,8 @@ class KnownArm:
                 mean[count + joint] = value
                 covariance[count + joint, count + joint] = variance
         words = (
-            f"the model {found.name}, its covariance carried through, friction open to "
-            f"{FRICTION_CHANGE:.0%}"
+            f"the model {found.name}, its covariance carried through, friction of its own on the day "
+            "of the load"
         )
         return cls(model, mean, covariance, "model", words)
 
@@ -215,20 +212,20 @@ class KnownArm:
         residual = torque - (rows @ self.mean).reshape(torque.shape)
         return np.sqrt(np.mean(residual**2, axis=0) / np.mean(torque**2, axis=0))
 
-    def prior(self, loaded: LoadedModel) -> Prior:
+    def prior(self, equations: TorqueEquations) -> Prior:
         """Of the arm with a load, of which nothing is known.
 
         Args:
-            loaded: The model of both.
+            equations: Of the loaded arm, along its recordings.
         """
+        loaded = equations.model
         arm, count = len(self.model.base), len(loaded.kept)
         here = np.append(np.arange(arm), np.arange(arm, len(self.mean)) + count)
         mean = np.zeros(len(loaded.names))
         mean[here] = self.mean
         covariance = np.diag(np.full(len(mean), HEAVIEST**2))
         covariance[np.ix_(here, here)] = self.covariance
-        change = FRICTION_CHANGE * mean * loaded.is_friction
-        return Prior.gaussian(mean, covariance + np.diag(change**2))
+        return Prior.gaussian(mean, covariance + friction_change(equations, mean))
 
 
 # Of wide variances: a direction that no estimate can know so well was left out of the estimate.

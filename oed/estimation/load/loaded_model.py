@@ -20,7 +20,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.base_parameters import BaseParameters, find_base_parameters
-from oed.dynamics.effects import Coulomb, State, Viscous
+from oed.dynamics.effects import Coulomb, State, TorqueOffset, Viscous
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.stribeck import Stribeck
 from oed.dynamics.identifiability import base_parameters
@@ -96,11 +96,11 @@ class LoadedModel:
 
     @cached_property
     def is_friction(self) -> Bool[ndarray, " x"]:
-        """Which of x change with temperature and wear from day to day: friction over speed."""
+        """Which of x change from day to day: friction over speed, and what a torque is off at rest."""
         changing = np.zeros(len(self.names), dtype=bool)
         owners = [e for e in self.arm.effects for _ in e.parameters]
         for k, column in enumerate(self.base.columns):
-            changing[k] = isinstance(owners[column], Coulomb | Viscous | Stribeck)
+            changing[k] = isinstance(owners[column], Coulomb | Viscous | Stribeck | TorqueOffset)
         return changing
 
     def raw_columns(self, motion: Motion) -> Float[ndarray, "samples joints columns"]:

@@ -20,7 +20,6 @@ from oed.estimation.load.quantities import (
     LEVEL,
     LinearEstimate,
     Quantity,
-    central_inertia,
     quantities,
 )
 from oed.estimation.load.torque_equations import TorqueEquations
@@ -123,7 +122,7 @@ def estimate_payload(arm: KnownArm, recordings: Sequence[ProcessedRecording]) ->
     """
     model = arm.model.loaded()
     equations = TorqueEquations.of(model, recordings)
-    found = fit(equations, arm.prior(model))
+    found = fit(equations, arm.prior(equations))
     phi = found.parameters[model.load]
     covariance = found.covariance[model.load, model.load]
     selection = np.linalg.inv(model.frame.from_body)[list(model.kept)]
@@ -132,8 +131,7 @@ def estimate_payload(arm: KnownArm, recordings: Sequence[ProcessedRecording]) ->
     linear = _in_frame(model, found, body)
     mass = max(float(body[0]), LEAST_MASS)
     radius = radius_of(mass)
-    moment = np.maximum(np.abs(ball(mass, np.zeros(3))[4]), np.abs(_central_moments(body)).max())
-    size = np.array([mass, *(radius,) * 3, *(moment,) * 6])
+    size = np.array([mass, *(radius,) * 3, *ball(mass, np.zeros(3))[4:]])
     return Payload(
         frame=model.frame,
         parameters=body,
@@ -194,7 +192,3 @@ def _in_frame(model: LoadedModel, found: Fit, body: Float[ndarray, "10"]) -> Lin
         degrees_of_freedom=np.array([freedom[row].min() for row in uses]),
         is_open=about_body[:, rest],
     )
-
-
-def _central_moments(body: Float[ndarray, "10"]) -> Float[ndarray, "3"]:
-    return np.linalg.eigvalsh(central_inertia(body))

@@ -1,8 +1,11 @@
 """What a load is to a technician: mass, centre of mass and inertia about it, with 95 % intervals.
 
-Mass and inertia are linear, or nearly so, in what is estimated, and their intervals are Student's. A
-centre of mass is a ratio: its interval is Fieller's, exact for a ratio of normal estimates however
-badly the mass is known (Fieller 1954, "Some problems in interval estimation").
+The mass is linear in what is estimated, and its interval is Student's. Of the others the interval is the
+range of the quantity over the ellipsoid of as many standard deviations about the estimate, that of a
+likelihood ratio (Venzon and Moolgavkar 1988, "A method for computing profile-likelihood-based confidence
+intervals"). For a centre of mass, a ratio, that is Fieller's, exact for a ratio of normal estimates however
+badly the mass is known (Fieller 1954, "Some problems in interval estimation"). Inertia about a centre that
+is hardly known is far from linear: a slope at the estimate would say that it is known well.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy import stats
+from scipy.optimize import root
 
 from oed.robot.inertia import inertia_tensor
 
@@ -72,14 +76,16 @@ def quantities(
     Args:
         linear: What the data say.
         body: A body that can exist, next to it.
-        size: (10,) of each quantity of the load, which an interval is to be narrower than.
+        size: (10,) of each quantity of the load, which an interval is to be narrower than; moments of
+            inertia are larger where the data say so.
     """
     values, slopes = _values(body), _slopes(body)
-    told = _values(linear.parameters)
+    intervals = [_interval(linear, slopes[k], k) for k in range(len(NAMES))]
+    least = max(size[4], *(low for k in MOMENTS for low, _ in [intervals[k] or (0.0, 0.0)]))
     found = []
     for k, name in enumerate(NAMES):
-        interval = _interval(linear, told, slopes[k], k)
-        narrow = interval is not None and interval[1] - interval[0] < 2 * size[k]
+        interval, width = intervals[k], 2 * (size[k] if k < MOMENTS[0] else least)
+        narrow = interval is not None and interval[1] - interval[0] < width
         if interval is not None:
             low, high = min(interval[0], values[k]), max(interval[1], values[k])
             interval = (max(low, 0.0), high) if k == 0 or k in MOMENTS else (low, high)
@@ -118,10 +124,7 @@ def _slopes(parameters: Float[ndarray, "10"]) -> Float[ndarray, "10 10"]:
 
 
 def _interval(
-    linear: LinearEstimate,
-    told: Float[ndarray, "10"],
-    slope: Float[ndarray, "10"],
-    k: int,
+    linear: LinearEstimate, slope: Float[ndarray, "10"], k: int
 ) -> tuple[float, float] | None:
     across = np.abs(slope @ linear.is_open) if linear.is_open.size else np.zeros(1)
     if across.max() > ROUNDING * np.abs(slope).max():
@@ -130,10 +133,35 @@ def _interval(
     reach = linear.reach(float(linear.degrees_of_freedom[used].min()))
     if 1 <= k <= 3:
         return _ratio_interval(linear, k, reach)
-    if linear.parameters[0] <= reach * np.sqrt(linear.covariance[0, 0]) and k > 0:
+    if k > 0 and linear.parameters[0] <= reach * np.sqrt(linear.covariance[0, 0]):
         return None  # about a centre that is anywhere
-    half = reach * float(np.sqrt(slope @ linear.covariance @ slope))
-    return float(told[k] - half), float(told[k] + half)
+    if k == 0:
+        half = reach * float(np.sqrt(linear.covariance[0, 0]))
+        return float(linear.parameters[0]) - half, float(linear.parameters[0]) + half
+    ends = [_end(linear, k, side * reach) for side in (-1.0, 1.0)]
+    return (ends[0], ends[1]) if np.isfinite(ends).all() else None
+
+
+def _end(linear: LinearEstimate, k: int, reach: float) -> float:
+    """An end of the range of a central inertia; nan where none is found.
+
+    About a given point inertia is linear, and its end is that of Student's interval. The point is the
+    centre of mass of the body at that very end.
+    """
+
+    def body_at_end(point: Float[ndarray, "3"]) -> tuple[Float[ndarray, "10"], float]:
+        slope = _slopes(np.array([1.0, *point, *(0.0,) * 6]))[k]
+        across = linear.covariance @ slope
+        deviation = float(np.sqrt(slope @ across))
+        body = linear.parameters + reach / deviation * across
+        return body, float(slope @ body)
+
+    def missed(point: Float[ndarray, "3"]) -> Float[ndarray, "3"]:
+        body, _ = body_at_end(point)
+        return body[1:4] / body[0] - point
+
+    found = root(missed, linear.parameters[1:4] / linear.parameters[0])
+    return body_at_end(found.x)[1] if found.success else np.nan
 
 
 def _ratio_interval(linear: LinearEstimate, k: int, reach: float) -> tuple[float, float] | None:

@@ -96,10 +96,16 @@ def _check_places(bare: Robot, loaded: Robot, both: str) -> None:
         )
         apart = max(float(np.abs(a - b).max()) for a, b in pairs)
         if mine.kind != theirs.kind or mine.parent != theirs.parent or apart > SAME_PLACE:
+            what = (
+                f"is {mine.kind} and {theirs.kind}"
+                if mine.kind != theirs.kind
+                else "hangs on other links"
+                if mine.parent != theirs.parent
+                else f"has another place or axis, by {apart:.2g} (m or direction)"
+            )
             raise OtherArm(
-                f"{both}: joint {mine.name!r} is {mine.kind} and {theirs.kind}, its place or axis "
-                f"differs by {apart:.2g} (m or direction): their robot files are of two robots; "
-                "give both the same file"
+                f"{both}: joint {mine.name!r} {what}: their robot files are of two robots; give both "
+                "the same file"
             )
 
 

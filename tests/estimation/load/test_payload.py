@@ -7,6 +7,7 @@ import pytest
 
 from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult
+from oed.estimation.load.friction_change import friction_change
 from oed.estimation.load.known_arm import FoundArm, KnownArm
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.payload import estimate_payload, with_friction
@@ -122,15 +123,35 @@ def test_friction_that_grows_with_the_load_does_not_pass_for_mass():
     assert np.ptp(told.interval_without) > 3 * np.ptp(known_interval(found["mass"]))
 
 
-def test_friction_of_another_day_does_not_pass_for_mass():
+@pytest.mark.parametrize("share", [0.15, 0.9])
+def test_friction_of_another_day_does_not_pass_for_mass(share):
     rng = np.random.default_rng(7)
     bare, loaded = recording(rng, 20.0, is_loaded=False), recording(rng, 20.0, is_loaded=True)
     motion = loaded.motion
-    colder = 0.15 * (COULOMB * np.tanh(motion.dq / 0.02) + VISCOUS * motion.dq)
+    colder = share * (COULOMB * np.tanh(motion.dq / 0.02) + VISCOUS * motion.dq)
     loaded = dataclasses.replace(loaded, tau=loaded.tau + colder)
     found = estimate_payload(KnownArm.from_recordings(BARE, [bare]), [loaded])
     assert holds(found, 0)
     assert found.mass == pytest.approx(MASS, rel=0.02)
+
+
+def test_friction_may_change_by_as_much_torque_as_it_is(weighed):
+    equations, model = weighed.equations, weighed.model
+    mean = np.zeros(len(model.names))
+    mean[: len(model.base)] = weighed.arm.mean[: len(model.base)]
+    covariance = friction_change(equations, mean)
+    columns = np.concatenate(equations.columns)
+    names = [model.names[k] for k in np.flatnonzero(model.is_friction)]
+    assert (
+        np.flatnonzero(np.diag(covariance)).tolist() == np.flatnonzero(model.is_friction).tolist()
+    )
+    for joint in range(6):
+        own = [model.names.index(f"{symbol}_{joint + 1}") for symbol in ("Fc", "Fv")]
+        assert len(names) == 12
+        curve = columns[:, joint, own]
+        now = np.mean((curve @ mean[own]) ** 2)
+        change = np.mean(np.einsum("kp,pq,kq->k", curve, covariance[np.ix_(own, own)], curve))
+        assert change == pytest.approx(2 * now)  # two independent ways
 
 
 def test_what_no_joint_feels_is_named():
