@@ -10,6 +10,7 @@ trajectories with sequential convex optimization"). The price rises until no dis
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -49,6 +50,7 @@ LEAST_GAIN = (
 )
 LOCAL = LocalSettings(iterations=25, constraint_instants=40)  # half converged: the model is local
 ENOUGH = 5e-4  # [m] at the instants: twice what the proof leaves to rounding, and a little more
+HALVINGS = 4  # of a range in which collisions are rare: to a sixteenth, a few degrees of a joint
 DESCENTS = 4  # each looks at the instants, too, at which the last was nearer than it should be
 
 
@@ -145,7 +147,8 @@ def find_clear_motion(
     A motion that need not keep them is one beginning; unless it keeps them, the best motion
     within a range of positions in which collisions are rare is another. The search begins where
     criterion and price together are less, and at the other one if no way leads out of what that
-    hits; it leaves the narrower range again.
+    hits; it leaves the narrower range again. Where neither leads out, the range is halved about its
+    clear centre, again and again: a small one is clear as its centre is.
 
     Args:
         problem: Any; of a class without an offset, without a second beginning.
@@ -176,8 +179,8 @@ def _beginnings(
     surroundings: Surroundings,
     budget: Budget,
     rng: np.random.Generator,
-) -> list[Float[ndarray, " size"]]:
-    """Motions from which to search, the most promising first."""
+) -> Iterator[Float[ndarray, " size"]]:
+    """Motions from which to search, the most promising first, each when it is asked for."""
 
     def toll(start: Float[ndarray, " size"]) -> float:
         seen = Distances.at(problem.trajectory, start, surroundings)
@@ -185,14 +188,25 @@ def _beginnings(
 
     is_clear = Distances.at(problem.trajectory, z, surroundings).spare >= ENOUGH
     if is_clear or not problem.trajectory.has_offset:  # which fits no range but its own
-        return [z]
+        yield z
+        return
     try:
         room = clear_limits(problem.limits, surroundings, rng)
     except NoClearRange:
-        return [z]
-    trajectory = problem.trajectory.with_limits(room.limits)
-    narrow = dataclasses.replace(problem, trajectory=trajectory, limits=room.limits)
-    return sorted((z, optimise(narrow, budget, rng).z), key=toll)
+        yield z
+        return
+
+    def within(position: Float[ndarray, "joints 2"]) -> Float[ndarray, " size"]:
+        limits = room.limits.with_(position=position)
+        trajectory = problem.trajectory.with_limits(limits)
+        narrow = dataclasses.replace(problem, trajectory=trajectory, limits=limits)
+        return optimise(narrow, budget, rng).z
+
+    position, centre = room.limits.position, room.centre[:, None]
+    yield from sorted((z, within(position)), key=toll)
+    for _ in range(HALVINGS):
+        position = (position + centre) / 2
+        yield within(position)
 
 
 def _proven(

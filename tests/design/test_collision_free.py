@@ -197,6 +197,22 @@ def test_where_no_way_leads_out_the_search_begins_anew(
     assert np.isfinite(found.cost)
 
 
+def test_where_no_beginning_leads_out_the_range_is_halved_about_its_clear_centre(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # No way leads out of anything that is hit, and the range stays as it is: the first two hit the post.
+    monkeypatch.setattr("oed.design.collision_free.ROUNDS", 0)
+    monkeypatch.setattr("oed.design.clear_limits.RARE", 1.0)
+    robot = arm_and_post(tmp_path, post=0.3)
+    problem = problem_of(robot)
+    z = starts(problem, hits_post=True)
+    surroundings, rng = Surroundings(robot), np.random.default_rng(0)
+    found = find_clear_motion(problem, z, surroundings, Budget(evaluations=30), rng)
+    q = problem.trajectory.motion(found.z, FINE).q
+    assert to_post(q, 0.3).min() > CLEARANCE - 1e-3
+    assert (np.ptp(q, axis=0) <= 0.55 * np.ptp(problem.limits.position, axis=1)).all()
+
+
 def test_torque_limits_are_kept_too(tmp_path: Path) -> None:
     robot = arm_and_post(tmp_path)
     free = problem_of(robot)
