@@ -19,7 +19,6 @@ TESTED = 0.5  # of a smooth term's degrees of freedom that held-out rows must se
 POLISHED = 8  # candidates whose shapes are fitted before they are compared
 COMPARED = 4  # of these that are fitted beside all else
 EFFECTS_PER_JOINT, LEAST_EFFECTS = 3, 6  # terms; assumed
-COLUMN_BYTES = 300_000_000  # of all candidates' columns on the rows of a scan; assumed
 HELD_OUT_SHARE = 0.25  # of a recording's end, where no validation recording was made
 ROUNDS = 3  # of refitting effects of the model's own torque (converges as the effect's share)
 

@@ -26,10 +26,15 @@ from oed.estimation.noise_floor.linear_fit import LinearFit, fit_model
 from oed.estimation.noise_floor.smooth_terms import ALL_PAIRED, terms_alone, terms_together
 from oed.estimation.noise_floor.weighted_rows import weigh
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.excerpts import excerpts
 from oed.experiment.preparation.mean_repetition import mean_of_repetitions
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.preparation.settings import ProcessingSettings, choose_settings
+
+# Of the columns of one fit: with its temporaries and the fits beside it, a gigabyte.
+FIT_BYTES = 45_000_000
+COLUMNS_PER_JOINT = 20  # base model, nuisances and terms of an arm of six joints are 120
 
 
 @dataclass(frozen=True)
@@ -98,8 +103,7 @@ def pose(
     settings = settings or choose_settings(dataset.recordings)
     prepared = prepare(dataset.recordings, settings)
     say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
-    estimation = tuple(p for p in prepared if p.role == "estimation")
-    validation = tuple(p for p in prepared if p.role == "validation")
+    estimation, validation = _looked_at(prepared, say)
     model = standing(model)
     before = calibrate(dataset, model, settings)
     # Of recordings that are too short it raises what is wrong with them.
@@ -159,6 +163,28 @@ def _precision_of_untold(
     held = np.zeros((len(estimate.held_at_zero.factor), len(columns)))
     held[:, own] = estimate.held_at_zero.factor
     return held.T @ held
+
+
+def _looked_at(
+    prepared: Sequence[Prepared], say: Callable[[str], None]
+) -> tuple[tuple[Prepared, ...], tuple[Prepared, ...]]:
+    """Recordings for estimation and for validation, or stretches of them: as many rows as fits can hold."""
+    own = [tuple(p for p in prepared if p.role == role) for role in ("estimation", "validation")]
+    joints = prepared[0].torque.shape[1]
+    most = FIT_BYTES // (8 * joints * COLUMNS_PER_JOINT * joints)
+    counts = [sum(p.rows for p in each) for each in own]
+    total = sum(counts)
+    estimation, validation = (
+        excerpts(each, most * count // max(total, 1))
+        for each, count in zip(own, counts, strict=True)
+    )
+    kept = sum(p.rows for p in (*estimation, *validation))
+    if kept < total:
+        say(
+            f"of {total} rows {kept} are looked at, in stretches spread evenly: as many as two gigabytes of "
+            "memory hold; errors are those of all rows"
+        )
+    return estimation, validation
 
 
 def _sign_notes(first: LinearFit, prepared: Sequence[Prepared], name: str) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ from oed.diagnosis.numbers import REFITTED
 from oed.diagnosis.problem import Problem
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.diagnosis.selection.screen import evaluate, polish
+from oed.diagnosis.selection.search import in_place
 from oed.diagnosis.selection.tables import as_term
 from oed.dynamics.motion import Motion
 from oed.dynamics.velocity_sign import sign_terms
@@ -76,15 +77,18 @@ def open_pairs(found: Diagnosis) -> list[Pair]:
 
     What changes from one repetition to the next is left out: no motion shows it.
     """
-    whole, pairs = found.selected.views.means, []
+    selected, pairs = found.selected, []
+    whole = selected.views.means
     for effect in found.effects:
+        own = selected.judged[effect.number]
         term = whole.terms[effect.number]
         still_open = {a.label for a in effect.alternatives if a.open and not a.same}
-        for substitute in found.selected.substitutes[effect.number]:
+        for substitute in selected.substitutes[effect.number]:
             other = substitute.term.candidate
             if other.label in still_open and not (other.changes or term.candidate.changes):
                 label = f"{term.label} or {other.label}"
-                pairs.append(Pair(label, whole, substitute.whole.means))
+                instead = in_place(selected.views, own, substitute.term)
+                pairs.append(Pair(label, whole, instead.means))
     return pairs
 
 

@@ -169,7 +169,8 @@ def project(
         X = np.concatenate([X, (vectors[:, kept] * np.sqrt(values[kept])).T])
     lengths = np.linalg.norm(X, axis=0)
     lengths = np.where(lengths > 0, lengths, 1.0)
-    q, r = np.linalg.qr(X / lengths)
+    X /= lengths
+    q, r = np.linalg.qr(X)
     u, s, vt = np.linalg.svd(r, full_matrices=False)
     kept = s > RANK * max(float(s.max(initial=0.0)), 1e-300)
     basis = (q[:fitted] @ u[:, kept]).reshape(joints, -1, int(kept.sum()))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate
@@ -137,10 +136,7 @@ def _named(
     smooth = np.array([not r.term.candidate.is_named for r in substitutes])
     odds = np.exp(nats - max(float(nats.max()), 0.0)) * np.where(smooth, OUTSIDE, 1.0)
     share = odds / (odds.sum() + np.exp(-max(float(nats.max()), 0.0)))
-    given = [
-        _given(r.whole.showing(term.candidate), own.rest.showing(term.candidate))
-        for r in substitutes
-    ]
+    given = [r.given for r in substitutes]
     mine = next(g for r, g in zip(substitutes, given, strict=True) if r.term is term)
     alternatives, probability, named = [], 0.0, 0.0
     for substitute, p, torque in zip(substitutes, share.tolist(), given, strict=True):
@@ -207,12 +203,6 @@ def _unnamed(whole: Fitted, number: int, substitutes: Sequence[Substitute]) -> U
 
 def _name(candidate: Candidate) -> str:
     return candidate.entry.name if isinstance(candidate, NamedCandidate) else "smooth term"
-
-
-def _given(whole: Fitted, rest: Fitted) -> Float[ndarray, "joints rows"]:
-    """White torque that one model has beyond another."""
-    change = rest.projection.residual - whole.projection.residual
-    return change * rest.projection.weights[:, None]
 
 
 def _cosine(one: ndarray, other: ndarray) -> float:

@@ -28,13 +28,12 @@ def look_ahead(
         present = refused | current.labels
         found = tables.best(current, present)
         first = few(found)
-        options = _options(current, first)
-        if not options:  # what is worth most may stand for what predicts no better
-            options = _options(current, [s for s in found if s not in first])
-        if not options:
+        options, grown = _options(current, first)
+        if grown is None:  # what is worth most may stand for what predicts no better
+            options, grown = _options(current, [s for s in found if s not in first])
+        if grown is None:
             break
-        options.sort(key=lambda o: -o[0])
-        gain, best, grown = options[0]
+        gain, best = options[0]
         current = _refined(with_refitted_sign(grown, "fitted"), 1)
         say(
             f"+ {best.candidate.label} {short(best.values)} {gain:.1f} nats, left "
@@ -44,13 +43,16 @@ def look_ahead(
     return _refined(current, SETTLING)
 
 
-def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Scored, Views]]:
+def _options(
+    current: Views, tried: Sequence[Scored]
+) -> tuple[list[tuple[float, Scored]], Views | None]:
     """Those that predict held-out rows better, each with what it is worth when all is refitted.
 
     All rows together, and those of the joint on which a term acts: it may mend others by what its
     absence had spoiled, but not at the cost of its own. All are ranked on the same rows.
     """
-    options = []
+    options: list[tuple[float, Scored]] = []
+    best = None
     on_all = current.changes or any(scored.candidate.changes for scored in tried)
     for scored in tried:
         if scored.nats <= 0:
@@ -64,8 +66,11 @@ def _options(current: Views, tried: Sequence[Scored]) -> list[tuple[float, Score
             continue
         if _serves(scored.candidate, grown, current) and is_tested(grown):
             worth = grown.rise(current, "fitted", on_all=on_all) - occam
-            options.append((float(worth), scored, grown))
-    return options
+            # Of the others their worth alone is kept: each has as many columns as all rows.
+            if all(worth > other for other, _ in options):
+                best = grown
+            options.append((float(worth), scored))
+    return sorted(options, key=lambda o: -o[0]), best
 
 
 def _serves(candidate: Candidate, grown: Views, current: Views) -> bool:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.criterion import Moments, Worth, worth
@@ -74,12 +76,13 @@ class Substitute:
     Attributes:
         term: It.
         nats: What it is worth there, at the term's own dilution and variance.
-        whole: The model with it.
+        given: (n, R) white torque that it gives there. A model with it, which `in_place` makes, is not
+            kept: each holds columns of all rows.
     """
 
     term: Term
     nats: float
-    whole: Views
+    given: Float[ndarray, "joints rows"]
 
 
 # Nats by which a substitute is excluded, however many there are of like worth.
@@ -98,19 +101,31 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     def near(candidate: Candidate) -> bool:
         return joint is None or candidate.joint in (joint, None) or candidate.is_named
 
-    found = [Substitute(own.term, own.worth.nats, whole)]
-    others, nothing = own.rest.terms, ahead(own.rest, own.rest.terms)
+    found = [Substitute(own.term, own.worth.nats, _given(whole, own))]
+    nothing = ahead(own.rest, own.rest.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
-        grown = whole.grown((*others, as_term(scored)), "all", like=whole)
-        grown = with_refitted_sign(grown, "all", _acting(grown, own))
+        grown = in_place(whole, own, as_term(scored))
         # Substitutes of one size are compared at the same, smaller dilution.
-        substitute = Substitute(grown.terms[-1], _nats_in_place(grown, whole, own), grown)
+        nats = _nats_in_place(grown, whole, own)
+        substitute = Substitute(grown.terms[-1], nats, _given(grown, own))
         if (
             substitute.nats < own.worth.nats - NOT_EXCLUDED
             or ahead(grown, grown.terms).rise(nothing, "held_out") > 0
         ):
             found.append(substitute)
     return sorted(found, key=lambda r: -r.nats)
+
+
+def in_place(whole: Views, own: Judged, term: Term) -> Views:
+    """A model with another term in the place of one."""
+    grown = whole.grown((*own.rest.terms, term), "all", like=whole)
+    return with_refitted_sign(grown, "all", _acting(grown, own))
+
+
+def _given(whole: Views, own: Judged) -> Float[ndarray, "joints rows"]:
+    """White torque that a model has beyond what is there without a term."""
+    after, before = (v.showing(own.term.candidate).projection for v in (whole, own.rest))
+    return (before.residual - after.residual) * before.weights[:, None]
 
 
 def _acting(grown: Views, own: Judged) -> set[int] | None:
@@ -168,10 +183,10 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
             substitutes = _substitutes(tables, views, judged, say)
             better = _better(views, judged, substitutes) if exchanges else None
         if better is not None:
-            own, best = better
+            own, best, grown = better
             exchanges -= 1
             say(f"{own.term.label} {own.worth.nats:.1f} -> {best.term.label} {best.nats:.1f} nats")
-            changed = Views.of(best.whole.problem, best.whole.terms, "all", best.whole)
+            changed = Views.of(grown.problem, grown.terms, "all", grown)
         else:
             changed = _predictive(views, say)
             if changed is views:
@@ -230,18 +245,18 @@ def _predictive(views: Views, say: Say) -> Views:
 
 def _better(
     views: Views, judged: Sequence[Judged], substitutes: Sequence[Sequence[Substitute]]
-) -> tuple[Judged, Substitute] | None:
+) -> tuple[Judged, Substitute, Views] | None:
     """The exchange that raises the evidence most and predicts held-out rows no worse, if one does."""
-    pairs = [(own, every[0]) for own, every in zip(judged, substitutes, strict=True)]
     pairs = [
         (own, best)
-        for own, best in pairs
+        for own, (best, *_) in zip(judged, substitutes, strict=True)
         if best.term is not own.term and best.nats > own.worth.nats + PREDICTION_GAIN
     ]
     pairs.sort(key=lambda pair: pair[0].worth.nats - pair[1].nats)
     now = ahead(views, views.terms)
 
-    def serves(best: Substitute) -> bool:
-        return ahead(best.whole, best.whole.terms).rise(now, "held_out") >= 0
-
-    return next((pair for pair in pairs if serves(pair[1])), None)
+    for own, best in pairs:
+        grown = in_place(views, own, best.term)
+        if ahead(grown, grown.terms).rise(now, "held_out") >= 0:
+            return own, best, grown
+    return None

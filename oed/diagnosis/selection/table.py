@@ -17,9 +17,9 @@ from oed.diagnosis.candidates.candidate import Candidate, Values
 from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.fit import Beside, Span
 from oed.diagnosis.evidence.model import Fitted
-from oed.diagnosis.numbers import COLUMN_BYTES
 from oed.diagnosis.selection.screen import least_price, most_gained, weighed
 
+COLUMN_BYTES = 200_000_000  # of all candidates' columns on the rows of one table; a search has two
 BLOCK = 50  # rows that are kept together where not all are
 
 

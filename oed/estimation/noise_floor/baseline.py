@@ -28,17 +28,20 @@ from oed.estimation.noise_floor.noise_floor import (
     repetition_samples,
     repetition_series,
 )
-from oed.estimation.noise_floor.rich_fit import RichFit, lay_out, model_columns, rich_fit
+from oed.estimation.noise_floor.rich_fit import RichFit, forget, lay_out, model_columns, rich_fit
 from oed.estimation.noise_floor.sign_width import with_fitted_sign
 from oed.estimation.noise_floor.weighted_rows import Rows, weigh
 from oed.experiment.preparation.direction import certainty, trusted_samples
 from oed.experiment.preparation.encoder_steps import fine_encoder_torque
+from oed.experiment.preparation.excerpts import excerpts
 from oed.experiment.preparation.prepared import Prepared
 from oed.parallel_map import parallel_map
 
 REFITS = 2  # of the base model with the noise that it left
 LEAST_TRUSTED = 0.05  # of a joint's rows
 LEAST_FREEDOM = 3  # degrees that a smooth fit leaves to the noise of a joint
+# A deviation is known from them within a per cent, and a rich fit holds some hundred columns of all.
+FLOOR_ROWS = 10_000
 ROUGH_FREEDOM = 20  # where only the rows of a rougher fit leave any: known within a sixth
 
 
@@ -98,8 +101,9 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
 
     Args:
         model: Rigid body and friction.
-        prepared: The estimation recordings.
+        prepared: The estimation recordings; of very long ones stretches tell as much.
     """
+    prepared = excerpts(prepared, FLOOR_ROWS)
     sharp = with_uncertain_sign(model, prepared[0].sign_noise)
     columns = np.sort(base_parameters(model).columns)
     rough = fit_model(sharp, columns, _white(prepared))
@@ -111,6 +115,7 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     # know the noise's colour takes them for too small.
     for _ in range(REFITS):
         found = found.with_model(with_fitted_sign(sharp, columns, found.rows(prepared)), prepared)
+    forget()
     return found
 
 

@@ -108,6 +108,12 @@ def lay_out(prepared: Sequence[Prepared]) -> None:
         _further(tuple(prepared), joint)
 
 
+def forget() -> None:
+    """Give back what rich fits of a data set share: columns of all rows."""
+    _first.cache_clear()
+    _further.cache_clear()
+
+
 def _basis(
     columns: Float[ndarray, "rows columns"], span: Float[ndarray, "rows rank"]
 ) -> Float[ndarray, "rows new"]:
