@@ -13,7 +13,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.settings import ProcessingSettings
 
 # As a design samples its motion: 200 instants in 10 s (`oed.design.default_problem`).
-RATE = 20.0  # [Hz]
+RATE = 20.0  # [Hz]: the motion of an arm, of a few hertz, has no more to tell at more instants
 LONGEST = 50_000  # instants; of a longer log every second one, and so on
 
 

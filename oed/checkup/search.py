@@ -21,7 +21,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
 
-NEAR_ZERO = 0.02  # of a joint's largest torque
+NEAR_ZERO = 0.02  # of a joint's largest torque: the noise of a usual log; assumed
 LEAST_TOUCHING = 2  # joints: one may be held that way by its weight
 
 

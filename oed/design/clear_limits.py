@@ -17,7 +17,9 @@ from oed.design.collision import Surroundings
 from oed.errors import NoUsableResult
 from oed.robot import JointLimits
 
-RARE = 0.02  # share of random postures that may collide
+RARE = (
+    0.02  # share of random postures that may collide: a repair leads the motion round them; assumed
+)
 # Postures looked at a time, and the fewest of them within the range, below which new ones are drawn:
 # so few still tell a share of 0.02 within 0.01, one standard deviation.
 DRAWN, FEWEST = 600, 200

@@ -21,7 +21,9 @@ POSTURES = 200
 # Of postures in which links overlap that always do (MoveIt Setup Assistant's
 # `min_collision_fraction`).
 ALWAYS = 0.95
-OFTEN = 0.5  # share of postures, above which a pair by itself explains that no motion is clear
+OFTEN = (
+    0.5  # share of postures, above which a pair by itself explains that no motion is clear: most
+)
 WORST = 3  # pairs, in a message
 WALLS = ("x", "y", "z")
 

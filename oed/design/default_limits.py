@@ -11,11 +11,11 @@ from numpy import ndarray
 from oed.robot import JointLimits, Robot
 
 POSITION = np.pi  # [rad] half range; the largest that never winds a cable twice
-PRISMATIC_POSITION = 0.5  # [m]
-VELOCITY = 2.0  # [rad/s or m/s]
+PRISMATIC_POSITION = 0.5  # [m] either way: a stroke of a metre; told as assumed wherever it is used
+VELOCITY = 2.0  # [rad/s or m/s]: arms of 3 to 10 kg payload allow 2 to 3; told as assumed likewise
 # From rest to the velocity limit in a fifth of a second, within what arms of this kind can do.
 SECONDS_TO_SPEED = 0.2
-ACCELERATION_CAP = 15.0  # [rad/s^2]
+ACCELERATION_CAP = 15.0  # [rad/s^2]: a Panda allows 7.5 to 20; told as assumed likewise
 
 
 def with_default_limits(robot: Robot) -> tuple[Robot, tuple[str, ...]]:

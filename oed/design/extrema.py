@@ -19,8 +19,10 @@ from oed.design.piecewise_extrema import bernstein_range
 from oed.design.trajectories import TrajectoryClass
 
 TOLERANCE = 1e-7  # of a joint's own scale, between proven bound and attained value
+# Of a first sweep, and parts of each that may hold the extremum: what is proven holds for any number,
+# and only the time depends on it.
 FIRST_INTERVALS = 128
-QUICK_INTERVALS = 512  # of the one sweep of `quick_range`
+QUICK_INTERVALS = 512  # of the one sweep of `quick_range`, which splits nothing further
 QUICK_TOLERANCE = 1e-4  # of `quick_range` where there are pieces, as `TOLERANCE`
 SPLIT = 4
 # Rounding of a sum of sines, relative to the sum of their magnitudes: a thousand times the unit.

@@ -19,7 +19,7 @@ from oed.dynamics.motion import Motion
 from oed.errors import NoUsableResult
 from oed.robot import Robot
 
-CANDIDATES = 1000
+CANDIDATES = 1000  # random postures, of which the best are taken one after another; assumed
 WEIGHT = 4  # parameters that weight tells of: mass and first moments
 IDLE = 1e-9  # of the largest weight: a joint that changes it by less is idle
 RIDGE = 1e-9  # of the largest information: the first postures leave directions open

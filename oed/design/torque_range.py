@@ -21,7 +21,7 @@ from oed.dynamics.scalars import Scalar
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import OedError
 
-FIRST_INTERVALS = 2048
+FIRST_INTERVALS = 2048  # of a motion of ten seconds, 5 ms each; the bound is valid for any number
 LEVELS = 5  # of splitting in four; the bound is valid at every level
 TOLERANCE = 5e-3  # between proven and attained torque, of the joint's largest
 

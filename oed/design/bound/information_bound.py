@@ -20,7 +20,9 @@ from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import JointLimits
 
-KEPT_SLACK = 0.3  # atoms further below the dual's maximum are dropped, relative to it
+KEPT_SLACK = (
+    0.3  # atoms further below the dual's maximum are dropped, relative to it; they may come again
+)
 KEPT_WEIGHT = 1e-9  # unless they have a weight
 
 

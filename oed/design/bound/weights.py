@@ -13,9 +13,11 @@ from numpy import ndarray
 from oed.design.bound.deadline import NEVER, Deadline
 from oed.errors import OedError
 
-ITERATIONS = 100
-TO_BOUNDARY = 0.9  # fraction of the step to the nearest weight's zero
-CENTRING = 0.2  # of the mean complementarity
+ITERATIONS = 100  # interior-point methods take some tens, whatever the size
+TO_BOUNDARY = (
+    0.9  # fraction of the step to the nearest weight's zero; usual in interior-point methods
+)
+CENTRING = 0.2  # of the mean complementarity; usual likewise
 # The multipliers need no more digits: a proof over all states checks them afterwards.
 DUAL_SLACK = 1e-3
 # Rounding can end progress early. Weights this close to optimal [relative to the number of

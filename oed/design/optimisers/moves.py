@@ -19,7 +19,7 @@ from oed.design.problem import DesignProblem
 Move = Callable[[DesignProblem, Float[ndarray, " size"], np.random.Generator], ndarray]
 
 SHIFT_SIZES = (0.003, 0.1)  # least and greatest standard deviation, relative to the box
-SHIFTED_VARIABLES = 0.3  # share of the variables that a shift moves
+SHIFTED_VARIABLES = 0.3  # share of the variables that a shift moves: some stay as they are; assumed
 
 
 def neighbour(

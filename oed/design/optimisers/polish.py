@@ -9,8 +9,8 @@ from numpy import ndarray
 from oed.design.optimisers.result import EvaluationLog
 from oed.design.problem import DesignProblem
 
-FIRST_STEP = 1e-3  # of the box
-LAST_STEP = 1e-7
+FIRST_STEP = 1e-3  # of the box: what is polished is near its optimum; assumed
+LAST_STEP = 1e-7  # likewise: what a smaller one gains is rounding
 # Growth after success and shrinkage after failure balance at one success in five (Rechenberg).
 GROWTH = 1.5
 SHRINKAGE = GROWTH**-0.25

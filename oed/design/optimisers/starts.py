@@ -8,7 +8,9 @@ from numpy import ndarray
 
 from oed.design.problem import DesignProblem
 
-STRUCTURED_SHARE = 0.3
+STRUCTURED_SHARE = (
+    0.3  # of the starts; the others are random, so that nothing rests on the structure; assumed
+)
 
 
 def structured_start(problem: DesignProblem, rng: np.random.Generator) -> Float[ndarray, " size"]:
