@@ -89,6 +89,8 @@ def weighed(
     fitted: Fitted,
     beside: Beside,
     counted: Float[ndarray, " joints"],
+    *,
+    dilution: float = 1.0,
 ) -> Worth | None:
     """Worth of a candidate's columns beside a fit, by the log score that they would have.
 
@@ -98,6 +100,7 @@ def weighed(
         fitted: The model beside which it stands.
         beside: Its columns there.
         counted: (n,) rows that count.
+        dilution: Of them that tell as much as one.
     """
     A, g = beside.information, beside.score
     if np.trace(A) <= NEW * sum(float(np.trace(x)) for x in beside.squares.values()):
@@ -105,16 +108,25 @@ def weighed(
     rows = float(sum(counted[j] for j in beside.squares))
     cost = price(candidate, values, fitted, rows)
     penalty, fixed = candidate.precision(len(g)), candidate.unit_coefficient
-    own = worth(Moments(A, g, rows), cost, penalty, fixed=fixed)
+    own = worth(Moments(A, g, rows, dilution), cost, penalty, fixed=fixed)
     before = beside.span.squares / beside.span.weights**2
     after = beside.left_by(own.coefficients)
     tolerated = fitted.tolerated + FORMULA_ERROR**2 * beside.power(own.coefficients) / counted
     gained = log_score(after, counted, tolerated) - log_score(before, counted, tolerated)
-    return dataclasses.replace(own, nats=gained - own.occam - cost)
+    return dataclasses.replace(own, nats=gained / dilution - own.occam - cost)
 
 
-def evaluate(candidate: Candidate, values: Values, fitted: Fitted) -> Scored | None:
-    """A candidate at some shapes beside a fit; None where it has no columns or no support."""
+def evaluate(
+    candidate: Candidate, values: Values, fitted: Fitted, dilution: float = 1.0
+) -> Scored | None:
+    """A candidate at some shapes beside a fit; None where it has no columns or no support.
+
+    Args:
+        candidate: What.
+        values: Its shapes.
+        fitted: The model beside which it stands.
+        dilution: Rows that tell as much as one.
+    """
     context = fitted.context
     try:
         effect = candidate.effect(context, values)
@@ -126,7 +138,7 @@ def evaluate(candidate: Candidate, values: Values, fitted: Fitted) -> Scored | N
         return None
     beside = fitted.projection.beside(columns)
     used = fitted.projection.used
-    own = weighed(candidate, values, fitted, beside, fitted.rows(used))
+    own = weighed(candidate, values, fitted, beside, fitted.rows(used), dilution=dilution)
     if own is None:
         return None
     if candidate.excluded(context, values, own.coefficients) is not None:

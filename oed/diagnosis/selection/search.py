@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,7 +17,7 @@ from oed.diagnosis.evidence.views import Views, moments
 from oed.diagnosis.numbers import COMPARED, EXCHANGES, LOOKS, NAMED, PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
 from oed.diagnosis.selection.look_ahead import Over, Say, look_ahead, short
-from oed.diagnosis.selection.screen import price
+from oed.diagnosis.selection.screen import evaluate, price
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import Tables, as_term, few
 
@@ -54,8 +55,24 @@ def _worth(whole: Views, number: int, told: Moments) -> Worth:
     return worth(told, cost, term.precision, fixed=fixed, chosen=term.precision is not None)
 
 
+def resmoothed(whole: Views) -> Views:
+    """The model whose smooth terms are as smooth as rows have it, counted by what all of it leaves.
+
+    On the way ahead all rows counted, and let a term bend to what a wrong model had left.
+    """
+    terms = list(whole.terms)
+    for k, term in enumerate(terms):
+        if term.precision is not None:
+            penalty = term.candidate.precision(len(term.precision))
+            own = worth(judge(whole, k).moments, 0.0, penalty)
+            terms[k] = dataclasses.replace(term, precision=own.precision)
+    changed = any(new is not old for new, old in zip(terms, whole.terms, strict=True))
+    return whole.grown(tuple(terms), "all") if changed else whole
+
+
 def prune(views: Views, say: Say) -> tuple[Views, list[Judged]]:
     """Drop the term that is worth least, as long as one is worth nothing."""
+    views = resmoothed(views)
     while True:
         judged = [judge(views, k) for k in range(len(views.terms))]
         if not judged:
@@ -104,7 +121,9 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     found = [Substitute(own.term, own.worth.nats, _given(whole, own))]
     nothing = ahead(own.rest, own.rest.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
-        grown = in_place(whole, own, as_term(scored))
+        fitted, tau = own.rest.showing(scored.candidate), own.moments.dilution
+        alike = evaluate(scored.candidate, scored.values, fitted, tau) or scored
+        grown = in_place(whole, own, as_term(alike))
         # Substitutes of one size are compared at the same, smaller dilution.
         nats = _nats_in_place(grown, whole, own)
         substitute = Substitute(grown.terms[-1], nats, _given(grown, own))
