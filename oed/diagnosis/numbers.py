@@ -9,7 +9,6 @@ MOST_BLOCK_SHARE = (
 )  # of the rows: fewer blocks leave no estimate of a score's variance; assumed
 SMOOTHNESS = (1e-3, 1e-1, 1e1, 1e3)  # precisions of a smoothing prior, of the columns' own
 LEAST_LEFT = 0.1  # of noise that a model may leave: below, rows are too few to tell; assumed
-NULL_SHARE = 1.0  # of the information of one row, on what a smoothing prior does not penalise
 
 # Selection.
 PREDICTION_GAIN = (

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.numbers import NULL_SHARE, SMOOTHNESS
+from oed.diagnosis.numbers import SMOOTHNESS
 
 NEW = 1e-9  # share of a column outside the span of all else, below which rounding is what is new
 
@@ -129,7 +129,8 @@ def _by_smoothness(
         options = [scaled]
     else:
         scaled = scaled * (len(g) / max(np.trace(scaled), 1e-300))
-        options = [s * scaled + NULL_SHARE / rows * np.eye(len(g)) for s in SMOOTHNESS]
+        # What smoothness leaves open has unit information, as a name's coefficients have.
+        options = [s * scaled + np.eye(len(g)) / rows for s in SMOOTHNESS]
     found: list[tuple[float, Worth, float]] = []
     for P in options:
         mean = np.linalg.solve(A + P, g)
