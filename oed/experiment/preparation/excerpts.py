@@ -15,7 +15,7 @@ STRETCHES = (
 def excerpts(prepared: Sequence[Prepared], most: int) -> tuple[Prepared, ...]:
     """Stretches of recordings, so that no more rows than that are left.
 
-    Recordings are cut into stretches of at most a twelfth of that, of which as many are kept. Where
+    Recordings are cut into stretches of at most a quarter of that, of which as many are kept. Where
     motions are repeated all is kept: their mean is what is looked at, and is no longer than one.
 
     Args:

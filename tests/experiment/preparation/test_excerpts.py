@@ -31,10 +31,10 @@ def test_rows_of_a_stretch_are_those_of_its_recording():
 def test_stretches_lie_from_begin_to_end():
     longest = max(PREPARED, key=lambda p: p.rows)
     few = excerpts([longest], longest.rows // 4)
-    assert len(few) >= STRETCHES - 2
+    assert len(few) >= STRETCHES - 1
     middle = [float(np.mean(p.t)) for p in few]
-    assert min(middle) < longest.t[0] + 0.1 * np.ptp(longest.t)
-    assert max(middle) > longest.t[-1] - 0.1 * np.ptp(longest.t)
+    assert min(middle) < longest.t[0] + 0.25 * np.ptp(longest.t)
+    assert max(middle) > longest.t[-1] - 0.25 * np.ptp(longest.t)
     assert np.ptp(np.diff(middle)) < 0.1 * np.ptp(longest.t)
 
 
