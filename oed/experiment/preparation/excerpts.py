@@ -7,9 +7,8 @@ from collections.abc import Sequence
 
 from oed.experiment.preparation.prepared import Prepared
 
-STRETCHES = (
-    12  # at least, in which rows that are looked at lie: from begin to end of all recordings
-)
+# At least, from begin to end of all recordings; every candidate of a diagnosis is evaluated on each.
+STRETCHES = 4
 
 
 def excerpts(prepared: Sequence[Prepared], most: int) -> tuple[Prepared, ...]:
