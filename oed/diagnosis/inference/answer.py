@@ -13,7 +13,7 @@ from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.estimates import Estimated, estimates
-from oed.diagnosis.numbers import ALIKE, NAMED, OUTSIDE
+from oed.diagnosis.numbers import ALIKE, NAMED
 from oed.diagnosis.selection.search import Judged, Selected, Substitute, ahead
 from oed.dynamics.effects.catalogue import EffectPage
 
@@ -133,8 +133,7 @@ def _named(
         return None
     nats = np.array([r.nats for r in substitutes])
     # That there is nothing is one of the alternatives.
-    smooth = np.array([not r.term.candidate.is_named for r in substitutes])
-    odds = np.exp(nats - max(float(nats.max()), 0.0)) * np.where(smooth, OUTSIDE, 1.0)
+    odds = np.exp(nats - max(float(nats.max()), 0.0))
     share = odds / (odds.sum() + np.exp(-max(float(nats.max()), 0.0)))
     given = [r.given for r in substitutes]
     mine = next(g for r, g in zip(substitutes, given, strict=True) if r.term is term)

@@ -15,7 +15,7 @@ from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.criterion import Moments, Worth, log_score, worth
 from oed.diagnosis.evidence.fit import Beside
 from oed.diagnosis.evidence.model import Fitted
-from oed.diagnosis.numbers import FORMULA_ERROR
+from oed.diagnosis.numbers import FORMULA_ERROR, OUTSIDE
 from oed.diagnosis.problem import Problem
 
 NEW = 1e-6  # share of columns outside the model's, below which they add nothing
@@ -64,8 +64,9 @@ def price(candidate: Candidate, values: Values, fitted: Fitted, rows: float) -> 
 
 def least_price(candidate: Candidate, problem: Problem) -> float:
     """Price of a candidate whose shapes are all plain [nats]."""
-    kind = problem.names if candidate.is_named else problem.smooth
-    return float(np.log(max(len(kind), 1)))
+    if candidate.is_named:
+        return float(np.log(max(len(problem.names), 1)))
+    return float(np.log(max(len(problem.smooth), 1) / OUTSIDE))
 
 
 def most_gained(beside: Beside, counted: Float[ndarray, " joints"]) -> float:

@@ -110,7 +110,8 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     """What else could stand in the place of a term, best first; the term itself is among them.
 
     Whatever could be preferred to the term has to predict held-out rows better than nothing does,
-    as the term had to when it was added.
+    as the term had to when it was added; a smooth term no worse than the formula whose place it
+    would take, since it has nothing else to speak for it.
     """
     joint = own.term.candidate.joint
     excluded = whole.labels
@@ -119,7 +120,7 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         return joint is None or candidate.joint in (joint, None) or candidate.is_named
 
     found = [Substitute(own.term, own.worth.nats, _given(whole, own))]
-    nothing = ahead(own.rest, own.rest.terms)
+    nothing, now = ahead(own.rest, own.rest.terms), ahead(whole, whole.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
         fitted, tau = own.rest.showing(scored.candidate), own.moments.dilution
         alike = evaluate(scored.candidate, scored.values, fitted, tau) or scored
@@ -127,11 +128,14 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         # Substitutes of one size are compared at the same, smaller dilution.
         nats = _nats_in_place(grown, whole, own)
         substitute = Substitute(grown.terms[-1], nats, _given(grown, own))
-        if (
-            substitute.nats < own.worth.nats - NOT_EXCLUDED
-            or ahead(grown, grown.terms).rise(nothing, "held_out") > 0
-        ):
-            found.append(substitute)
+        if substitute.nats >= own.worth.nats - NOT_EXCLUDED:
+            predicted = ahead(grown, grown.terms)
+            if predicted.rise(nothing, "held_out") <= 0:
+                continue
+            instead_of_formula = own.term.candidate.is_named and not scored.candidate.is_named
+            if instead_of_formula and predicted.rise(now, "held_out") < -PREDICTION_GAIN:
+                continue
+        found.append(substitute)
     return sorted(found, key=lambda r: -r.nats)
 
 
@@ -265,7 +269,10 @@ def _predictive(views: Views, say: Say) -> Views:
 def _better(
     views: Views, judged: Sequence[Judged], substitutes: Sequence[Sequence[Substitute]]
 ) -> tuple[Judged, Substitute, Views] | None:
-    """The exchange that raises the evidence most and predicts held-out rows no worse, if one does."""
+    """The exchange that raises the evidence most and predicts held-out rows no worse, if one does.
+
+    What is less than a parameter costs tells no better from worse, here as where a term is added.
+    """
     pairs = [
         (own, best)
         for own, (best, *_) in zip(judged, substitutes, strict=True)
@@ -276,6 +283,6 @@ def _better(
 
     for own, best in pairs:
         grown = in_place(views, own, best.term)
-        if ahead(grown, grown.terms).rise(now, "held_out") >= 0:
+        if ahead(grown, grown.terms).rise(now, "held_out") > -PREDICTION_GAIN:
             return own, best, grown
     return None
