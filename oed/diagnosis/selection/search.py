@@ -110,17 +110,17 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     """What else could stand in the place of a term, best first; the term itself is among them.
 
     Whatever could be preferred to the term has to predict held-out rows better than nothing does,
-    as the term had to when it was added; a smooth term no worse than the formula whose place it
-    would take, since it has nothing else to speak for it.
+    as the term had to when it was added. The term with other shapes is one of them where it is
+    worth more: of a formula that has several, such as a spring in stretches, a plainer one may do.
     """
     joint = own.term.candidate.joint
-    excluded = whole.labels
+    excluded = own.rest.labels
 
     def near(candidate: Candidate) -> bool:
         return joint is None or candidate.joint in (joint, None) or candidate.is_named
 
     found = [Substitute(own.term, own.worth.nats, _given(whole, own))]
-    nothing, now = ahead(own.rest, own.rest.terms), ahead(whole, whole.terms)
+    nothing = ahead(own.rest, own.rest.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
         fitted, tau = own.rest.showing(scored.candidate), own.moments.dilution
         alike = evaluate(scored.candidate, scored.values, fitted, tau) or scored
@@ -128,14 +128,13 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         # Substitutes of one size are compared at the same, smaller dilution.
         nats = _nats_in_place(grown, whole, own)
         substitute = Substitute(grown.terms[-1], nats, _given(grown, own))
-        if substitute.nats >= own.worth.nats - NOT_EXCLUDED:
-            predicted = ahead(grown, grown.terms)
-            if predicted.rise(nothing, "held_out") <= 0:
-                continue
-            instead_of_formula = own.term.candidate.is_named and not scored.candidate.is_named
-            if instead_of_formula and predicted.rise(now, "held_out") < -PREDICTION_GAIN:
-                continue
-        found.append(substitute)
+        if substitute.term.label == own.term.label and nats <= own.worth.nats + PREDICTION_GAIN:
+            continue
+        if (
+            substitute.nats < own.worth.nats - NOT_EXCLUDED
+            or ahead(grown, grown.terms).rise(nothing, "held_out") > 0
+        ):
+            found.append(substitute)
     return sorted(found, key=lambda r: -r.nats)
 
 
