@@ -17,7 +17,7 @@ from oed.diagnosis.evidence.views import Views, moments
 from oed.diagnosis.numbers import COMPARED, EXCHANGES, LOOKS, NAMED, PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
 from oed.diagnosis.selection.look_ahead import Over, Say, look_ahead, short
-from oed.diagnosis.selection.screen import evaluate, price
+from oed.diagnosis.selection.screen import Scored, evaluate, price
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import Tables, as_term, few
 
@@ -122,9 +122,7 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     found = [Substitute(own.term, own.worth.nats, _given(whole, own))]
     nothing = ahead(own.rest, own.rest.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
-        fitted, tau = own.rest.showing(scored.candidate), own.moments.dilution
-        alike = evaluate(scored.candidate, scored.values, fitted, tau) or scored
-        grown = in_place(whole, own, as_term(alike))
+        grown = in_place(whole, own, as_term(_as_smooth(scored, own)))
         # Substitutes of one size are compared at the same, smaller dilution.
         nats = _nats_in_place(grown, whole, own)
         substitute = Substitute(grown.terms[-1], nats, _given(grown, own))
@@ -136,6 +134,14 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         ):
             found.append(substitute)
     return sorted(found, key=lambda r: -r.nats)
+
+
+def _as_smooth(scored: Scored, own: Judged) -> Scored:
+    """A smooth candidate as smooth as rows have it that count as in a term's place; a name as it is."""
+    if scored.candidate.is_named:
+        return scored
+    fitted = own.rest.showing(scored.candidate)
+    return evaluate(scored.candidate, scored.values, fitted, own.moments.dilution) or scored
 
 
 def in_place(whole: Views, own: Judged, term: Term) -> Views:
