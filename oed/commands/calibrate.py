@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from oed.commands import diagnose, export, feasible, identify
 from oed.commands.configurations import Calibrate, Diagnose, Export, Feasible, Identify
-from oed.commands.rollouts import models_in, rollouts
+from oed.commands.rollouts import BASE_OF_BODIES, base_of_bodies, models_in, rollouts
 from oed.commands.telling import say, speak
 from oed.estimation.rollout import WINDOWS
 from oed.experiment.read_dataset import read_dataset
@@ -38,7 +38,11 @@ def run(config: Calibrate) -> int:
         dataset = read_dataset(config.data)
         say("\n[5] simulating what was not fitted")
         windows = FEW_WINDOWS if config.smoke else WINDOWS
-        rolled = rollouts(dataset, models_in(config.out, dataset), windows=windows)
+        models = dict(models_in(config.out, dataset))
+        models[BASE_OF_BODIES] = base_of_bodies(
+            dataset, config.model, config.prior, smoke=config.smoke, seed=config.seed
+        )
+        rolled = rollouts(dataset, models, windows=windows)
         record |= {"joints": list(dataset.robot.joint_names), "rollout": rolled}
         with results.replaced() as new:
             provenance = Provenance.collect(config, seed=config.seed)
@@ -72,6 +76,7 @@ def _steps(config: Calibrate) -> tuple[tuple[str, Callable[[], int]], ...]:
                     model=config.model,
                     max_effects=config.max_effects,
                     candidates=config.candidates,
+                    budget=config.budget,
                     seed=config.seed,
                 )
             ),

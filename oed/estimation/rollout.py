@@ -27,12 +27,14 @@ from oed.dynamics.newton_euler import joint_pose
 from oed.dynamics.online import of_the_arm, without_offline
 from oed.dynamics.scalars import apply, plus
 from oed.dynamics.torque_model import TorqueModel
+from oed.errors import OedError
 from oed.robot import Robot
 
 HORIZONS = (0.1, 0.5, 1.0, 2.0)  # [s]
 STEP = 1e-3  # [s] of the integration
 WINDOWS = 4  # of a recording at most, spread over its length
-SETTLING = 0.5  # [s] at a recording's ends, where its filters have not settled
+LOOKED_AT = 50  # samples of a recording at which the mass matrix is looked at
+SINGULAR = 1e-9  # of its largest eigenvalue: a smaller one is rounding
 # Signs turn over this velocity at least: a joint that sticks creeps by no more, and a step's
 # equation has a slope there. Encoders do not tell it from rest.
 SIGN_WIDTH = 1e-3  # [rad/s or m/s]
@@ -45,7 +47,8 @@ class Rollout:
 
     Attributes:
         horizons: (h,) [s].
-        joint: (h, n) root mean square over the windows [rad or m].
+        joint: (h, n) median over the windows [rad or m]: where one in a few leaves the arm, a mean
+            would tell how far it flew.
         flange: (h,) the same of the last link's origin [m].
         windows: How many were simulated.
         lost: How many left the arm, or had no acceleration: their error counts as `LOST`.
@@ -63,7 +66,7 @@ class Track:
     """A recording to be followed.
 
     Attributes:
-        motion: As it was measured, smoothed.
+        motion: As it was measured, smoothed, without the ends where filters have not settled.
         t: (N,) time of the torque [s].
         tau: (N, n) torque as it was measured [N m or N].
     """
@@ -75,11 +78,22 @@ class Track:
     def starts(self, longest: float, most: int) -> Int[ndarray, " windows"]:
         """Samples of the motion from which a window of that length [s] can be simulated."""
         t = self.motion.t
-        can = np.flatnonzero((t >= t[0] + SETTLING) & (t <= t[-1] - SETTLING - longest))
+        can = np.flatnonzero(t <= t[-1] - longest)
         if len(can) == 0:
             return can
         count = min(most, 1 + int((t[can[-1]] - t[can[0]]) / longest))
         return can[np.linspace(0, len(can) - 1, count).astype(int)]
+
+    def at_the_arm(self, model: TorqueModel) -> Track:
+        """The track with the torque that acted, as a model's measurement has it."""
+        tau = self.tau
+        for effect in reversed(model.measurement):
+            tau = effect.undone(self.t, tau)
+        return dataclasses.replace(self, tau=tau)
+
+
+class NotSimulated(OedError):
+    """A model's mass matrix is not positive definite: a torque would move the arm against itself."""
 
 
 def roll_out(
@@ -94,7 +108,8 @@ def roll_out(
 ) -> Rollout:
     """Simulate windows of recordings and compare.
 
-    What a measurement does to the torque is left out, as is what needs a whole recording.
+    The torque that acts is the recorded one with what measurement did to it undone, as far as it
+    can be; what of the model needs a whole recording is left out.
 
     Args:
         model: The torque model.
@@ -107,10 +122,13 @@ def roll_out(
 
     Raises:
         ValueError: If no recording is long enough.
+        NotSimulated: If the mass matrix is not positive definite where the arm was.
     """
     arm = ImplicitArm.of(model, parameters, step, sign_width)
     errors, flanges, lost = [], [], 0
-    for track in tracks:
+    for recorded in tracks:
+        arm.require_inertia(recorded.motion)
+        track = recorded.at_the_arm(model)
         for start in track.starts(horizons[-1], windows):
             found = arm.follow(track, int(start), horizons)
             when = track.motion.t[start] + np.array(horizons)
@@ -125,11 +143,11 @@ def roll_out(
             errors.append(np.where(gone[:, None], LOST, off))
             flanges.append(np.where(gone, LOST, away))
     if not errors:
-        raise ValueError(f"no held-out recording is as long as {horizons[-1] + 2 * SETTLING:g} s")
+        raise ValueError(f"no recording is as long as {horizons[-1]:g} s and its filters' ends")
     return Rollout(
         tuple(horizons),
-        np.sqrt(np.mean(np.square(errors), axis=0)),
-        np.sqrt(np.mean(np.square(flanges), axis=0)),
+        np.median(errors, axis=0),
+        np.median(flanges, axis=0),
         len(errors),
         lost,
     )
@@ -143,11 +161,14 @@ class ImplicitArm:
         equation: (q, dq, ddq, memory) -> torque at the end of a step that accelerates by ddq, memory
             after it, derivative of the torque by ddq.
         begin: (q, dq, ddq) -> memory at the first instant.
+        inertia: (q, dq, ddq) -> derivative of the torque at that instant by ddq: the mass matrix, and
+            friction under the load that it makes.
         step: [s].
     """
 
     equation: casadi.Function
     begin: casadi.Function
+    inertia: casadi.Function
     step: float
 
     @classmethod
@@ -172,13 +193,35 @@ class ImplicitArm:
             casadi.vertcat(casadi.SX(0, 1), *x) for x in instants.recall(state, remembered)
         )
         first = State(0.0, *(casadi.vertsplit(x) for x in (q, dq, ddq)))  # pyright: ignore[reportArgumentType]
-        begun = casadi.vertcat(casadi.SX(0, 1), *instants.begin(first))
+        begun = instants.begin(first)
+        now = casadi.vertcat(*instants.recall(first, begun)[0])
         outputs = [torque, following, casadi.jacobian(torque, ddq)]
         return cls(
             casadi.Function("step", [q, dq, ddq, memory], outputs, {"cse": True}),
-            casadi.Function("begin", [q, dq, ddq], [begun]),
+            casadi.Function("begin", [q, dq, ddq], [casadi.vertcat(casadi.SX(0, 1), *begun)]),
+            casadi.Function("inertia", [q, dq, ddq], [casadi.jacobian(now, ddq)], {"cse": True}),
             step,
         )
+
+    def require_inertia(self, motion: Motion) -> None:
+        """Make sure that torques accelerate the arm the way they act, along a motion.
+
+        Raises:
+            NotSimulated: If they do not, with the worst instant.
+        """
+        some = np.unique(np.linspace(0, len(motion) - 1, LOOKED_AT).astype(int))
+        values = [
+            np.linalg.eigvals(np.array(self.inertia(motion.q[k], motion.dq[k], motion.ddq[k]))).real
+            for k in some
+        ]
+        least = [own.min() / max(np.abs(own).max(), np.finfo(float).tiny) for own in values]
+        worst = int(np.argmin(least))
+        if least[worst] <= SINGULAR:
+            raise NotSimulated(
+                f"the mass matrix has the eigenvalue {values[worst].min():.2g} beside "
+                f"{values[worst].max():.2g} kg m^2 at t = {motion.t[some[worst]]:.3g} s: no bodies that "
+                "exist have one such"
+            )
 
     def follow(
         self, track: Track, start: int, horizons: Sequence[float]

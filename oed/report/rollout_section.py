@@ -11,10 +11,11 @@ from oed.report.chart import BOTTOM, COLOURS, TOP, Chart
 from oed.report.page import Section, Table, Text
 from oed.report.table import Row
 
+TITLE = "Whether a simulation moves like the arm"
 HEIGHT = 320  # [px] of the plot
 EXPLAINED = (
     "Simulated from measured states under the measured torque, on recordings that were not fitted; "
-    "root mean square over {windows} windows. What a measurement does to the torque is left out. "
+    "median over {windows} windows. A delay or gain that was found is taken off the torque. "
     "A simulation that left the arm counts as 10 m or rad off."
 )
 
@@ -26,7 +27,15 @@ def rollout_section(record: Mapping[str, Any], joints: tuple[str, ...]) -> Secti
         record: As calibration.json has it: horizons, and each model's errors.
         joints: Names.
     """
-    horizons, models = record["horizons"], record["models"]
+    horizons, every = record["horizons"], record["models"]
+    models = {name: told for name, told in every.items() if told["not_simulated"] is None}
+    without = [
+        Text(f"Not simulated, {name}: {told['not_simulated']}.")
+        for name, told in every.items()
+        if told["not_simulated"] is not None
+    ]
+    if not models:
+        return Section(TITLE, tuple(without))
     windows = max(told["windows"] for told in models.values())
     flange: list[Row] = [
         {"model": name}
@@ -39,9 +48,10 @@ def rollout_section(record: Mapping[str, Any], joints: tuple[str, ...]) -> Secti
         for j, joint in enumerate(joints)
     ]
     return Section(
-        "Whether a simulation moves like the arm",
+        TITLE,
         (
             Text(EXPLAINED.format(windows=windows)),
+            *without,
             _chart(horizons, models),
             Table(flange, "Error at the last link's origin"),
             Table(by_joint, f"Error of each joint after {horizons[-1]:g} s"),

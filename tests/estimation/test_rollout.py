@@ -1,13 +1,18 @@
 """A simulated model moves as the arm moved whose model it is; Drake moved the arm."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
 from oed.dynamics.effects import Coulomb, RigidBody
+from oed.dynamics.effects.actuator import TorqueGain
+from oed.dynamics.effects.delay import TimeDelay
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.rollout import ImplicitArm, Track, last_origin, roll_out
+from oed.estimation.rollout import ImplicitArm, NotSimulated, Track, last_origin, roll_out
 from oed.export.simulation_plant import build_simulation
 from oed.robot import JointLimits
 from tests.dynamics.effects.arms import vertical_arm
@@ -86,6 +91,39 @@ def test_a_joint_that_sticks_stays(recorded):
     assert found.joint[-1].max() < 2.0 * 1e-3
 
 
+def test_what_measurement_did_to_the_torque_is_undone(recorded):
+    model, track = recorded
+    late, weak = 0.03, 0.8
+    seen = track.tau * [weak, 1.0]
+    seen = np.stack([np.interp(track.t - late, track.t, own) for own in seen.T], axis=1)
+    recording = Track(track.motion, track.t, seen)
+    whole = model.torque_model
+    gain = TorqueGain(0, weak, 0.0, ReferenceTorque(whole.robot))
+    measured = dataclasses.replace(whole, measurement=(gain, TimeDelay(late)))
+    known, unknown = (
+        roll_out(m, model.parameters, [recording], step=2e-3, sign_width=WIDTH)
+        for m in (measured, whole)
+    )
+    assert known.flange[-1] < 0.02 * unknown.flange[-1]
+
+
+def test_bodies_that_do_not_exist_are_not_simulated(recorded):
+    model, track = recorded
+    names = [p.name for p in model.torque_model.parameters]
+    none = model.parameters.copy()
+    none[names.index("Izz_2")] = -0.1
+    with pytest.raises(NotSimulated, match="eigenvalue -"):
+        roll_out(model.torque_model, none, [track], step=2e-3)
+
+
+def test_one_window_in_a_few_that_leaves_the_arm_does_not_decide(recorded):
+    model, track = recorded
+    thrown = Track(track.motion, track.t, track.tau + 1e4)
+    found = roll_out(model.torque_model, model.parameters, [track, thrown, track], step=2e-3)
+    assert (found.windows, found.lost) == (3, 1)
+    assert found.flange[-1] < 0.01
+
+
 def test_a_simulation_that_leaves_the_arm_is_counted(recorded):
     model, track = recorded
     wrong = model.parameters.copy()
@@ -98,7 +136,7 @@ def test_a_simulation_that_leaves_the_arm_is_counted(recorded):
 def test_a_recording_that_is_too_short_is_refused(recorded):
     model, track = recorded
     short = Track(track.motion[:300], track.t, track.tau)
-    with pytest.raises(ValueError, match="as long as 3 s"):
+    with pytest.raises(ValueError, match="as long as 2 s"):
         roll_out(model.torque_model, model.parameters, [short])
 
 

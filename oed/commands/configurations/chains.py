@@ -28,6 +28,7 @@ class Calibrate(Command):
         prior: As of oed feasible.
         max_effects: As of oed diagnose.
         candidates: As of oed diagnose.
+        budget: As of oed diagnose.
         smoke: Do less, to see that it works.
         seed: Of everything random.
     """
@@ -40,6 +41,7 @@ class Calibrate(Command):
     prior: Prior = "auto"
     max_effects: int | None = None
     candidates: tuple[str, ...] = ()
+    budget: float | None = None
     smoke: bool = False
     seed: Seed = 0
 

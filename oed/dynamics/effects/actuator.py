@@ -81,6 +81,17 @@ class TorqueGain(MeasurementEffect):
         result[:, self.joint] *= self._gain(motion)[:, None]
         return result
 
+    def undone(
+        self,
+        t: Float[ndarray, " samples"],  # noqa: ARG002  # a gain is the same at all times
+        tau: Float[ndarray, "samples joints"],
+    ) -> Float[ndarray, "samples joints"]:
+        """The joint's torque divided by the gain of its sign."""
+        own = tau[:, self.joint]
+        result = tau.copy()
+        result[:, self.joint] = own / (self.gain + self.by_sign * np.sign(own))
+        return result
+
     def after(self, inner: Instants, joints: int, step: float) -> Instants:  # noqa: ARG002
         """The joint's torque scaled; the sign is that of the torque as modelled."""
         own = self.reference

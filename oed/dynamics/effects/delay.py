@@ -31,6 +31,17 @@ WHOLE = 1e-9  # of a step: a delay that near to whole steps has no rest
 class Late(MeasurementEffect):
     """Torque that is recorded late, through a linear filter that does not change with time."""
 
+    @property
+    @abstractmethod
+    def lag(self) -> float:
+        """By how much slow torques are late [s]."""
+
+    def undone(
+        self, t: Float[ndarray, " samples"], tau: Float[ndarray, "samples joints"]
+    ) -> Float[ndarray, "samples joints"]:
+        """The torque moved to when it acted, held at the ends; a filter's damping stays."""
+        return np.stack([np.interp(t + self.lag, t, own) for own in tau.T], axis=1)
+
     @abstractmethod
     def response(
         self, frequency: Float[ndarray, " frequencies"]
@@ -52,6 +63,11 @@ class TimeDelay(Late):
 
     delay: float
     name = "time_delay"
+
+    @property
+    def lag(self) -> float:
+        """The delay."""
+        return self.delay
 
     def through(
         self,
@@ -123,6 +139,11 @@ class FilterLag(Late):
     time_constant: float
     curvature: float = 0.0
     name = "filter_lag"
+
+    @property
+    def lag(self) -> float:
+        """The time constant."""
+        return self.time_constant
 
     def __post_init__(self) -> None:
         if self.time_constant <= 0 or self.curvature < 0:

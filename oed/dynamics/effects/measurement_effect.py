@@ -64,6 +64,21 @@ class MeasurementEffect(ABC):
         """
         raise ValueError(f"{self.name}: {self.offline or 'does not say how it goes on in time'}")
 
+    def undone(
+        self,
+        t: Float[ndarray, " samples"],  # noqa: ARG002  # of those that move the torque
+        tau: Float[ndarray, "samples joints"],
+    ) -> Float[ndarray, "samples joints"]:
+        """The torque that acted on the arm, from the recorded one.
+
+        What cannot be undone, or does not change the torque itself, leaves it as it was recorded.
+
+        Args:
+            t: (N,) time [s].
+            tau: (N, n) as it was recorded [N m or N].
+        """
+        return tau
+
     @property
     def leaving(self) -> MeasurementEffect:
         """The effect as it is written to a file: without what only saves time."""

@@ -14,12 +14,16 @@ class NamedEffectRecord(Record, frozen=True, kw_only=True):
 
 
 class FollowedRecord(Record, frozen=True, kw_only=True):
-    """Errors of a model's simulation after each horizon: of the flange [mm], of joints [rad or m]."""
+    """Errors of a model's simulation after each horizon: of the flange [mm], of joints [rad or m].
 
-    flange_mm: Numbers
-    joint: Matrix
+    A model whose mass matrix is not positive definite has none, and says so.
+    """
+
+    flange_mm: Numbers | None
+    joint: Matrix | None
     windows: int
     lost: int
+    not_simulated: str | None
 
 
 class RolloutRecord(Record, frozen=True, kw_only=True):
