@@ -22,7 +22,7 @@ from oed.diagnosis.inference.errors import Predictor
 from oed.errors import OedError
 from oed.estimation.feasible.calibration import FeasibleSettings
 from oed.estimation.feasible.feasible_set import FeasibleSet
-from oed.estimation.rollout import roll_out
+from oed.estimation.rollout import NotSimulated, roll_out
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.preparation.prepared import Prepared
@@ -214,12 +214,14 @@ def _judged(judged: SealedErrors, floor: Float[ndarray, " joints"]) -> dict[str,
 
 
 def _simulated(dataset: DataSet, models: Mapping[str, Predictor]) -> dict[str, str | float]:
-    """Flange error after the horizons in millimetres; left out where nothing is long enough."""
+    """Flange error after the horizons in millimetres.
+
+    Left out where nothing is long enough, or a model has no simulation.
+    """
     tracks = held_out_tracks(dataset, longest=HORIZONS[-1], roles=("test",))
     told: dict[str, str | float] = {}
     for name, x in models.items():
-        # A recording that is too short for a window leaves the cell empty.
-        with contextlib.suppress(ValueError):
+        with contextlib.suppress(ValueError, NotSimulated):
             rolled = roll_out(x.model, x.parameters, tracks, horizons=HORIZONS, windows=WINDOWS)
             told[f"flange_{name}"] = _listed(1000 * rolled.flange)
     return told

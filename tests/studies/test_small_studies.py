@@ -11,7 +11,14 @@ import pytest
 from oed.experiment.read_dataset import read_dataset
 from oed.report.json_file import read_json
 from oed.report.table import read_csv
-from studies import cross_check, scara_recordings, streaming, undeclared_masses
+from studies import (
+    cross_check,
+    rollout_error,
+    rollout_summary,
+    scara_recordings,
+    streaming,
+    undeclared_masses,
+)
 from studies.data_folders import data_sets
 from tests.paths import REPO
 from tests.running import oed
@@ -51,6 +58,30 @@ def test_the_arm_of_undeclared_masses_has_other_bodies_and_declares_nothing() ->
     row = {"seed": 62, "link": "l", "truth [kg]": 2.0, "feasible alone [kg]": 0.5}
     told = undeclared_masses.summarise([row | {"calibrate [kg]": 2.2}])
     assert "4 by `oed feasible` alone, 1.1 by `oed calibrate`" in told
+
+
+def test_rollouts_say_whether_the_claim_is_kept_and_who_has_no_simulation() -> None:
+    row = dict.fromkeys((*rollout_error.KEY, *rollout_error.VALUES), "")
+    row |= {
+        "arm": "one",
+        "status": "done",
+        "windows": "4",
+        "horizons": "0.1 2",
+        "second_round": "0",
+    }
+    row |= {
+        "flange_mm_file": "20 200",
+        "flange_mm_base_bodies": "1 20",
+        "flange_mm_feasible": "2 30",
+    }
+    row |= {"not_simulated_base": "the mass matrix has the eigenvalue -1"}
+    told = rollout_summary.verdict(row)
+    assert told.startswith("one: 30 mm after 2 s, 0.15 of the file's (at most 0.2: kept)")
+    assert "1.5 of the base's in bodies (at most 1: not kept)" in told
+    failed = row | {"arm": "two", "status": "failed: too short"}
+    page = rollout_summary.page([row, failed])
+    assert "| one | base | – | – | the mass matrix has the eigenvalue -1 |" in page
+    assert "- two: failed: too short" in page
 
 
 def test_streaming_finds_the_truth(tmp_path: Path) -> None:
