@@ -9,7 +9,7 @@ import numpy as np
 
 from oed.checkup.reversed_sign import check_signs
 from oed.commands.configurations import Gains as Config
-from oed.commands.from_data_set import Prepared, prepare_at
+from oed.commands.from_data_set import Prepared, held_out_notes, prepare_at
 from oed.commands.telling import say, speak
 from oed.counted import counted
 from oed.errors import NoUsableResult
@@ -40,7 +40,7 @@ def measure(config: Config) -> GainsReport:
     loaded = [prepare_at(folder, config) for folder in config.loaded]
     bare = None if config.bare is None else prepare_at(config.bare, config)
     every = [*([bare] if bare else []), *loaded]
-    notes: tuple[str, ...] = ()
+    notes = held_out_notes(*every)
     for other in every[1:]:
         notes += check_same_arm(every[0].dataset, other.dataset)
     dataset = every[0].dataset

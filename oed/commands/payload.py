@@ -10,7 +10,7 @@ from pathlib import Path
 
 from oed.checkup.reversed_sign import check_signs
 from oed.commands.configurations import Payload as Config
-from oed.commands.from_data_set import Prepared, prepare_at
+from oed.commands.from_data_set import Prepared, held_out_notes, prepare_at
 from oed.commands.telling import say, speak
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
@@ -87,11 +87,11 @@ def _given(config: Config) -> _Given:
     loaded = prepare_at(config.loaded, config)
     loaded.dataset.robot.require_newton_metres(loaded.dataset.name)
     frame = find_frame(loaded.dataset.robot, config.frame)
-    bare, found, notes = None, None, ()
+    bare, found, notes = None, None, held_out_notes(loaded)
     if config.bare is not None:
         bare = prepare_at(config.bare, config)
         bare.dataset.robot.require_newton_metres(bare.dataset.name)
-        notes = check_same_arm(bare.dataset, loaded.dataset)
+        notes = (*check_same_arm(bare.dataset, loaded.dataset), *held_out_notes(bare, loaded))
     if config.model is not None:
         found = _found(config.model)
         both = f"{config.model.name} and {loaded.dataset.name}"

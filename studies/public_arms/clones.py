@@ -6,20 +6,18 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
-from studies.public_arms.arm import PublicArm
-
 SHORT = 12  # digits of a commit
 
 
-def clone_of(arm: PublicArm, clones: Sequence[Path]) -> Path | None:
-    """The clone that has the arm's files; None if none has.
+def clone_of(marker: str, clones: Sequence[Path]) -> Path | None:
+    """The clone that has a file; None if none has.
 
     Args:
-        arm: Whose.
+        marker: The file, by its path in the repository.
         clones: Clones, or folders that hold some.
     """
     every = [clone for folder in clones for clone in (folder, *sorted(folder.iterdir()))]
-    return next((clone for clone in every if (clone / arm.marker).is_file()), None)
+    return next((clone for clone in every if (clone / marker).is_file()), None)
 
 
 def commit_of(clone: Path) -> str:

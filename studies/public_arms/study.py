@@ -97,7 +97,7 @@ def cases_of(options: Options) -> list[Case]:
             raise ValueError(f"--repo {folder}: no such folder")
     found = []
     for name in options.arms or ARMS:
-        clone = clone_of(ARMS[name], options.repo)
+        clone = clone_of(ARMS[name].marker, options.repo)
         content = "" if clone is None else commit_of(clone)
         found.append((name, content, clone or Path()))
     sets = () if options.data is None else data_sets(options.data)

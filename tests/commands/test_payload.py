@@ -1,10 +1,15 @@
 """`oed payload` as a user runs it, on a two-joint arm in a vertical plane."""
 
+import dataclasses
 import json
 import shutil
 
 import pytest
 
+from oed.commands.from_data_set import held_out_notes, prepare
+from oed.experiment.read_dataset import read_dataset
+from oed.experiment.recording import Recording
+from oed.experiment.write_dataset import write_dataset
 from tests.commands.vertical_arm import CENTRE, MASS, write_sets
 from tests.running import oed
 
@@ -118,3 +123,22 @@ def test_a_model_of_another_robot_is_refused_in_one_line(folders, tmp_path, caps
     )
     assert status != 0
     assert "is no model.json" in capsys.readouterr().err
+
+
+def test_rows_that_are_held_out_for_nothing_are_told(folders, tmp_path, capsys):
+    whole = read_dataset(folders / "loaded")
+    (log,) = whole.recordings
+    cut = len(log.t) * 3 // 4
+    parts = [
+        Recording(role, role, log.t[rows], log.q[rows], log.tau[rows])
+        for role, rows in (("estimation", slice(None, cut)), ("test", slice(cut, None)))
+    ]
+    part = tmp_path / "part"
+    write_dataset(dataclasses.replace(whole, recordings=tuple(parts)), part)
+    assert not held_out_notes(prepare(folders / "loaded", model="standard"))
+    (note,) = held_out_notes(prepare(part, model="standard"))
+    assert "25% of the rows" in note
+    out = tmp_path / "out"
+    more = ("--bare", folders / "bare", "--torque-model", "standard", "--quiet", "--out", out)
+    assert oed("payload", "--loaded", part, *more) == 0
+    assert note in capsys.readouterr().out

@@ -218,8 +218,8 @@ def test_a_clone_is_diagnosed_and_its_sealed_rows_are_judged(tmp_path):
 def test_a_clone_is_found_by_what_it_holds_also_in_a_folder_of_clones(tmp_path):
     clone = tmp_path / "clones" / "anything"
     pendulum(clone)
-    assert clone_of(pendulum_dfki.ARM, [tmp_path / "clones"]) == clone
-    assert clone_of(pendulum_dfki.ARM, [clone]) == clone
+    assert clone_of(pendulum_dfki.ARM.marker, [tmp_path / "clones"]) == clone
+    assert clone_of(pendulum_dfki.ARM.marker, [clone]) == clone
     assert clone_of(tx40_nantes.ARM, [clone]) is None
     with pytest.raises(ValueError, match="nowhere: no such folder"):
         study.main(["--repo", str(tmp_path / "nowhere"), "--out", str(tmp_path / "out")])
