@@ -59,6 +59,7 @@ def estimate(prepared: Prepared, *, robust: bool) -> Calibration:
         robust="huber" if robust else None,
         known=prepared.known,
         fixed_signs=prepared.fixed_signs,
+        say=say,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ from oed.estimation.known_torque import KnownTorque
 from oed.estimation.noise_floor.baseline import Baseline, find_baseline
 from oed.estimation.recursive import RecursiveEstimate, recursive_least_squares
 from oed.estimation.robust import RobustLoss
+from oed.estimation.row_pieces import HELD_BYTES, RowPieces
 from oed.estimation.sign_width import choose_sign_widths
 from oed.estimation.stacking import stack
 from oed.estimation.validation import Validation, validate
@@ -93,6 +94,7 @@ def calibrate(
     robust: RobustLoss | None = None,
     known: KnownTorque = NOTHING,
     fixed_signs: bool = False,
+    say: Callable[[str], None] = lambda _: None,
 ) -> Calibration:
     """Estimate a model's base parameters and validate them on what was not used.
 
@@ -106,6 +108,7 @@ def calibrate(
         robust: Loss of a robust estimate; least squares if None.
         known: Torque that is not to be estimated.
         fixed_signs: Whether friction turns its sign as the model has it, not as the data say.
+        say: Told how many rows there are, where they are more than are held at once.
 
     Raises:
         ValueError: If there is nothing to estimate from, or a recording is too short.
@@ -128,17 +131,16 @@ def calibrate(
             f"{dataset.name}: {len(torque)} samples of {torque.shape[1]} joints after processing "
             f"cannot determine {len(base)} parameters; record longer, or lower the cut-off"
         )
-    held_out: dict[Role, tuple[ndarray, ndarray]] = {
+    held_out = {
         role: stack(model, base, held) for role, held in recordings.items() if role != "estimation"
     }
     estimate = identify(
-        regressor,
+        _held(regressor, say),
         torque,
         base.names,
         base.units,
         noise=None if robust else _noise_between_repetitions(baseline),
         robust=robust,
-        segments=tuple(len(recording) for recording in recordings["estimation"]),
         others=tuple(rows for rows, _ in held_out.values()),
         usual_torque=_usual_torque(recordings),
         certainty=_certainty(recordings["estimation"]),
@@ -146,16 +148,27 @@ def calibrate(
     dq = np.concatenate([recording.motion.dq for recording in recordings["estimation"]])
     friction = dict(zip(estimate.names, estimate.parameters.tolist(), strict=True))
     check_dissipation(friction, dq, torque, dataset.name)
-    stacked: dict[Role, tuple[ndarray, ndarray]] = {"estimation": (regressor, torque), **held_out}
+    predicted: dict[Role, ndarray] = {"estimation": torque - estimate.residual}
+    for role, (rows, _) in held_out.items():
+        predicted[role] = rows.only(estimate.columns).predict(estimate.parameters)
     validation: dict[Role, Validation] = {
         role: validate(
-            estimate.predict(rows).reshape(measured.shape), measured, _certainty(recordings[role])
+            torques, np.concatenate([r.tau for r in recordings[role]]), _certainty(recordings[role])
         )
-        for role, (rows, measured) in stacked.items()
+        for role, torques in predicted.items()
     }
     return Calibration(
         dataset, settings, model, base, recordings, estimate, validation, baseline, known
     )
+
+
+def _held(regressor: RowPieces, say: Callable[[str], None]) -> RowPieces:
+    if regressor.size > HELD_BYTES:
+        say(
+            f"{regressor.rows} rows of {regressor.columns} columns, {regressor.size / 1e9:.1f} GB: "
+            f"{HELD_BYTES / 1e9:.1f} GB of them are held, the others are evaluated anew in each pass"
+        )
+    return regressor.held()
 
 
 def _by_role(
@@ -205,7 +218,7 @@ def convergence(calibration: Calibration, *, steps: int = 200) -> RecursiveEstim
     )
     samples, joints = torque.shape
     return recursive_least_squares(
-        regressor[:, list(calibration.estimate.columns)],
+        regressor.only(calibration.estimate.columns),
         torque.ravel(),
         joints,
         noise=calibration.estimate.joint_variances,

@@ -17,9 +17,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.estimation.autoregressive import mix_joints, segment_bounds
+from oed.estimation.autoregressive import mix_joints
 from oed.estimation.autoregressive_fit import fit_autoregressive_noise
 from oed.estimation.effective_samples import effective_degrees_of_freedom
+from oed.estimation.row_pieces import RowPieces
 from oed.estimation.triangular import invert
 
 CovarianceMethod = Literal["hac", "white", "newey_west", "prewhitened"]
@@ -52,7 +53,7 @@ class CovarianceEstimate:
 
 
 def estimate_covariance(
-    white_regressor: Float[ndarray, "rows p"],
+    white_regressor: Float[ndarray, "rows p"] | RowPieces,
     white_residual: Float[ndarray, "samples joints"],
     posterior_factor: Float[ndarray, "p p"],
     *,
@@ -68,41 +69,36 @@ def estimate_covariance(
     cover clearly less (studies/coverage.py). "white" is (8), scaled by the residual variance.
 
     Args:
-        white_regressor: A, rows divided by the noise's standard deviation (see `whiten`).
+        white_regressor: A, rows divided by the noise's standard deviation (see `whiten`): an array,
+            or a piece for each segment.
         white_residual: (N, n), whitened likewise.
         posterior_factor: R with R^T R = A^T A + prior information.
         method: See above.
         segments: Samples of each recording in the stack; correlation never crosses from one
-            to the next. None is one recording.
+            to the next. None is one recording, or those that the pieces are.
 
     Raises:
         ValueError: If the segments do not add up to N, or no degree of freedom is left.
     """
     samples, joints = white_residual.shape
-    segments = (samples,) if segments is None else segments
-    if sum(segments) != samples or min(segments) < 1:
-        raise ValueError(f"segments {segments} do not add up to {samples} samples")
+    pieces = RowPieces.of(white_regressor, joints, segments)
     root = invert(posterior_factor)
-    flat = white_regressor @ root
-    gram = flat.T @ flat
-    influence = flat.reshape(samples, joints, -1)
+    influence = pieces.times(root)
+    gram = sum(flat.T @ flat for flat in influence)
     left = samples * joints - np.trace(gram)
     if not left >= 1:
         raise ValueError(f"{samples * joints} rows leave {left:.1f} degrees of freedom")
     # What the prior adds to the information has unit covariance by definition.
     prior_share = np.eye(len(gram)) - gram
     if method == "hac":
-        noise = fit_autoregressive_noise(influence, white_residual, segments)
-        meat = sum(
-            _gram(noise.adjoint_filter(influence[a:b]), noise.innovation)
-            for a, b in segment_bounds(segments)
-        )
-        freedom = effective_degrees_of_freedom(influence, root, noise, segments)
+        noise = fit_autoregressive_noise(influence, white_residual)
+        meat = sum(_gram(noise.adjoint_filter(Q), noise.innovation) for Q in influence.influences())
+        freedom = effective_degrees_of_freedom(influence, root, noise)
     elif method == "white":
         meat = gram * np.sum(white_residual**2) / left
         freedom = np.full(len(gram), float(left))
     else:
-        meat = _kernel_meat(influence, white_residual, segments, method) * samples * joints / left
+        meat = _kernel_meat(influence, white_residual, method) * samples * joints / left
         freedom = np.full(len(gram), float(left))
     covariance = root @ (meat + prior_share) @ root.T
     return CovarianceEstimate((covariance + covariance.T) / 2, freedom, _TEXT[method])
@@ -117,13 +113,13 @@ def _gram(
 
 
 def _kernel_meat(
-    influence: Float[ndarray, "samples joints p"],
+    influence: RowPieces,
     residual: Float[ndarray, "samples joints"],
-    segments: tuple[int, ...],
     method: CovarianceMethod,
 ) -> Float[ndarray, "p p"]:
-    scores = np.einsum("kjp,kj->kp", influence, residual)
-    parts = [scores[a:b] for a, b in segment_bounds(segments)]
+    own = np.split(residual, np.cumsum(influence.lengths)[:-1])
+    pairs = zip(influence.influences(), own, strict=True)
+    parts = [np.einsum("kjp,kj->kp", Q, u) for Q, u in pairs]
     if method == "newey_west":
         return _bartlett(parts)
     slopes = np.clip(_lag_one(parts), -LARGEST_PREWHITENING, LARGEST_PREWHITENING)

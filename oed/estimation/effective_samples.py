@@ -5,16 +5,16 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import solve, toeplitz
 
-from oed.estimation.autoregressive import AutoregressiveNoise, segment_bounds
+from oed.estimation.autoregressive import AutoregressiveNoise
+from oed.estimation.row_pieces import RowPieces
 
 LEAST_DEGREES_OF_FREEDOM = 2.0
 
 
 def effective_degrees_of_freedom(
-    influence: Float[ndarray, "samples joints p"],
+    influence: RowPieces,
     root: Float[ndarray, "p p"],
     noise: AutoregressiveNoise,
-    segments: tuple[int, ...],
 ) -> Float[ndarray, " p"]:
     """Student-t degrees of freedom of each parameter, after Satterthwaite.
 
@@ -25,26 +25,26 @@ def effective_degrees_of_freedom(
     variance (Brockwell & Davis, theorem 8.1.1), joints taken as independent.
 
     Args:
-        influence: Q, (N, n, p).
+        influence: Q, a piece for each of the independent recordings.
         root: R^-1.
         noise: The fitted noise.
-        segments: Lengths of the independent recordings.
     """
-    samples, _, count = influence.shape
-    shares = np.sum(influence**2, axis=(0, 2))
+    count, samples = influence.columns, sum(influence.lengths)
+    shares = np.zeros(influence.joints)
+    variances = [np.zeros(count) for _ in noise.coefficients]
+    slopes = [np.zeros((len(polynomial) - 1, count)) for polynomial in noise.coefficients]
+    for Q in influence.influences():
+        shares += np.sum(Q**2, axis=(0, 2))
+        for joint, polynomial in enumerate(noise.coefficients):
+            part, part_slope = _spectral_variance(
+                Q[:, joint] @ root.T, polynomial, noise.innovation[joint, joint], noise.tail
+            )
+            variances[joint] += part
+            slopes[joint] += part_slope
     total = np.zeros(count)
     error = np.zeros(count)
-    for joint, polynomial in enumerate(noise.coefficients):
-        order = len(polynomial) - 1
-        variance = np.zeros(count)
-        slope = np.zeros((order, count))
-        for start, end in segment_bounds(segments):
-            paths = influence[start:end, joint] @ root.T
-            part, part_slope = _spectral_variance(
-                paths, polynomial, noise.innovation[joint, joint], noise.tail
-            )
-            variance += part
-            slope += part_slope
+    for joint, (variance, slope) in enumerate(zip(variances, slopes, strict=True)):
+        order = len(slope)
         left = max(samples - shares[joint] - order, 1.0)
         total += variance
         error += 2 * variance**2 / left

@@ -18,13 +18,14 @@ from oed.estimation.identifiability import (
     find_identifiable,
     hidden_errors,
 )
-from oed.estimation.least_squares import batch_least_squares, check_stack
-from oed.estimation.noise import TorqueNoise, whiten
+from oed.estimation.least_squares import stacked
+from oed.estimation.noise import whitened
 from oed.estimation.prior import Prior
 from oed.estimation.reach import Reach, find_reach
 from oed.estimation.robust import RobustLoss, robust_least_squares
+from oed.estimation.row_pieces import RowPieces
+from oed.estimation.streaming import StreamingLeastSquares
 from oed.estimation.triangular import NotIdentifiable, Solution
-from oed.estimation.weights import variances_from_residuals
 
 SMALLEST = 1e-12  # of a weight
 
@@ -34,25 +35,25 @@ class _Fit:
     """A solution with the whitened rows and residuals that its covariance is read from."""
 
     solution: Solution
-    white_regressor: Float[ndarray, "rows p"]
+    white_regressor: RowPieces
     white_residual: Float[ndarray, "samples joints"]
     variances: Float[ndarray, " joints"]
     text: str
 
 
 def identify(
-    regressor: Float[ndarray, "rows p"],
+    regressor: Float[ndarray, "rows p"] | RowPieces,
     torque: Float[ndarray, "samples joints"],
     names: tuple[str, ...],
     units: tuple[str, ...],
     *,
-    noise: TorqueNoise = None,
+    noise: Float[ndarray, " joints"] | None = None,
     prior: Prior | None = None,
     robust: RobustLoss | None = None,
     covariance: CovarianceMethod = "hac",
     segments: tuple[int, ...] | None = None,
     largest_relative_std: float = LARGEST_RELATIVE_STD,
-    others: Sequence[Float[ndarray, "_ p"]] = (),
+    others: Sequence[Float[ndarray, "_ p"] | RowPieces] = (),
     usual_torque: Float[ndarray, " joints"] | None = None,
     certainty: Float[ndarray, "samples joints"] | None = None,
 ) -> Estimate:
@@ -61,15 +62,16 @@ def identify(
     Directions that the rows do not carry to other motions are left at zero, as `reach` says.
 
     Args:
-        regressor: H, row k n + j is joint j at sample k.
+        regressor: H, row k n + j is joint j at sample k; an array, or in pieces across which no
+            residual is correlated.
         torque: (N, n) [N m].
         names: (p,) of the columns.
         units: (p,).
-        noise: R_v as in `whiten`; None takes joint variances from the residuals.
+        noise: (n,) variances of the joints [N^2 m^2]; None takes them from the residuals.
         prior: None is R_xi = inf.
         robust: Loss of an M-estimate in place of least squares; it finds its own variances.
         covariance: As in `estimate_covariance`.
-        segments: Samples of each recording in the stack.
+        segments: Samples of each recording in the stack, where it is an array.
         largest_relative_std: Beyond it a parameter is named and not quoted.
         others: Regressors of further motions that torque is to be foretold for.
         usual_torque: (n,) rms torque of each joint on all motions [N m]; of `torque` if None.
@@ -85,18 +87,20 @@ def identify(
     joints = torque.shape[1]
     weights = np.ones_like(torque) if certainty is None else certainty
     root = np.sqrt(weights).reshape(-1)
-    rows, measured = torque.reshape(-1) * root, regressor
-    regressor = regressor * root[:, None]
-    check_stack(regressor, rows, joints)
+    rows = torque.reshape(-1) * root
+    measured = stacked(RowPieces.of(regressor, joints, segments), rows, joints)
     if robust and noise is not None:
         raise ValueError("a robust estimate finds its own noise: give either")
-    found = _determined(regressor, names, prior)
-    columns = regressor[:, list(found.kept)]
+    weighted = measured.changed(lambda H, place: H * root[place, None], measured.columns)
+    seen = StreamingLeastSquares.of(weighted, rows)
+    found = _determined(seen.factor, names, prior)
+    kept = list(found.kept)
+    columns, seen = weighted.only(kept), seen.of_columns(kept)
 
     def fitted(prior: Prior | None) -> _Fit:
         if robust:
             return _fit_robust(columns, rows, joints, prior, robust)
-        return _fit_least_squares(columns, rows, joints, prior, noise)
+        return _fit_least_squares(columns, rows, seen, prior, noise)
 
     def variances_of(fit: _Fit) -> Float[ndarray, " joints"]:
         # Of a row that is certain: others have less than all of it in their squares.
@@ -104,12 +108,16 @@ def identify(
 
     whole = fitted(prior)
     usual = np.sqrt(np.mean(torque**2, axis=0)) if usual_torque is None else usual_torque
-    kept = list(found.kept)
     # With a prior on them no direction is left to the data alone.
     reach = (
         Reach.none(len(kept))
         if prior is not None and len(prior.factor)
-        else find_reach(columns, [h[:, kept] for h in others], np.sqrt(variances_of(whole)), usual)
+        else find_reach(
+            columns,
+            [RowPieces.of(h, joints).only(kept) for h in others],
+            np.sqrt(variances_of(whole)),
+            usual,
+        )
     )
     # A joint may fit worse for what is held at zero: then its weight is another.
     fit = fitted(reach.prior(torque.size)) if reach.lost else whole
@@ -119,7 +127,6 @@ def identify(
         fit.white_residual,
         fit.solution.posterior_factor,
         method=covariance,
-        segments=segments,
     )
     weak = {
         **badly_excited(
@@ -137,7 +144,7 @@ def identify(
         parameters=parameters,
         covariance=spread.covariance,
         information_factor=whole.solution.information_factor,
-        residual=torque - (measured[:, kept] @ parameters).reshape(torque.shape),
+        residual=torque - measured.only(kept).predict(parameters),
         degrees_of_freedom=float(max(weights.sum() - len(parameters), 1.0)),
         effective_degrees_of_freedom=spread.degrees_of_freedom,
         joint_variances=variances_of(fit),
@@ -153,9 +160,9 @@ def identify(
 
 
 def _determined(
-    regressor: Float[ndarray, "rows p"], names: tuple[str, ...], prior: Prior | None
+    factor: Float[ndarray, "p p"], names: tuple[str, ...], prior: Prior | None
 ) -> Identifiability:
-    rows = regressor if prior is None else np.vstack([regressor, prior.factor])
+    rows = factor if prior is None else np.vstack([factor, prior.factor])
     found = find_identifiable(rows, names)
     lost = found.removed and prior is not None and len(prior.factor)
     if lost or not found.kept:
@@ -168,29 +175,30 @@ def _determined(
 
 
 def _fit_least_squares(
-    regressor: Float[ndarray, "rows p"],
+    regressor: RowPieces,
     torque: Float[ndarray, " rows"],
-    joints: int,
+    seen: StreamingLeastSquares,
     prior: Prior | None,
-    noise: TorqueNoise,
+    noise: Float[ndarray, " joints"] | None,
 ) -> _Fit:
-    text = "least squares, given noise"
     if noise is None:
-        noise = variances_from_residuals(regressor, torque, joints, prior=prior)
+        solution, noise = seen.solve_with_residual_variances(prior)
         text = "least squares, joint variances from residuals"
-    solution = batch_least_squares(regressor, torque, joints, noise=noise, prior=prior)
-    residual = torque - regressor @ solution.parameters
+    else:
+        solution = seen.solve(noise, prior)
+        text = "least squares, given noise"
+    residual = torque.reshape(-1, regressor.joints) - regressor.predict(solution.parameters)
     return _Fit(
         solution=solution,
-        white_regressor=whiten(regressor, noise, joints),
-        white_residual=whiten(residual, noise, joints).reshape(-1, joints),
-        variances=np.mean(residual.reshape(-1, joints) ** 2, axis=0),
+        white_regressor=whitened(regressor, noise),
+        white_residual=residual / np.sqrt(noise),
+        variances=np.mean(residual**2, axis=0),
         text=text,
     )
 
 
 def _fit_robust(
-    regressor: Float[ndarray, "rows p"],
+    regressor: RowPieces,
     torque: Float[ndarray, " rows"],
     joints: int,
     prior: Prior | None,

@@ -4,13 +4,14 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.estimation.noise import TorqueNoise, whiten
+from oed.estimation.noise import TorqueNoise, whiten, whitened
 from oed.estimation.prior import Prior
-from oed.estimation.triangular import Solution, add_prior, augment, solve, triangularise
+from oed.estimation.row_pieces import RowPieces
+from oed.estimation.triangular import Solution, add_prior, augment, factor_of, solve
 
 
 def batch_least_squares(
-    regressor: Float[ndarray, "rows p"],
+    regressor: Float[ndarray, "rows p"] | RowPieces,
     torque: Float[ndarray, " rows"],
     joints: int,
     *,
@@ -20,7 +21,8 @@ def batch_least_squares(
     """Estimate all parameters at once, Calafiore 2001 (7)-(8).
 
     Args:
-        regressor: H, row k n + j is joint j at sample k [N m per unit of the parameter].
+        regressor: H, row k n + j is joint j at sample k [N m per unit of the parameter]; an
+            array, or in pieces.
         torque: y [N m].
         joints: n.
         noise: R_v, see `whiten`.
@@ -30,13 +32,13 @@ def batch_least_squares(
         ValueError: If shapes disagree or an entry is not finite.
         NotIdentifiable: If data and prior together leave a direction undetermined.
     """
-    check_stack(regressor, torque, joints)
-    white_regressor = whiten(regressor, noise, joints)
+    pieces = stacked(regressor, torque, joints)
     white_torque = whiten(torque, noise, joints)
-    data = triangularise(augment(white_regressor, white_torque))
-    posterior = add_prior(data, prior or Prior.flat(regressor.shape[1]))
+    white = whitened(pieces, noise)
+    data = factor_of(augment(rows, white_torque[place]) for place, rows in white.placed())
+    posterior = add_prior(data, prior or Prior.flat(pieces.columns))
     parameters = solve(posterior)
-    residual = white_torque - white_regressor @ parameters
+    residual = white_torque - white.predict(parameters).reshape(-1)
     return Solution(
         parameters=parameters,
         information_factor=data[:-1, :-1],
@@ -44,6 +46,27 @@ def batch_least_squares(
         squares=np.sum(residual.reshape(-1, joints) ** 2, axis=0),
         rows=len(torque),
     )
+
+
+def stacked(
+    regressor: Float[ndarray, "equations p"] | RowPieces,
+    torque: Float[ndarray, " torques"],
+    joints: int,
+) -> RowPieces:
+    """The regressor in pieces, if it and the torques belong together.
+
+    Raises:
+        ValueError: With both sizes that disagree.
+    """
+    if isinstance(regressor, RowPieces):
+        if (regressor.rows, regressor.joints) != (len(torque), joints):
+            raise ValueError(
+                f"{regressor.rows} regressor rows of {regressor.joints} joints, but {len(torque)} "
+                f"torques of {joints}"
+            )
+        return regressor
+    check_stack(regressor, torque, joints)
+    return RowPieces.of(regressor, joints)
 
 
 def check_stack(

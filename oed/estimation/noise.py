@@ -5,6 +5,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import solve_triangular
 
+from oed.estimation.row_pieces import RowPieces
+
 TorqueNoise = (
     Float[ndarray, " joints"] | Float[ndarray, " rows"] | Float[ndarray, "joints joints"] | None
 )
@@ -41,6 +43,16 @@ def whiten(
         raise ValueError("every noise variance must be positive and finite")
     variances = noise if len(noise) == rows else np.tile(noise, rows // joints)
     return stacked / np.sqrt(variances).reshape(-1, *[1] * (stacked.ndim - 1))
+
+
+def whitened(pieces: RowPieces, noise: TorqueNoise) -> RowPieces:
+    """The rows of a regressor so scaled, in pieces as they come; `noise` as in `whiten`."""
+
+    def scale(piece: Float[ndarray, "rows p"], place: slice) -> Float[ndarray, "rows p"]:
+        each = noise is not None and noise.shape == (pieces.rows,) and len(noise) > pieces.joints
+        return whiten(piece, noise[place] if noise is not None and each else noise, pieces.joints)
+
+    return pieces.changed(scale, pieces.columns)
 
 
 def _decorrelate(

@@ -19,8 +19,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.estimation.noise import whitened
 from oed.estimation.prior import Prior
-from oed.estimation.triangular import triangularise, unit_columns
+from oed.estimation.row_pieces import RowPieces
+from oed.estimation.triangular import factor_of, triangularise, unit_columns
 
 # An error that equals the whole torque: a prediction of nothing at all is no worse.
 LARGEST_REACH = 1.0
@@ -77,15 +79,16 @@ class Reach:
 
 
 def find_reach(
-    fitted: Float[ndarray, "rows p"],
-    others: Sequence[Float[ndarray, "_ p"]],
+    fitted: Float[ndarray, "rows p"] | RowPieces,
+    others: Sequence[Float[ndarray, "_ p"] | RowPieces],
     residual: Float[ndarray, " joints"],
     torque: Float[ndarray, " joints"],
 ) -> Reach:
     """Compare what was fitted with the motions that torque is to be foretold for.
 
     Args:
-        fitted: Regressor of the estimation recordings, of full column rank, row k n + j joint j.
+        fitted: Regressor of the estimation recordings, of full column rank, row k n + j joint j;
+            an array, or in pieces.
         others: Regressors of other motions; the reference is the mean of these and the fitted one,
             each as much, however long.
         residual: (n,) rms residual of each joint on the fitted rows [N m].
@@ -112,8 +115,8 @@ def find_reach(
 
 
 def _mean_factor(
-    regressor: Float[ndarray, "rows p"], unit: Float[ndarray, " joints"], joints: int
+    regressor: Float[ndarray, "rows p"] | RowPieces, unit: Float[ndarray, " joints"], joints: int
 ) -> Float[ndarray, "p p"]:
     """Triangular factor of the rows, each in its joint's unit, of their mean over samples and joints."""
-    weight = np.tile(1 / unit, len(regressor) // joints) / np.sqrt(len(regressor))
-    return triangularise(regressor * weight[:, None])
+    pieces = RowPieces.of(regressor, joints)
+    return factor_of(whitened(pieces, unit**2)) / np.sqrt(pieces.rows)

@@ -1,15 +1,18 @@
 """Recursive least squares: the paper's recursive form by orthogonal updates."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.linalg import get_lapack_funcs
 
-from oed.estimation.least_squares import check_stack
-from oed.estimation.noise import TorqueNoise, whiten
+from oed.estimation.least_squares import stacked
+from oed.estimation.noise import TorqueNoise, whiten, whitened
 from oed.estimation.prior import Prior
+from oed.estimation.row_pieces import RowPieces
 from oed.estimation.triangular import (
     RANK_TOLERANCE,
     Solution,
@@ -40,7 +43,7 @@ class RecursiveEstimate:
 
 
 def recursive_least_squares(
-    regressor: Float[ndarray, "rows p"],
+    regressor: Float[ndarray, "rows p"] | RowPieces,
     torque: Float[ndarray, " rows"],
     joints: int,
     *,
@@ -56,7 +59,7 @@ def recursive_least_squares(
     and it can start without a prior.
 
     Args:
-        regressor: H, sample-major.
+        regressor: H, sample-major; an array, or in pieces.
         torque: y [N m].
         joints: n.
         noise: R_v, see `whiten`.
@@ -67,27 +70,26 @@ def recursive_least_squares(
         ValueError: If shapes disagree, an entry is not finite, or block < 1.
         NotIdentifiable: If data and prior together leave a direction undetermined.
     """
-    check_stack(regressor, torque, joints)
+    pieces = stacked(regressor, torque, joints)
     if block < 1:
         raise ValueError(f"{block=} must be at least one row")
-    white = augment(whiten(regressor, noise, joints), whiten(torque, noise, joints))
-    rows, width = white.shape
+    white, white_torque = whitened(pieces, noise), whiten(torque, noise, joints)
+    rows, width = pieces.rows, pieces.columns + 1
     prior = prior or Prior.flat(width - 1)
     data = np.zeros((width, width))
     posterior = add_prior(data, prior)
     ends = np.append(np.arange(block, rows, block), rows)
     parameters = np.full((len(ends), width - 1), np.nan)
     std = np.full_like(parameters, np.nan)
-    start = 0
-    for step, end in enumerate(ends):
-        data = _rotate_in(data, white[start:end])
-        posterior = _rotate_in(posterior, white[start:end])
-        start = end
-        if _is_determined(posterior[:-1, :-1]):
+    for end, block_rows in _blocks(white, white_torque, ends):
+        data = _rotate_in(data, block_rows)
+        posterior = _rotate_in(posterior, block_rows)
+        step = int(np.searchsorted(ends, end))
+        if end == ends[step] and _is_determined(posterior[:-1, :-1]):
             parameters[step] = solve(posterior)
             std[step] = np.linalg.norm(invert(posterior[:-1, :-1]), axis=1)
     final = solve(posterior)
-    residual = (white[:, -1] - white[:, :-1] @ final).reshape(-1, joints)
+    residual = white_torque.reshape(-1, joints) - white.predict(final)
     solution = Solution(
         parameters=final,
         information_factor=triangularise(data)[:-1, :-1],
@@ -96,6 +98,17 @@ def recursive_least_squares(
         rows=rows,
     )
     return RecursiveEstimate(solution, ends, parameters, std)
+
+
+def _blocks(
+    white: RowPieces, torque: Float[ndarray, " rows"], ends: Int[ndarray, " steps"]
+) -> Iterator[tuple[int, Float[ndarray, "_ width"]]]:
+    """Augmented rows up to each end, or that of a piece where it comes before, and where they end."""
+    for place, piece in white.placed():
+        rows = augment(piece, torque[place])
+        inside = ends[(ends > place.start) & (ends < place.stop)].tolist()
+        for first, last in pairwise([place.start, *inside, place.stop]):
+            yield last, rows[first - place.start : last - place.start]
 
 
 def _rotate_in(

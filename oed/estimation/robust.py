@@ -14,9 +14,10 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.errors import OedError
-from oed.estimation.least_squares import batch_least_squares, check_stack
-from oed.estimation.noise import whiten
+from oed.estimation.least_squares import batch_least_squares, stacked
+from oed.estimation.noise import whitened
 from oed.estimation.prior import Prior
+from oed.estimation.row_pieces import RowPieces
 from oed.estimation.triangular import Solution
 from oed.estimation.weights import variances_from_residuals
 
@@ -51,19 +52,19 @@ class RobustSolution:
         solution: Parameters and factors of the pseudo-rows A.
         weights: (N, n) of the last reweighting, 1 where a row counts in full.
         variances: (n,) robust residual variances of the joints [N^2 m^2].
-        pseudo_regressor: (rows, p) A.
+        pseudo_regressor: A, (rows, p) in pieces.
         pseudo_residual: (N, n) u.
     """
 
     solution: Solution
     weights: Float[ndarray, "samples joints"]
     variances: Float[ndarray, " joints"]
-    pseudo_regressor: Float[ndarray, "rows p"]
+    pseudo_regressor: RowPieces
     pseudo_residual: Float[ndarray, "samples joints"]
 
 
 def robust_least_squares(
-    regressor: Float[ndarray, "rows p"],
+    regressor: Float[ndarray, "rows p"] | RowPieces,
     torque: Float[ndarray, " rows"],
     joints: int,
     *,
@@ -79,7 +80,7 @@ def robust_least_squares(
     has local minima.
 
     Args:
-        regressor: H, sample-major.
+        regressor: H, sample-major; an array, or in pieces.
         torque: y [N m].
         joints: n.
         loss: "huber" or "tukey", both tuned to 95 % efficiency at normal noise.
@@ -92,7 +93,7 @@ def robust_least_squares(
         NotIdentifiable: If the rows with weight leave a direction undetermined.
         RobustNotConverged: If the reweighting does not settle.
     """
-    check_stack(regressor, torque, joints)
+    regressor = stacked(regressor, torque, joints)
     problem = _Problem(regressor, torque, joints, prior, tolerance, iterations)
     variances = variances_from_residuals(regressor, torque, joints, prior=prior)
     start = batch_least_squares(regressor, torque, joints, noise=variances, prior=prior)
@@ -104,7 +105,7 @@ def robust_least_squares(
 
 @dataclass(frozen=True)
 class _Problem:
-    regressor: Float[ndarray, "rows p"]
+    regressor: RowPieces
     torque: Float[ndarray, " rows"]
     joints: int
     prior: Prior | None
@@ -112,7 +113,7 @@ class _Problem:
     iterations: int
 
     def residual(self, parameters: Float[ndarray, " p"]) -> Float[ndarray, "samples joints"]:
-        return (self.torque - self.regressor @ parameters).reshape(-1, self.joints)
+        return self.torque.reshape(-1, self.joints) - self.regressor.predict(parameters)
 
 
 def _reweight(
@@ -160,9 +161,11 @@ def _linearise(
         raise RobustNotConverged("more than half of a joint's residuals are outliers", np.inf)
     variances = deviations**2 / slope
     pseudo_residual = weights * standard / np.sqrt(slope)
-    pseudo_regressor = whiten(problem.regressor, variances, problem.joints)
-    fitted = pseudo_regressor @ parameters + pseudo_residual.reshape(-1)
-    linear = batch_least_squares(pseudo_regressor, fitted, problem.joints, prior=problem.prior)
+    pseudo_regressor = whitened(problem.regressor, variances)
+    fitted = pseudo_regressor.predict(parameters) + pseudo_residual
+    linear = batch_least_squares(
+        pseudo_regressor, fitted.reshape(-1), problem.joints, prior=problem.prior
+    )
     solution = Solution(
         parameters=parameters,
         information_factor=linear.information_factor,
@@ -176,7 +179,7 @@ def _linearise(
 def _median_deviations(
     problem: _Problem, residual: Float[ndarray, "samples joints"]
 ) -> Float[ndarray, " joints"]:
-    rows, parameters = problem.regressor.shape
+    rows, parameters = problem.regressor.rows, problem.regressor.columns
     # Residuals of a fit are too small by the parameters it used, shared among the joints.
     shrinkage = np.sqrt(max(1 - parameters / rows, 1e-3))
     deviations = np.median(np.abs(residual), axis=0) / (NORMAL_MAD * shrinkage)

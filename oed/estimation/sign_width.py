@@ -20,6 +20,7 @@ from oed.dynamics.effects import Coulomb, Effect, RigidBody
 from oed.dynamics.effects.stribeck import Stribeck
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.feasible.data_factor import JointFactors
+from oed.estimation.row_pieces import even_pieces
 from oed.experiment.preparation.processed import ProcessedRecording
 
 # [rad/s], at a slide that of a pinion: from a quiet drive to what hides behind a coarse encoder.
@@ -40,32 +41,32 @@ def choose_sign_widths(
         return model
     bodies = TorqueModel(model.robot, tuple(e for e in model.effects if isinstance(e, RigidBody)))
     kept = base.columns[base.columns < len(bodies.parameters)]
-    rigid = [r.columns(lambda m: bodies.columns(m)[:, :, kept]) for r in recordings]
-    tau = np.concatenate([r.tau for r in recordings])
-    left = [
-        _left(_turning(model, [width] * model.robot.n), rigid, tau, recordings) for width in WIDTHS
-    ]
+    turning = [_turning(model, [width] * model.robot.n) for width in WIDTHS]
+    parts: list[list[JointFactors]] = [[] for _ in WIDTHS]
+    for recording in recordings:
+        for place in even_pieces(*recording.tau.shape, len(kept)):
+            rigid = recording.columns(
+                lambda m: bodies.columns(m)[:, :, kept], remembers=bodies.remembers, rows=place
+            )
+            for found, each in zip(parts, turning, strict=True):
+                found.append(_factors(each, rigid, recording, place))
+    left = [[joint.remainder for joint in JointFactors.join(found).joints] for found in parts]
     best = np.argmin(left, axis=0)
     return _turning(model, [WIDTHS[k] for k in best])
 
 
-def _left(
+def _factors(
     model: TorqueModel,
-    rigid: Sequence[Float[ndarray, "_ joints columns"]],
-    tau: Float[ndarray, "samples joints"],
-    recordings: Sequence[ProcessedRecording],
-) -> Float[ndarray, " joints"]:
-    """(n,) what is left of each joint's torque, with parameters of its own."""
+    rigid: Float[ndarray, "samples joints columns"],
+    recording: ProcessedRecording,
+    place: slice,
+) -> JointFactors:
+    """Of some rows of a recording, each joint with parameters of its own."""
     beside = TorqueModel(
         model.robot, tuple(e for e in model.effects if not isinstance(e, RigidBody))
     )
-    columns = np.concatenate(
-        [
-            np.concatenate([own, recording.columns(beside.columns)], axis=2)
-            for own, recording in zip(rigid, recordings, strict=True)
-        ]
-    )
-    return np.array([joint.remainder for joint in JointFactors.of(columns, tau).joints])
+    columns = recording.columns(beside.columns, remembers=beside.remembers, rows=place)
+    return JointFactors.of(np.concatenate([rigid, columns], axis=2), recording.tau[place])
 
 
 def _turning(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:

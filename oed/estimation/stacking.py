@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.row_pieces import RowPieces, even_pieces
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.preparation.processed import ProcessedRecording, processed
@@ -35,14 +38,25 @@ def process_all(
 
 def stack(
     model: TorqueModel, base: BaseParameters, recordings: tuple[ProcessedRecording, ...]
-) -> tuple[Float[ndarray, "rows base"], Float[ndarray, "samples joints"]]:
-    """Base regressor (sample-major rows) and torque of several recordings (6a), in one band."""
+) -> tuple[RowPieces, Float[ndarray, "samples joints"]]:
+    """Base regressor (sample-major rows) and torque of several recordings (6a), in one band.
+
+    A recording is one piece, or where it is very long several.
+    """
     # Each recording by itself: an effect with a memory must not reach over a boundary.
-    columns = [
-        recording.columns(
-            lambda motion: base.reduce(model.columns(motion)), remembers=model.remembers
-        )
-        for recording in recordings
-    ]
+    evaluate, lengths = [], []
+    for recording in recordings:
+        for place in even_pieces(*recording.tau.shape, len(base)):
+            evaluate.append(partial(_rows, model, base, recording, place))
+            lengths.append(place.stop - place.start)
     torque = np.concatenate([recording.tau for recording in recordings])
-    return np.concatenate(columns).reshape(-1, len(base)), torque
+    return RowPieces(tuple(evaluate), tuple(lengths), torque.shape[1], len(base)), torque
+
+
+def _rows(
+    model: TorqueModel, base: BaseParameters, recording: ProcessedRecording, place: slice
+) -> Float[ndarray, "rows base"]:
+    columns = recording.columns(
+        lambda motion: base.reduce(model.columns(motion)), remembers=model.remembers, rows=place
+    )
+    return columns.reshape(-1, len(base))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -9,6 +11,7 @@ from numpy import ndarray
 from oed.estimation.least_squares import check_stack
 from oed.estimation.noise import TorqueNoise, whiten
 from oed.estimation.prior import Prior
+from oed.estimation.row_pieces import RowPieces
 from oed.estimation.triangular import (
     Solution,
     add_prior,
@@ -17,7 +20,6 @@ from oed.estimation.triangular import (
     solve,
     triangularise,
 )
-from oed.estimation.weights import updated_variances
 
 
 class StreamingLeastSquares:
@@ -39,6 +41,36 @@ class StreamingLeastSquares:
             raise ValueError(f"{parameters=} and {joints=} must be positive")
         self._triangles = np.zeros((joints, parameters + 1, parameters + 1))
         self._rows = 0
+
+    @classmethod
+    def of(cls, pieces: RowPieces, torque: Float[ndarray, " rows"]) -> StreamingLeastSquares:
+        """What has seen all rows of a regressor and their torque, in one pass.
+
+        Raises:
+            ValueError: If an entry is not finite.
+        """
+        found = cls(pieces.columns, pieces.joints)
+        for place, piece in pieces.placed():
+            found.add(piece, torque[place])
+        return found
+
+    def of_combinations(self, matrix: Float[ndarray, "p q"]) -> StreamingLeastSquares:
+        """What has seen the rows times a matrix."""
+        found = StreamingLeastSquares(matrix.shape[1], self.joints)
+        changed = [np.column_stack([t[:, :-1] @ matrix, t[:, -1]]) for t in self._triangles]
+        found._triangles = np.stack([triangularise(t) for t in changed])
+        found._rows = self._rows
+        return found
+
+    def of_columns(self, kept: Sequence[int]) -> StreamingLeastSquares:
+        """What has seen these columns alone."""
+        return self.of_combinations(np.eye(self._triangles.shape[1] - 1)[:, list(kept)])
+
+    @property
+    def factor(self) -> Float[ndarray, "p p"]:
+        """R of all rows seen, unweighted."""
+        width = self._triangles.shape[1]
+        return triangularise(self._triangles.reshape(-1, width))[:-1, :-1]
 
     @property
     def rows(self) -> int:
@@ -143,18 +175,27 @@ class StreamingLeastSquares:
     ) -> tuple[Solution, Float[ndarray, " joints"]]:
         """Solve with joint variances found from the residuals, without another pass.
 
+        Estimate and variances are iterated to a fixed point. Each joint's sum of squares is
+        divided by its samples less the parameters that its own rows determine (the trace of
+        its block of the hat matrix), so that a joint which determines many is not flattered.
+
         Returns:
-            The solution and the variances (n,) [N^2 m^2], as `variances_from_residuals`.
+            The solution and the variances (n,) [N^2 m^2].
+
+        Raises:
+            ValueError: If a joint has no degree of freedom left.
+            NotIdentifiable: If the rows leave a direction undetermined.
         """
-        joints = self.joints
-        variances = self.squares(self.solve(prior=prior).parameters) / (self._rows / joints)
+        samples = self._rows // self.joints
+        least = self._rounding()
+        squares = self.squares(self.solve(prior=prior).parameters)
+        variances = np.maximum(squares / samples, least)
         for _ in range(iterations):
             solution = self.solve(variances, prior)
             shares = self._parameter_shares(solution, variances)
             before = variances
-            variances = updated_variances(
-                self.squares(solution.parameters), self._rows // joints, shares
-            )
+            squares = self.squares(solution.parameters)
+            variances = np.maximum(_unbiased(squares, samples, shares), least)
             if np.all(np.abs(variances - before) <= tolerance * before):
                 break
         return self.solve(variances, prior), variances
@@ -165,6 +206,25 @@ class StreamingLeastSquares:
         root = invert(solution.posterior_factor)
         influence = self._triangles[:, :-1, :-1] @ root
         return np.sum(influence**2, axis=(1, 2)) / variances
+
+    def _rounding(self) -> Float[ndarray, " joints"]:
+        # A joint fitted to rounding would get an infinite weight: rounding of its own torque
+        # is the least error that a residual can mean.
+        scale = np.sum(self._triangles[:, :, -1] ** 2, axis=1) / (self._rows / self.joints)
+        return np.finfo(float).eps ** 2 * np.where(scale > 0, scale, 1.0)
+
+
+def _unbiased(
+    squares: Float[ndarray, " joints"], samples: int, shares: Float[ndarray, " joints"]
+) -> Float[ndarray, " joints"]:
+    left = samples - shares
+    if not np.all(left > 0.5):
+        joint = int(np.argmin(left))
+        raise ValueError(
+            f"joint {joint + 1} has {samples} samples for {shares[joint]:.1f} parameters: "
+            "no degree of freedom is left for its variance"
+        )
+    return squares / left
 
 
 def _absorb(

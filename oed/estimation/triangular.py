@@ -9,6 +9,7 @@ rows [A b] (Golub & Van Loan, Matrix Computations, section 5.3; Bierman 1977):
 A^T A itself is never formed, because that squares the condition number.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,6 +76,17 @@ def triangularise(
     packed, *_ = geqrf(np.asfortranarray(augmented), lwork=int(work))
     triangle = np.triu(packed[:width])
     return triangle * np.where(np.diag(triangle) < 0, -1.0, 1.0)[:, None]
+
+
+def factor_of(pieces: Iterable[Float[ndarray, "_ width"]]) -> Float[ndarray, "width width"]:
+    """T of all rows of several pieces, at least one, that are never held together."""
+    triangle = None
+    for piece in pieces:
+        rows = piece if triangle is None else np.concatenate([triangle, piece])
+        triangle = triangularise(rows)
+    if triangle is None:
+        raise ValueError("no rows")
+    return triangle
 
 
 def augment(

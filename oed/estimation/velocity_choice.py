@@ -5,13 +5,12 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
 
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.stacking import stack
-from oed.estimation.weights import variances_from_residuals
+from oed.estimation.streaming import StreamingLeastSquares
+from oed.estimation.triangular import unit_columns
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.preparation.processed import processed
@@ -37,9 +36,8 @@ def choose_velocity(
         candidate = dataclasses.replace(settings, velocity=source)
         training = tuple(r for p in prepare(dataset.estimation, candidate) for r in processed(p))
         regressor, torque = stack(model, base, training)
-        variances = variances_from_residuals(
-            _identifiable(regressor), torque.ravel(), model.robot.n
-        )
+        seen = StreamingLeastSquares.of(regressor, torque.ravel())
+        _, variances = _identifiable(seen).solve_with_residual_variances()
         scores[source] = float(np.exp(0.5 * np.mean(np.log(variances))))
     best = min(scores, key=scores.__getitem__)
     reason = (
@@ -49,11 +47,9 @@ def choose_velocity(
     return settings.with_velocity(best, reason)
 
 
-def _identifiable(regressor: Float[ndarray, "rows base"]) -> Float[ndarray, "rows kept"]:
-    """Columns without those that this motion leaves at zero, enough to compare residuals."""
-    norms = np.linalg.norm(regressor, axis=0)
-    _, singular_values, right = np.linalg.svd(
-        np.linalg.qr(regressor[:, norms > 0] / norms[norms > 0], mode="r")
-    )
+def _identifiable(seen: StreamingLeastSquares) -> StreamingLeastSquares:
+    """Combinations of columns without those that this motion leaves at zero: enough to compare residuals."""
+    scaled, norms = unit_columns(seen.factor)
+    _, singular_values, right = np.linalg.svd(scaled)
     kept = singular_values > 1e-8 * singular_values[0]
-    return regressor[:, norms > 0] / norms[norms > 0] @ right[kept].T
+    return seen.of_combinations(right[kept].T / norms[:, None])

@@ -4,6 +4,7 @@ from scipy.linalg import toeplitz
 
 from oed.estimation.autoregressive import AutoregressiveNoise, levinson
 from oed.estimation.autoregressive_fit import fit_autoregressive_noise
+from oed.estimation.row_pieces import RowPieces
 from tests.estimation.planar_arm import autoregressive_noise
 
 NOISE = AutoregressiveNoise(
@@ -40,14 +41,12 @@ def test_fit_undoes_the_colour_that_regression_takes():
     # Slow columns take the lowest frequencies, where this noise has most of its power.
     slow = np.column_stack([np.cos(np.pi * k * t) for k in range(10)])
     Q, _ = np.linalg.qr(slow)
-    influence = np.concatenate([Q, np.zeros_like(Q)], axis=1).reshape(samples, 2, 10)
+    influence = RowPieces.of(np.concatenate([Q, np.zeros_like(Q)], axis=1).reshape(-1, 10), 2)
     naive, fitted = [], []
     for _ in range(60):
         noise = autoregressive_noise(rng, samples, 0.9)
         residual = noise - np.column_stack([Q @ (Q.T @ noise[:, 0]), np.zeros(samples)])
         naive.append(np.var(residual[:, 0]))
-        fitted.append(
-            fit_autoregressive_noise(influence, residual, (samples,)).autocovariance(1)[0, 0]
-        )
+        fitted.append(fit_autoregressive_noise(influence, residual).autocovariance(1)[0, 0])
     assert np.mean(naive) < 0.7
     assert 0.85 < np.mean(fitted) < 1.15

@@ -8,6 +8,7 @@ from oed.estimation.autoregressive import AutoregressiveNoise
 from oed.estimation.covariance import estimate_covariance
 from oed.estimation.effective_samples import effective_degrees_of_freedom
 from oed.estimation.least_squares import batch_least_squares
+from oed.estimation.row_pieces import RowPieces
 from tests.estimation.planar_arm import (
     DEVIATIONS,
     TRUTH,
@@ -82,15 +83,15 @@ def freedom_of(path: np.ndarray, coefficient: float) -> float:
     """Degrees of freedom of a parameter that sums first-order noise along a path of unit length."""
     noise = AutoregressiveNoise((np.array([1.0, -coefficient]),), np.eye(1))
     path = path / np.linalg.norm(path)
-    found = effective_degrees_of_freedom(path[:, None, None], np.eye(1), noise, (len(path),))
+    found = effective_degrees_of_freedom(RowPieces.of(path[:, None], 1), np.eye(1), noise)
     return float(found[0])
 
 
 def test_white_noise_leaves_a_degree_of_freedom_a_sample():
     # A sum of N squares has the variance of chi squared with N degrees of freedom.
     noise = AutoregressiveNoise((np.array([1.0]),), np.eye(1))
-    path = np.random.default_rng(0).normal(size=(500, 1, 1)) / np.sqrt(500)
-    found = effective_degrees_of_freedom(path, np.eye(1), noise, (500,))
+    path = np.random.default_rng(0).normal(size=(500, 1)) / np.sqrt(500)
+    found = effective_degrees_of_freedom(RowPieces.of(path, 1), np.eye(1), noise)
     assert found[0] == pytest.approx(500, rel=0.01)
 
 

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from oed.estimation.streaming import StreamingLeastSquares
-from oed.estimation.weights import variances_from_residuals
 from tests.estimation.planar_arm import planar_regressor, torque, white_noise
 
 
@@ -36,9 +35,15 @@ def test_knows_the_residual_of_each_joint_at_any_parameters(data):
 
 
 def test_finds_the_joint_variances_without_another_pass(data):
+    # Their equation, written out: s_j = |r_j|^2 / (N - trace of the joint's block of the hat matrix).
     W, y = data
-    _, variances = stream_of(W, y).solve_with_residual_variances()
-    assert np.allclose(variances, variances_from_residuals(W, y, 2), rtol=1e-9)
+    _, variances = stream_of(W, y).solve_with_residual_variances(tolerance=1e-12)
+    white = W / np.tile(np.sqrt(variances), 500)[:, None]
+    information = np.linalg.inv(white.T @ white)
+    parameters = information @ white.T @ (y / np.tile(np.sqrt(variances), 500))
+    squares = np.sum((y - W @ parameters).reshape(-1, 2) ** 2, axis=0)
+    shares = np.sum((white @ information * white).sum(axis=1).reshape(-1, 2), axis=0)
+    np.testing.assert_allclose(variances, squares / (500 - shares), rtol=1e-9)
 
 
 def test_keeps_the_same_memory_whatever_it_has_seen(data):

@@ -16,6 +16,7 @@ from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.recording import Role
 
 Evaluate = Callable[[Motion], Float[ndarray, "fine joints columns"]]
+WHOLE = slice(None)
 PIECE = 20_000  # fine samples that a model is evaluated on at once: memory that a computer spares
 
 
@@ -64,34 +65,42 @@ class ProcessedRecording:
         return self.band.cutoff
 
     def columns(
-        self, evaluate: Evaluate, *, remembers: bool = True
+        self, evaluate: Evaluate, *, remembers: bool = True, rows: slice = WHOLE
     ) -> Float[ndarray, "samples joints columns"]:
         """A model's columns in the band of `tau`, at its rows.
 
         Args:
             evaluate: The columns at every instant of a motion.
             remembers: Whether an instant's depend on those before it: then all are evaluated at once.
+            rows: Those that are wanted.
         """
+        wanted = range(len(self))[rows]
+        first, last = (0, len(self)) if remembers else (wanted.start, wanted.stop)
         step = len(self) if remembers else max(1, PIECE // self.band.factor)
         found: Float[ndarray, "samples joints columns"] | None = None
-        for rows, fine in self._pieces(step):
+        for begin, end in _stretches(first, last, step):
+            fine = self._filtered_from(begin, end)
             # A sample more on both sides: the mean sign over a step asks for its neighbours.
             wider = slice(max(fine.start - 1, 0), fine.stop + 1)
             seen = evaluate(self.fine[wider])[fine.start - wider.start :][: fine.stop - fine.start]
             if found is None:
-                found = np.empty((len(self), *seen.shape[1:]))
+                found = np.empty((last - first, *seen.shape[1:]))
             for j in range(seen.shape[1]):  # the filter wants each joint's columns side by side
-                found[rows, j] = self.band.apply(np.ascontiguousarray(seen[:, j]))
+                own = self.band.apply(np.ascontiguousarray(seen[:, j]))
+                found[begin - first : end - first, j] = own
         if found is None:
             raise ValueError(f"{self.name}: there are no rows")
-        return found
+        return found[wanted.start - first : wanted.stop - first]
 
-    def _pieces(self, step: int) -> Iterator[tuple[slice, slice]]:
-        """Rows, and the fine samples that they are filtered from."""
-        for first in range(0, len(self), step):
-            last = min(first + step, len(self))
-            begin, end = first * self.band.factor, (last - 1) * self.band.factor
-            yield slice(first, last), slice(begin, end + len(self.band.taps))
+    def _filtered_from(self, first: int, last: int) -> slice:
+        """The fine samples that these rows are filtered from."""
+        factor = self.band.factor
+        return slice(first * factor, (last - 1) * factor + len(self.band.taps))
+
+
+def _stretches(first: int, last: int, step: int) -> Iterator[tuple[int, int]]:
+    for begin in range(first, last, step):
+        yield begin, min(begin + step, last)
 
 
 def processed(

@@ -79,6 +79,9 @@ def test_pieces_of_a_recording_give_what_the_whole_gives(monkeypatch):
 
     whole, pieces = (piece.columns(signs, remembers=r) for r in (True, False))
     assert np.abs(whole - pieces).max() < 1e-12
+    for remembers in (True, False):
+        asked = piece.columns(signs, remembers=remembers, rows=slice(7, 90))
+        assert np.abs(asked - whole[7:90]).max() < 1e-12
 
 
 def test_gaps_part_a_recording_into_stretches():
