@@ -108,6 +108,36 @@ def faults_of_figure(file: Path, root: Path) -> list[str]:
     ]
 
 
+def module_of(file: Path, root: Path) -> str:
+    parts = file.relative_to(root).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def circles(root: Path) -> list[str]:
+    """Files of one program that import one another, at whatever place in the file."""
+    files = {
+        module_of(file, root): file
+        for top in ("oed", *OUTSIDE)
+        for file in sorted((root / top).rglob("*.py"))
+    }
+    imports: dict[str, set[str]] = {}
+    for name, file in files.items():
+        imports[name] = set()
+        for _, module in imported_modules(file, root):
+            # `from oed.robot import Robot` names a file or what stands in one.
+            wanted = next((m for m in (module, module.rpartition(".")[0]) if m in files), name)
+            imports[name] |= {wanted} - {name}
+    # What imports nothing that is left is in no circle, nor what nothing left imports.
+    left = set(files)
+    while True:
+        imported = {module for name in left for module in imports[name] & left}
+        inner = {name for name in left & imported if imports[name] & left}
+        if inner == left:
+            break
+        left = inner
+    return [f"{name} imports {', '.join(sorted(imports[name] & left))}" for name in sorted(left)]
+
+
 def layering_faults(root: Path) -> list[str]:
     faults = []
     for file in sorted((root / "oed").rglob("*.py")):
@@ -121,6 +151,37 @@ def layering_faults(root: Path) -> list[str]:
 
 def test_imports_run_downstream_only() -> None:
     assert layering_faults(REPO) == []
+
+
+def test_no_file_imports_one_that_imports_it() -> None:
+    assert circles(REPO) == []
+
+
+@pytest.mark.parametrize(
+    "back",
+    [
+        "from oed.robot.a import f",
+        "from oed.robot import a",
+        "from .a import f",
+        "if TYPE_CHECKING:\n    from oed.robot.a import F",
+        "def g():\n    import oed.robot.a",
+    ],
+)
+def test_a_circle_of_files_is_caught(tmp_path: Path, back: str) -> None:
+    folder = tmp_path / "oed" / "robot"
+    folder.mkdir(parents=True)
+    for name, text in (
+        ("before", "from oed.robot.a import f"),
+        ("a", "from oed.robot.b import g"),
+        ("b", "from oed.robot.c import h"),
+        ("c", back),
+        ("after", "import numpy"),
+    ):
+        (folder / f"{name}.py").write_text(text + "\n", encoding="utf-8")
+    caught = circles(tmp_path)
+    assert [line.split()[0] for line in caught] == ["oed.robot.a", "oed.robot.b", "oed.robot.c"]
+    (folder / "c.py").write_text("from oed.robot.after import x\n", encoding="utf-8")
+    assert circles(tmp_path) == []
 
 
 @pytest.mark.parametrize(

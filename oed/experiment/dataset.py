@@ -17,7 +17,7 @@ from oed.robot import Robot
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from oed.experiment.from_arrays import Arrays
+    from oed.experiment.from_arrays import About, Arrays
     from oed.experiment.log_format import LogFormat
 
 
@@ -99,10 +99,11 @@ class DataSet:
             ValueError: If shapes or numbers of recordings disagree.
             DataSetError: If the numbers cannot be what they should be, such as degrees.
         """
-        from oed.experiment.from_arrays import About, dataset_from_arrays  # noqa: PLC0415  builds on this
+        from oed.experiment.from_arrays import About, recordings_from_arrays  # noqa: PLC0415  # loads pandas
 
         given = {"t": t, "q": q, "tau": tau, "dq": dq, "ddq": ddq}
-        return dataset_from_arrays(robot, given, roles, About(name, torque, drive or Drive()))
+        about = About(name, torque, drive or Drive())
+        return cls._in_memory(robot, recordings_from_arrays(robot, given, roles, about), about)
 
     @classmethod
     def from_frame(
@@ -132,16 +133,30 @@ class DataSet:
             ValueError: If there is no frame, or no time.
             DataSetError: If columns are missing or cannot be what they should be.
         """
-        from oed.experiment.from_arrays import dataset_from_frame  # noqa: PLC0415  builds on this
+        from oed.experiment.from_arrays import About, recordings_from_frame  # noqa: PLC0415  # loads pandas
 
-        return dataset_from_frame(
+        drive = drive or Drive()
+        kind, recordings = recordings_from_frame(
             robot,
             frame,
             roles=roles,
             log_format=log_format,
             name=name,
             torque=torque,
-            drive=drive or Drive(),
+            drive=drive,
+        )
+        return cls._in_memory(robot, recordings, About(name, kind, drive))
+
+    @classmethod
+    def _in_memory(cls, robot: Robot, recordings: tuple[Recording, ...], about: About) -> DataSet:
+        return cls(
+            name=about.name,
+            source="arrays in memory",
+            licence="not stated",
+            robot=robot,
+            torque=about.torque,
+            drive=about.drive,
+            recordings=recordings,
         )
 
     @property

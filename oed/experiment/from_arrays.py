@@ -1,4 +1,4 @@
-"""A data set from arrays at hand, with the checks that a file goes through."""
+"""Recordings from arrays at hand, with the checks that a file goes through."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from numpy import ndarray
 
 from oed.counted import counted
 from oed.experiment.column_names import find_columns, joint_columns
-from oed.experiment.dataset import DataSet
 from oed.experiment.drive import Drive, TorqueKind
 from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
 from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
@@ -22,7 +21,7 @@ from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log, Table, table_of
 from oed.experiment.manifest import RecordingEntry
 from oed.experiment.read_recording import read_recording, take_samples
-from oed.experiment.recording import Role
+from oed.experiment.recording import Recording, Role
 from oed.experiment.recording_checks import check_signals
 from oed.robot import Robot
 
@@ -44,10 +43,10 @@ class About:
     drive: Drive
 
 
-def dataset_from_arrays(
+def recordings_from_arrays(
     robot: Robot, given: Mapping[str, Arrays | None], roles: Sequence[Role] | None, about: About
-) -> DataSet:
-    """The work of `DataSet.from_arrays`; `given` maps t, q, tau, dq and ddq to their arrays."""
+) -> tuple[Recording, ...]:
+    """Of `DataSet.from_arrays`; `given` maps t, q, tau, dq and ddq to their arrays."""
     name = about.name
     listed = {key: _as_list(value) for key, value in given.items() if value is not None}
     counts = {key: len(values) for key, values in listed.items()}
@@ -62,10 +61,10 @@ def dataset_from_arrays(
             names = joint_columns(key, robot.n)
             columns |= dict(zip(names, arrays[key].T, strict=True))
         tables.append(table_of(columns, name if counts["t"] == 1 else f"{name}[{i}]"))
-    return _dataset(robot, tables, LogFormat(), roles, about)
+    return _recordings(robot, tables, LogFormat(), roles, about)
 
 
-def dataset_from_frame(
+def recordings_from_frame(
     robot: Robot,
     frame: pd.DataFrame | Sequence[pd.DataFrame],
     *,
@@ -74,8 +73,8 @@ def dataset_from_frame(
     name: str,
     torque: TorqueKind | None,
     drive: Drive,
-) -> DataSet:
-    """The work of `DataSet.from_frame`."""
+) -> tuple[TorqueKind, tuple[Recording, ...]]:
+    """Of `DataSet.from_frame`, and how the torque was obtained."""
     frames = [frame] if isinstance(frame, pd.DataFrame) else list(frame)
     if not frames:
         raise ValueError("give at least one frame")
@@ -92,16 +91,17 @@ def dataset_from_frame(
             f"{name}: no column of time among {', '.join(tables[0].columns[:12])}; name it in "
             "log_format, or give its rate"
         )
-    return _dataset(robot, tables, chosen, roles, About(name, torque or found.torque, drive))
+    kind = torque or found.torque
+    return kind, _recordings(robot, tables, chosen, roles, About(name, kind, drive))
 
 
-def _dataset(
+def _recordings(
     robot: Robot,
     tables: Sequence[Table],
     log_format: LogFormat,
     roles: Sequence[Role] | None,
     about: About,
-) -> DataSet:
+) -> tuple[Recording, ...]:
     """Tables with roles as given, or as proposed from their structure."""
     logs = [Log(table.file, (table,)) for table in tables]
     lines, timed = [], []
@@ -129,15 +129,7 @@ def _dataset(
     if why:
         first = recordings[0]
         recordings[0] = dataclasses.replace(first, notes=(f"{about.name}: {why}", *first.notes))
-    return DataSet(
-        name=about.name,
-        source="arrays in memory",
-        licence="not stated",
-        robot=robot,
-        torque=about.torque,
-        drive=about.drive,
-        recordings=tuple(recordings),
-    )
+    return tuple(recordings)
 
 
 def _arrays(frame: pd.DataFrame) -> dict[str, ndarray]:

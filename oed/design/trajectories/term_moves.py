@@ -6,22 +6,38 @@ of nearly one frequency make a single one whose amplitude and phase change slowl
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
-
-if TYPE_CHECKING:
-    from oed.design.trajectories.harmonic import HarmonicClass
 
 RELATIVE_SPLIT = 0.1  # standard deviation of the ratio of two near frequencies
 OVERTONES = (1 / 3, 1 / 2, 2.0, 3.0, 5.0)  # ratios of a term's frequency to another's
 OVERTONE_STRENGTH = 0.3  # greatest acceleration of an overtone, relative to its root's
 
 
+@runtime_checkable
+class SumOfSines(Protocol):
+    """What a move asks of a trajectory class; the attributes are those of `HarmonicClass`."""
+
+    @property
+    def terms(self) -> int: ...  # noqa: D102  # as above
+
+    @property
+    def amplitude_bound(self) -> Float[ndarray, " joints"]: ...  # noqa: D102  # as above
+
+    @property
+    def joints(self) -> int: ...  # noqa: D102  # as above
+
+    @property
+    def variables(self) -> Int[ndarray, "joints own"]: ...  # noqa: D102  # as above
+
+    def draw(self, rng: np.random.Generator) -> Float[ndarray, " size"]: ...  # noqa: D102  # as above
+
+
 def renew_term(
-    trajectory: HarmonicClass, z: Float[ndarray, " size"], rng: np.random.Generator
+    trajectory: SumOfSines, z: Float[ndarray, " size"], rng: np.random.Generator
 ) -> Float[ndarray, " size"]:
     """One term with another frequency and amplitude."""
     a, omega = _terms(trajectory, rng)
@@ -31,7 +47,7 @@ def renew_term(
 
 
 def split_term(
-    trajectory: HarmonicClass, z: Float[ndarray, " size"], rng: np.random.Generator
+    trajectory: SumOfSines, z: Float[ndarray, " size"], rng: np.random.Generator
 ) -> Float[ndarray, " size"]:
     """One term's place taken by a part of another, at nearly that one's frequency."""
     a, omega = _terms(trajectory, rng)
@@ -43,7 +59,7 @@ def split_term(
 
 
 def overtone(
-    trajectory: HarmonicClass, z: Float[ndarray, " size"], rng: np.random.Generator
+    trajectory: SumOfSines, z: Float[ndarray, " size"], rng: np.random.Generator
 ) -> Float[ndarray, " size"]:
     """One term turned into an overtone, or undertone, of another."""
     a, omega = _terms(trajectory, rng)
@@ -53,7 +69,7 @@ def overtone(
     return z
 
 
-def _terms(trajectory: HarmonicClass, rng: np.random.Generator) -> tuple[ndarray, ndarray]:
+def _terms(trajectory: SumOfSines, rng: np.random.Generator) -> tuple[ndarray, ndarray]:
     """Where the amplitudes and frequencies of one joint stand in z, terms in random order."""
     own = trajectory.variables[rng.integers(trajectory.joints)].reshape(2, trajectory.terms)
     a, omega = own[:, rng.permutation(trajectory.terms)]
