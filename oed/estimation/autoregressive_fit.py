@@ -43,7 +43,7 @@ def fit_autoregressive_noise(
     # of strongly low-passed residuals positive definite. Measured on SCARA data with noise
     # low-passed to 0.2 of the Nyquist frequency: 93 % coverage, against 86 % with the other.
     observed = lagged_sums(residual, residual, lags, segments) / samples
-    shares = sum(np.sum(Q**2, axis=(0, 2)) for Q in influence.influences())
+    shares = sum((np.sum(Q**2, axis=(0, 2)) for Q in influence.influences()), np.zeros(joints))
     orders = [choose_order(observed[:, j], samples - shares[j]) for j in range(joints)]
     used = max(orders) + 1
     observed = observed[:used]

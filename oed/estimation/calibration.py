@@ -131,7 +131,7 @@ def calibrate(
             f"{dataset.name}: {len(torque)} samples of {torque.shape[1]} joints after processing "
             f"cannot determine {len(base)} parameters; record longer, or lower the cut-off"
         )
-    held_out = {
+    held_out: dict[Role, tuple[RowPieces, ndarray]] = {
         role: stack(model, base, held) for role, held in recordings.items() if role != "estimation"
     }
     estimate = identify(

@@ -84,7 +84,7 @@ def estimate_covariance(
     pieces = RowPieces.of(white_regressor, joints, segments)
     root = invert(posterior_factor)
     influence = pieces.times(root)
-    gram = sum(flat.T @ flat for flat in influence)
+    gram = sum((flat.T @ flat for flat in influence), np.zeros_like(root))
     left = samples * joints - np.trace(gram)
     if not left >= 1:
         raise ValueError(f"{samples * joints} rows leave {left:.1f} degrees of freedom")
@@ -92,7 +92,8 @@ def estimate_covariance(
     prior_share = np.eye(len(gram)) - gram
     if method == "hac":
         noise = fit_autoregressive_noise(influence, white_residual)
-        meat = sum(_gram(noise.adjoint_filter(Q), noise.innovation) for Q in influence.influences())
+        scores = (_gram(noise.adjoint_filter(Q), noise.innovation) for Q in influence.influences())
+        meat = sum(scores, np.zeros_like(root))
         freedom = effective_degrees_of_freedom(influence, root, noise)
     elif method == "white":
         meat = gram * np.sum(white_residual**2) / left

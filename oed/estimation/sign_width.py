@@ -44,7 +44,7 @@ def choose_sign_widths(
     turning = [_turning(model, [width] * model.robot.n) for width in WIDTHS]
     parts: list[list[JointFactors]] = [[] for _ in WIDTHS]
     for recording in recordings:
-        for place in even_pieces(*recording.tau.shape, len(kept)):
+        for place in even_pieces(len(recording), model.robot.n, len(kept)):
             rigid = recording.columns(
                 lambda m: bodies.columns(m)[:, :, kept], remembers=bodies.remembers, rows=place
             )

@@ -46,7 +46,7 @@ def stack(
     # Each recording by itself: an effect with a memory must not reach over a boundary.
     evaluate, lengths = [], []
     for recording in recordings:
-        for place in even_pieces(*recording.tau.shape, len(base)):
+        for place in even_pieces(len(recording), model.robot.n, len(base)):
             evaluate.append(partial(_rows, model, base, recording, place))
             lengths.append(place.stop - place.start)
     torque = np.concatenate([recording.tau for recording in recordings])

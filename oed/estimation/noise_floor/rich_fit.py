@@ -33,7 +33,8 @@ MOST_FURTHER = 4
 PIECES_SLOW, SLOW = 12, 0.01
 LEAST_WIDTH = 1e-9  # [rad/s] of a sign, where encoders have no noise
 NEW = 1e-9  # squared share of a unit column outside a span, below which it adds nothing to it
-REMEMBERED = 16  # joints whose columns are kept
+REMEMBERED = 16  # joints whose first columns are kept
+KEPT_BYTES = 256_000_000  # of further columns; those of more joints are worked out at each fit
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ def lay_out(prepared: Sequence[Prepared]) -> None:
 def forget() -> None:
     """Give back what rich fits of a data set share: columns of all rows."""
     _first.cache_clear()
-    _further.cache_clear()
+    _kept.clear()
 
 
 def _basis(
@@ -191,8 +192,27 @@ def _first(
     return tuple(_filtered(t, prepared, joint) for t in terms)
 
 
-@lru_cache(maxsize=REMEMBERED)
+# By recordings and joint; of one set of recordings at a time.
+_kept: dict[tuple[tuple[Prepared, ...], int], tuple[ndarray, ...]] = {}
+
+
 def _further(
+    prepared: tuple[Prepared, ...], joint: int
+) -> tuple[Float[ndarray, "rows columns"], ...]:
+    """The further columns of a joint, kept as far as the bytes reach."""
+    key = prepared, joint
+    if key in _kept:
+        return _kept[key]
+    if any(recordings != prepared for recordings, _ in _kept):
+        _kept.clear()
+    found = _further_blocks(prepared, joint)
+    whole = sum(block.nbytes for blocks in (*_kept.values(), found) for block in blocks)
+    if whole <= KEPT_BYTES:
+        _kept[key] = found
+    return found
+
+
+def _further_blocks(
     prepared: tuple[Prepared, ...], joint: int
 ) -> tuple[Float[ndarray, "rows columns"], ...]:
     """Filtered columns of products and fine splines, of friction at low speed and in each recording.
@@ -215,8 +235,12 @@ def _further(
         *turned,
         *steady,
     ]
-    blocks = tuple(_filtered(t, prepared, joint) for t in terms)
-    return (*blocks, _own_friction(prepared, joint)) if len(prepared) > 1 else blocks
+    blocks = [_filtered(t, prepared, joint) for t in terms]
+    if len(prepared) > 1:
+        blocks.append(_own_friction(prepared, joint))
+    # In one array: the system takes a large one back as soon as it is let go.
+    ends = np.cumsum([block.shape[1] for block in blocks])[:-1]
+    return tuple(np.split(np.concatenate(blocks, axis=1), ends, axis=1))
 
 
 def _own_friction(
