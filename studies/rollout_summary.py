@@ -26,7 +26,7 @@ def page(rows: Sequence[Mapping[str, str]]) -> str:
         "distance of the flange from the measured one, in millimetres. **File**: the robot file's bodies alone. "
         "**Base**: rigid body, rotors, Coulomb and viscous friction by least squares; **augmented**: with what the "
         "diagnosis found. **In bodies**: the same, estimated with bodies that can exist. A model whose mass matrix "
-        "is not positive definite has no simulation; a simulation that left the arm counts as 10 m off."
+        "is not positive definite has no simulation; one that is more than 10 rad off in a joint has left the arm."
     )
     lines = ["# Rollout on measured arms", "", intro, ""]
     lines += [f"- {verdict(row)}" for row in done]

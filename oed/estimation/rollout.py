@@ -39,6 +39,9 @@ SINGULAR = 1e-9  # of its largest eigenvalue: a smaller one is rounding
 # equation has a slope there. Encoders do not tell it from rest.
 SIGN_WIDTH = 1e-3  # [rad/s or m/s]
 LOST = 10.0  # [rad or m] off: beyond that a simulation has left the arm
+FARTHEST = 1e3  # [rad or m] from zero: beyond that nothing is simulated any more
+# [s] between the starts of windows at least: shorter horizons then share little.
+SPACING = 0.25
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,8 @@ class Rollout:
             would tell how far it flew.
         flange: (h,) the same of the last link's origin [m].
         windows: How many were simulated.
-        lost: How many left the arm, or had no acceleration: their error counts as `LOST`.
+        lost: How many were farther off than `LOST`; where one found no acceleration any more, its error
+            counts as that.
     """
 
     horizons: tuple[float, ...]
@@ -81,7 +85,7 @@ class Track:
         can = np.flatnonzero(t <= t[-1] - longest)
         if len(can) == 0:
             return can
-        count = min(most, 1 + int((t[can[-1]] - t[can[0]]) / longest))
+        count = min(most, 1 + int((t[can[-1]] - t[can[0]]) / SPACING))
         return can[np.linspace(0, len(can) - 1, count).astype(int)]
 
     def at_the_arm(self, model: TorqueModel) -> Track:
@@ -136,8 +140,8 @@ def roll_out(
                 [np.interp(when, track.motion.t, q) for q in track.motion.q.T], axis=1
             )
             off = np.abs(found - measured)
-            gone = ~(off.max(axis=1) < LOST)
-            lost += bool(gone.any())
+            lost += not off.max() < LOST
+            gone = ~np.isfinite(off).all(axis=1)
             ends = (last_origin(model.robot, q) for q in (np.nan_to_num(found), measured))
             away = np.linalg.norm(np.subtract(*ends), axis=1)
             errors.append(np.where(gone[:, None], LOST, off))
@@ -226,7 +230,7 @@ class ImplicitArm:
     def follow(
         self, track: Track, start: int, horizons: Sequence[float]
     ) -> Float[ndarray, "horizons joints"]:
-        """Position after each horizon; NaN from where no acceleration was found, or it flew off."""
+        """Position after each horizon; NaN from where no acceleration was found, or beyond `FARTHEST`."""
         motion = track.motion
         q, dq, ddq = motion.q[start], motion.dq[start], motion.ddq[start]
         memory = np.array(self.begin(q, dq, ddq)).ravel()
@@ -241,7 +245,7 @@ class ImplicitArm:
                 break
             dq = dq + self.step * ddq
             q = q + self.step * dq
-            if not np.abs(q).max() < LOST + np.abs(motion.q).max():
+            if not np.abs(q).max() < FARTHEST:
                 break
             found[[c == k + 1 for c in counts]] = q
         return found

@@ -16,7 +16,7 @@ HEIGHT = 320  # [px] of the plot
 EXPLAINED = (
     "Simulated from measured states under the measured torque, on recordings that were not fitted; "
     "median over {windows} windows. A delay or gain that was found is taken off the torque. "
-    "A simulation that left the arm counts as 10 m or rad off."
+    "One that is more than 10 rad or m off in a joint has left the arm."
 )
 
 

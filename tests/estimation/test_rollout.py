@@ -49,7 +49,7 @@ def recorded():
 
 def test_moves_as_drake_moved(recorded):
     model, track = recorded
-    found = roll_out(model.torque_model, model.parameters, [track], step=1e-3, sign_width=WIDTH)
+    found = roll_out(model.torque_model, model.parameters, [track], windows=1, sign_width=WIDTH)
     assert found.windows == 1
     assert found.lost == 0
     travelled = np.ptp(track.motion.q, axis=0).max()
@@ -119,7 +119,9 @@ def test_bodies_that_do_not_exist_are_not_simulated(recorded):
 def test_one_window_in_a_few_that_leaves_the_arm_does_not_decide(recorded):
     model, track = recorded
     thrown = Track(track.motion, track.t, track.tau + 1e4)
-    found = roll_out(model.torque_model, model.parameters, [track, thrown, track], step=2e-3)
+    found = roll_out(
+        model.torque_model, model.parameters, [track, thrown, track], windows=1, step=2e-3
+    )
     assert (found.windows, found.lost) == (3, 1)
     assert found.flange[-1] < 0.01
 
