@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from oed.checkup.finding import EvidenceRow, Finding
 from oed.checkup.repair import VERY_STRONG
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.triangular import triangularise
+from oed.estimation.triangular import factor_of
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
@@ -68,14 +68,12 @@ def find_delay(model: TorqueModel, recordings: Sequence[ProcessedRecording]) -> 
         ValueError: If every recording is too short to be shifted.
     """
     shifts = np.linspace(-LONGEST, LONGEST, 2 * STEPS + 1)
-    parts = [part for r in recordings if (part := _shifted(model, r, shifts)) is not None]
-    if not parts:
+    factors, samples = _factors(model, recordings, shifts)
+    if not samples:
         raise ValueError(f"no recording is longer than {2 * LONGEST:g} s")
-    columns = np.concatenate([c for c, _ in parts])
-    torque = np.concatenate([tau for _, tau in parts])
-    variances = _variances(columns, torque)
+    variances = _variances(factors, samples, len(shifts))
     rate, band = recordings[0].rate, recordings[0].bandwidth
-    independent = 2 * band * len(torque) / rate
+    independent = 2 * band * samples / rate
     deviance = independent * np.log(variances).sum(axis=1)
     best = int(deviance.argmin())
     is_inside = 0 < best < len(shifts) - 1
@@ -159,6 +157,28 @@ def _agree(one: Delay, other: Delay) -> bool:
     return abs(one.seconds - other.seconds) < 0.5 * larger
 
 
+def _factors(
+    model: TorqueModel, recordings: Sequence[ProcessedRecording], shifts: Float[ndarray, " shifts"]
+) -> tuple[list[Float[ndarray, "width width"]], int]:
+    """Triangular factor of each joint's rows [columns | torques at all shifts], and their samples.
+
+    One recording at a time: the rows of all are never held together.
+    """
+    width = len(model.parameters) + len(shifts)
+    factors, samples = [np.zeros((0, width))] * model.robot.n, 0
+    for recording in recordings:
+        part = _shifted(model, recording, shifts)
+        if part is None:
+            continue
+        columns, torque = part
+        samples += len(columns)
+        factors = [
+            factor_of([factor, np.column_stack([columns[:, j], torque[:, :, j]])])
+            for j, factor in enumerate(factors)
+        ]
+    return factors, samples
+
+
 def _shifted(
     model: TorqueModel, recording: ProcessedRecording, shifts: Float[ndarray, " shifts"]
 ) -> tuple[ndarray, ndarray] | None:
@@ -172,26 +192,23 @@ def _shifted(
     dense = moving_sum(recording.fine_tau, band.taps)
     spline = CubicSpline(recording.fine.t[band.reach : len(recording.fine) - band.reach], dense)
     moved = np.stack([spline(t[inside] + shift) for shift in shifts], axis=1)
-    return recording.columns(model.columns)[inside], moved
+    return recording.columns(model.columns, remembers=model.remembers)[inside], moved
 
 
 def _variances(
-    columns: Float[ndarray, "samples joints p"], torque: Float[ndarray, "samples shifts joints"]
+    factors: Sequence[Float[ndarray, "width width"]], samples: int, shifts: int
 ) -> Float[ndarray, "shifts joints"]:
     """Mean squared residual of each joint at each shift, joints weighted by theirs at none."""
-    samples, shifts, joints = torque.shape
-    p = columns.shape[2]
-    norms = np.linalg.norm(columns.reshape(-1, p), axis=0)
+    norms = np.linalg.norm(np.concatenate(factors)[:, :-shifts], axis=0)
     used = norms > 0
-    factors = [
-        triangularise(np.column_stack([columns[:, j][:, used] / norms[used], torque[:, :, j]]))
-        for j in range(joints)
-    ]
     p = int(used.sum())
-    power = np.mean(torque**2, axis=(0, 1))
+    power = np.array([np.sum(f[:, -shifts:] ** 2) for f in factors]) / (samples * shifts)
+    factors = [
+        np.column_stack([f[:, :-shifts][:, used] / norms[used], f[:, -shifts:]]) for f in factors
+    ]
     floor = ROUNDING * np.where(power > 0, power, 1.0)
     weights = np.where(power > 0, power, 1.0)
-    found = np.empty((shifts, joints))
+    found = np.empty((shifts, len(factors)))
     for _ in range(REWEIGHTINGS):
         stacked = np.vstack([f / np.sqrt(w) for f, w in zip(factors, weights, strict=True)])
         solved = np.linalg.lstsq(stacked[:, :p], stacked[:, p:], rcond=RANK)[0]
