@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 from oed.commands import diagnose, export, feasible, identify
 from oed.commands.configurations import Calibrate, Diagnose, Export, Feasible, Identify
+from oed.commands.refine import refine
 from oed.commands.rollouts import BASE_OF_BODIES, base_of_bodies, models_in, rollouts
 from oed.commands.telling import say, speak
 from oed.estimation.rollout import WINDOWS
 from oed.experiment.read_dataset import read_dataset
-from oed.export.model_file import NAME
+from oed.export.model_file import NAME, load_model, write_model
 from oed.export.registry import find_exporter
 from oed.report.calibrate_page import calibrate_page
 from oed.report.json_file import read_json, write_json
@@ -19,6 +21,7 @@ from oed.report.page import write_page
 from oed.report.provenance import Provenance
 from oed.report.study_files import CALIBRATE
 
+REFINED, REFINEMENT = "refined", "refinement.json"
 FEW_WINDOWS = 1  # of a recording, to see that it works
 
 
@@ -29,19 +32,23 @@ def run(config: Calibrate) -> int:
         find_exporter(form)  # refused before the work
     with CALIBRATE.in_folder(config.out, [config.data]) as results:
         read_dataset(config.data).robot.require_newton_metres(str(config.data))
-        for number, (title, step) in enumerate(_steps(config), 1):
+        steps = _steps(config)
+        for number, (title, step) in enumerate(steps, 1):
             speak(quiet=config.quiet)
             say(f"\n[{number}] {title}")
             if status := step():
                 return status
         record = _record(config)
         dataset = read_dataset(config.data)
-        say("\n[5] simulating what was not fitted")
+        say(f"\n[{len(steps) + 1}] simulating what was not fitted")
         windows = FEW_WINDOWS if config.smoke else WINDOWS
         models = dict(models_in(config.out, dataset))
         models[BASE_OF_BODIES] = base_of_bodies(
             dataset, config.model, config.prior, smoke=config.smoke, seed=config.seed
         )
+        if _last(config).name == REFINED:
+            found = load_model(_last(config) / NAME)
+            models[REFINED] = (found.torque_model, found.parameters)
         rolled = rollouts(dataset, models, windows=windows)
         record |= {"joints": list(dataset.robot.joint_names), "rollout": rolled}
         with results.replaced() as new:
@@ -94,11 +101,12 @@ def _steps(config: Calibrate) -> tuple[tuple[str, Callable[[], int]], ...]:
                 )
             ),
         ),
+        *([("refining by rollout", lambda: _refine(config))] if config.refine else []),
         (
             f"exporting the model to {', '.join(config.to)}",
             lambda: export.run(
                 Export(
-                    model=out / "feasible",
+                    model=_last(config),
                     to=config.to,
                     out=out / "export",
                     rate=config.rate,
@@ -107,6 +115,28 @@ def _steps(config: Calibrate) -> tuple[tuple[str, Callable[[], int]], ...]:
             ),
         ),
     )
+
+
+def _refine(config: Calibrate) -> int:
+    """Leave refinement.json, and model.json where it is accepted."""
+    folder = config.out / REFINED
+    folder.mkdir(exist_ok=True)
+    (folder / NAME).unlink(missing_ok=True)
+    windows = FEW_WINDOWS if config.smoke else WINDOWS
+    model = load_model(config.out / "feasible" / NAME)
+    found, record = refine(read_dataset(config.data), model, windows=windows)
+    write_json(folder / REFINEMENT, record)
+    if found is not None:
+        write_model(found, folder / NAME)
+    say("accepted" if found is not None else f"not accepted: {record['reason']}")
+    return 0
+
+
+def _last(config: Calibrate) -> Path:
+    """Folder of the model that leaves: the refined one where there is one."""
+    refined = config.out / REFINED
+    is_there = config.refine is not None and (refined / NAME).is_file()
+    return refined if is_there else config.out / "feasible"
 
 
 def _record(config: Calibrate) -> dict:
@@ -126,4 +156,5 @@ def _record(config: Calibrate) -> dict:
         "changes_from_file": bodies["changes_from_file"],
         "warnings": bodies["warnings"],
         "exports": {name: told["files"] for name, told in exported["exports"].items()},
+        "refinement": read_json(out / REFINED / REFINEMENT) if config.refine else None,
     }

@@ -89,7 +89,7 @@ def draw_models(model: Model, count: int, rng: np.random.Generator) -> Float[nda
     calibrated_robot(model)
     if model.covariance is None:
         raise NoUsableResult("the model has no covariance to draw from: oed feasible leaves one")
-    half = _half(model.covariance)
+    half = half_covariance(model.covariance)
     region, z = FeasibleRegion.of(model), np.zeros(half.shape[1])
     drawn = np.empty((count, len(model.parameters)))
     for k in range(count):
@@ -99,7 +99,7 @@ def draw_models(model: Model, count: int, rng: np.random.Generator) -> Float[nda
     return drawn
 
 
-def _half(covariance: Float[ndarray, "p p"]) -> Float[ndarray, "p rank"]:
+def half_covariance(covariance: Float[ndarray, "p p"]) -> Float[ndarray, "p rank"]:
     """A with A A' = covariance, by the correlations, whose entries are of one size."""
     std = np.sqrt(np.diag(covariance))
     scaled = covariance / np.outer(std, std).clip(min=np.finfo(float).tiny)

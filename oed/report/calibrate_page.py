@@ -10,6 +10,7 @@ import numpy as np
 from oed.report.joint_words import over_floor, place_words
 from oed.report.page import Links, Page, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
+from oed.report.refinement_section import refinement_section
 from oed.report.rollout_section import rollout_section
 
 PAGES = (
@@ -43,6 +44,7 @@ def calibrate_page(record: Mapping[str, Any], provenance: Provenance) -> Page:
             Section("Where to look", (Links(pages),)),
             Section("What the model lacked", _errors(record)),
             *_rollout(record),
+            *([refinement_section(record["refinement"])] if record["refinement"] else []),
             Section("Bodies", tuple(bodies or [Table(record["links"], "Links")])),
             Section("How it was made", (Text(f"Commit {provenance.commit}, {provenance.date}."),)),
         ),

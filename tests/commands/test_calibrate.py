@@ -29,7 +29,7 @@ def pull(q, dq, ddq):
 def calibrated(tmp_path_factory):
     folder = tmp_path_factory.mktemp("calibrate")
     write_dataset(data_set(52, extra=pull, repetitions=2), folder / "data")
-    told = ("--model", "standard", "--smoke", "--quiet", "--to", "c")
+    told = ("--model", "standard", "--smoke", "--quiet", "--to", "c", "--refine", "rollout")
     few = ("--candidates", "joint_spring", "torque_offset", "stribeck")
     assert oed("calibrate", folder / "data", "--out", folder / "out", *told, *few) == 0
     return folder / "out"
@@ -77,6 +77,18 @@ def test_a_simulation_with_what_was_found_moves_like_the_arm(calibrated):
     assert models["base"]["flange_mm"] is None
     assert models["base"]["not_simulated"].startswith("the mass matrix has the eigenvalue -")
     assert "Not simulated, base: the mass matrix" in page
+
+
+def test_a_refined_model_is_kept_only_if_nothing_held_out_gets_worse(calibrated):
+    record = read_json(calibrated / "calibration.json")["refinement"]
+    assert record["directions"] > 0
+    judge = next(row for row in record["errors"] if row["role"] == "validation")
+    pairs = zip(judge["flange_mm_before"], judge["flange_mm_after"], strict=True)
+    better = judge["torque_ratio"] <= 1 and all(new <= old for old, new in pairs)
+    assert record["accepted"] == better
+    assert (calibrated / "refined" / "model.json").is_file() == better
+    page = (calibrated / "index.html").read_text(encoding="utf-8")
+    assert "Refined by rollout" in page
 
 
 def test_an_unknown_form_is_refused_before_the_work(calibrated, tmp_path, capsys):

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
+from scipy.stats import chi2
 
 from oed.dynamics.effects import Coulomb, RigidBody
 from oed.dynamics.effects.actuator import TorqueGain
@@ -12,10 +13,14 @@ from oed.dynamics.effects.delay import TimeDelay
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation import rollout_fit
 from oed.estimation.rollout import ImplicitArm, NotSimulated, Track, last_origin, roll_out
+from oed.estimation.rollout_fit import refine_by_rollout
+from oed.estimation.symbolic_bodies import possible_bodies
 from oed.export.simulation_plant import build_simulation
 from oed.robot import JointLimits
-from tests.dynamics.effects.arms import vertical_arm
+from oed.robot.inertia import pseudo_inertia
+from tests.dynamics.effects.arms import panda, vertical_arm
 from tests.export.every_effect import model_with
 
 RATE, SECONDS = 200.0, 4.0  # [Hz], [s] of the recording
@@ -148,3 +153,48 @@ def test_the_last_links_origin_is_where_trigonometry_has_it():
     length = robot.joints[1].p_PJ[0]
     expected = length * np.stack([np.cos(q[:, 0]), np.sin(q[:, 0]), np.zeros(2)], axis=1)
     assert last_origin(robot, q) == pytest.approx(expected)
+
+
+def test_a_fit_of_simulations_finds_the_parameters_that_moved_the_arm(recorded, monkeypatch):
+    monkeypatch.setattr(rollout_fit, "MOST_WINDOWS", 6)
+    model, track = recorded
+    names = [p.name for p in model.torque_model.parameters]
+    true = model.parameters
+    unsure = [names.index(x) for x in ("mx_2", "spring_2", "Fv_1")]
+    half = np.zeros((len(names), len(unsure)))
+    half[unsure, range(3)] = 0.3 * np.abs(true[unsure])
+    off = np.array([-1.0, -1.0, 1.0])
+    weights = np.eye(len(names))[[names.index("Fv_1")]]
+    fit = refine_by_rollout(
+        model.torque_model,
+        true + half @ off,
+        half,
+        [track],
+        weights=weights,
+        bounds=np.zeros(1),
+    )
+    left = np.abs(fit.shift + off)
+    # Six windows, of which each counts as one observation: the prior, which is a deviation off, holds the rest.
+    assert np.linalg.norm(left) < 0.5 * np.linalg.norm(off)
+    assert fit.distance > chi2.ppf(0.5, 3)
+    start, end = (
+        roll_out(model.torque_model, p, [track], windows=1, sign_width=WIDTH, step=2e-3)
+        for p in (true + half @ off, fit.parameters)
+    )
+    assert end.flange[-1] < 0.5 * start.flange[-1]
+
+
+def test_a_fit_keeps_to_bodies_that_can_exist():
+    robot = panda()
+    column = np.zeros((70, 1))
+    column[10] = 1.0  # the second link's mass
+    possible = possible_bodies(7, robot.parameters, column, np.zeros((0, 70)), np.zeros(0))
+    body = robot.parameters[10:20].copy()
+    seen = set()
+    for less in (0.0, 0.1, 0.3, 0.6, 0.9, 1.1):
+        change = -less * robot.parameters[10]
+        body[0] = robot.parameters[10] + change
+        exists = bool(np.linalg.eigvalsh(pseudo_inertia(body)).min() > 0)
+        assert (np.array(possible(change)).min() > 0) == exists
+        seen.add(exists)
+    assert seen == {True, False}

@@ -29,6 +29,8 @@ class Calibrate(Command):
         max_effects: As of oed diagnose.
         candidates: As of oed diagnose.
         budget: As of oed diagnose.
+        refine: Fit simulations to the measured motion too (rollout); kept only if neither torque nor
+            simulation of the validation recordings gets worse.
         smoke: Do less, to see that it works.
         seed: Of everything random.
     """
@@ -42,6 +44,7 @@ class Calibrate(Command):
     max_effects: int | None = None
     candidates: tuple[str, ...] = ()
     budget: float | None = None
+    refine: Literal["rollout"] | None = None
     smoke: bool = False
     seed: Seed = 0
 

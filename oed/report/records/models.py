@@ -33,6 +33,29 @@ class RolloutRecord(Record, frozen=True, kw_only=True):
     models: dict[str, FollowedRecord]
 
 
+class RefinedErrorsRecord(Record, frozen=True, kw_only=True):
+    """Errors of a refined model and of that before, on the recordings of a role."""
+
+    role: str
+    horizons: Numbers
+    torque_ratio: Number
+    flange_mm_before: Numbers
+    flange_mm_after: Numbers
+
+
+class RefinementRecord(FileRecord, frozen=True, kw_only=True):
+    """Parameters fitted to simulations; refinement.json. Null where it did not come to a fit."""
+
+    accepted: bool
+    reason: str
+    errors: list[RefinedErrorsRecord]
+    windows: int | None = None
+    status: str | None = None
+    distance: Number = None
+    directions: int | None = None
+    allowed: Number = None
+
+
 class CalibrationRecord(FileRecord, frozen=True, kw_only=True):
     """calibration.json."""
 
@@ -48,6 +71,7 @@ class CalibrationRecord(FileRecord, frozen=True, kw_only=True):
     exports: dict[str, list[str]]
     joints: list[str]
     rollout: RolloutRecord | None
+    refinement: RefinementRecord | None
 
 
 class LeftOutRecord(Record, frozen=True, kw_only=True):
