@@ -63,7 +63,11 @@ class RolloutFit:
 
     @property
     def distance(self) -> float:
-        """Squared, of both fits [deviations of the first]: chi-squared with r degrees of freedom."""
+        """Squared, of both fits [deviations of the first].
+
+        With the right class of model at most chi-squared with r degrees of freedom: the prior
+        keeps the second fit near the first.
+        """
         return float(self.shift @ self.shift)
 
 

@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
-from scipy.stats import chi2
 
 from oed.dynamics.effects import Coulomb, RigidBody
 from oed.dynamics.effects.actuator import TorqueGain
@@ -78,7 +77,8 @@ def test_a_model_that_lacks_the_spring_drifts(recorded):
     names = [p.name for p in model.torque_model.parameters]
     lacking[names.index("spring_2")] = 0.0
     whole, without = (
-        roll_out(model.torque_model, p, [track], step=4e-3) for p in (model.parameters, lacking)
+        roll_out(model.torque_model, p, [track], step=4e-3, windows=1)
+        for p in (model.parameters, lacking)
     )
     assert without.flange[-1] > 5 * whole.flange[-1]
     assert (np.diff(without.flange) > 0).all()
@@ -106,7 +106,7 @@ def test_what_measurement_did_to_the_torque_is_undone(recorded):
     gain = TorqueGain(0, weak, 0.0, ReferenceTorque(whole.robot))
     measured = dataclasses.replace(whole, measurement=(gain, TimeDelay(late)))
     known, unknown = (
-        roll_out(m, model.parameters, [recording], step=2e-3, sign_width=WIDTH)
+        roll_out(m, model.parameters, [recording], step=2e-3, windows=1, sign_width=WIDTH)
         for m in (measured, whole)
     )
     assert known.flange[-1] < 0.02 * unknown.flange[-1]
@@ -176,12 +176,11 @@ def test_a_fit_of_simulations_finds_the_parameters_that_moved_the_arm(recorded, 
     left = np.abs(fit.shift + off)
     # Six windows, of which each counts as one observation: the prior, which is a deviation off, holds the rest.
     assert np.linalg.norm(left) < 0.5 * np.linalg.norm(off)
-    assert fit.distance > chi2.ppf(0.5, 3)
     start, end = (
         roll_out(model.torque_model, p, [track], windows=1, sign_width=WIDTH, step=2e-3)
         for p in (true + half @ off, fit.parameters)
     )
-    assert end.flange[-1] < 0.5 * start.flange[-1]
+    assert end.joint[1].max() < 0.5 * start.joint[1].max()  # after the half second that is fitted
 
 
 def test_a_fit_keeps_to_bodies_that_can_exist():
