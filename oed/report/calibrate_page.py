@@ -18,7 +18,7 @@ PAGES = (
     ("What the model lacks", "diagnosis/report.html", "effects found, and what they gain"),
     ("Bodies", "feasible/report.html", "masses and inertias that exist, beside what was found"),
 )
-MODEL = ("The model", "feasible/model.json", "bodies, effects and measurement in one file")
+WHOLE = "bodies, effects and measurement in one file"
 LINKS = ("link", "file [kg]", "identified [kg]", "lower95 [kg]", "upper95 [kg]", "beyond reason")
 
 
@@ -36,7 +36,9 @@ def calibrate_page(record: Mapping[str, Any], provenance: Provenance) -> Page:
         else []
     )
     bodies += [Text(f"Warning: {words}") for words in record["warnings"]]
-    pages = (*PAGES, MODEL, *_exports(record["exports"]))
+    refined = record["refinement"] is not None and record["refinement"]["accepted"]
+    model = "refined/model.json" if refined else "feasible/model.json"
+    pages = (*PAGES, ("The model", model, WHOLE), *_exports(record["exports"]))
     return Page(
         f"Calibration of {record['data']}",
         _verdict(record),

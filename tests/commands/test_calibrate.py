@@ -89,6 +89,7 @@ def test_a_refined_model_is_kept_only_if_nothing_held_out_gets_worse(calibrated)
     assert (calibrated / "refined" / "model.json").is_file() == better
     page = (calibrated / "index.html").read_text(encoding="utf-8")
     assert "Refined by rollout" in page
+    assert ('href="refined/model.json"' in page) == better
 
 
 def test_an_unknown_form_is_refused_before_the_work(calibrated, tmp_path, capsys):
