@@ -92,6 +92,7 @@ def weighed(
     counted: Float[ndarray, " joints"],
     *,
     dilution: float = 1.0,
+    fixed: bool | None = None,
 ) -> Worth | None:
     """Worth of a candidate's columns beside a fit, by the log score that they would have.
 
@@ -102,19 +103,44 @@ def weighed(
         beside: Its columns there.
         counted: (n,) rows that count.
         dilution: Of them that tell as much as one.
+        fixed: Whether coefficients are 1; as the candidate has it if None.
     """
     A, g = beside.information, beside.score
     if np.trace(A) <= NEW * sum(float(np.trace(x)) for x in beside.squares.values()):
         return None
     rows = float(sum(counted[j] for j in beside.squares))
     cost = price(candidate, values, fitted, rows)
-    penalty, fixed = candidate.precision(len(g)), candidate.unit_coefficient
+    penalty, fixed = (
+        candidate.precision(len(g)),
+        candidate.unit_coefficient if fixed is None else fixed,
+    )
     own = worth(Moments(A, g, rows, dilution), cost, penalty, fixed=fixed)
     before = beside.span.squares / beside.span.weights**2
     after = beside.left_by(own.coefficients)
     tolerated = fitted.tolerated + FORMULA_ERROR**2 * beside.power(own.coefficients) / counted
     gained = log_score(after, counted, tolerated) - log_score(before, counted, tolerated)
     return dataclasses.replace(own, nats=gained / dilution - own.occam - cost)
+
+
+def promised(
+    candidate: Candidate,
+    values: Values,
+    fitted: Fitted,
+    beside: Beside,
+    counted: Float[ndarray, " joints"],
+) -> float | None:
+    """Nats that shapes on a grid promise, as a place from which to fit them; None without support.
+
+    An effect whose size is one of its shapes has no coefficient. Beside the right size it explains
+    little or does harm, and yet its direction may be right: it is weighed as if the size were free.
+    """
+    own = weighed(candidate, values, fitted, beside, counted)
+    if own is None or not candidate.unit_coefficient:
+        return None if own is None else own.nats
+    free = weighed(candidate, values, fitted, beside, counted, fixed=False)
+    if free is None or not np.all(free.coefficients > 0):
+        return own.nats
+    return max(own.nats, free.nats)
 
 
 def evaluate(

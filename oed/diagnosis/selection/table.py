@@ -17,7 +17,7 @@ from oed.diagnosis.candidates.candidate import Candidate, Values
 from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.fit import Beside, Span
 from oed.diagnosis.evidence.model import Fitted
-from oed.diagnosis.selection.screen import least_price, most_gained, weighed
+from oed.diagnosis.selection.screen import least_price, most_gained, promised
 
 COLUMN_BYTES = 200_000_000  # of all candidates' columns on the rows of one table; a search has two
 BLOCK = 50  # rows that are kept together where not all are
@@ -142,9 +142,9 @@ def ranked(
         )
         if most_gained(beside, counted) <= least_price(line.candidate, problem):
             continue
-        own = weighed(line.candidate, line.values, fitted, beside, counted)
-        if own is not None:
-            found.setdefault(line.candidate.label, []).append((own.nats, line))
+        nats = promised(line.candidate, line.values, fitted, beside, counted)
+        if nats is not None:
+            found.setdefault(line.candidate.label, []).append((nats, line))
     for own in found.values():
         own.sort(key=lambda x: -x[0])
         del own[per_place:]

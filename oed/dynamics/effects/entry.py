@@ -39,7 +39,6 @@ class Shape:
         usual: Values that machines are built with.
         also: Values of a first scan besides those that are evenly spaced.
         fine: Number of trial values in a second scan, where a first one misses crests; 0 for none.
-        rugged: Whether what it explains has crests at a few percent from one another.
         never: Whether its default, beyond its range, stands for what never happens, and is no
             parameter then.
         linear_below: Size below which a "signed log" scale is linear.
@@ -59,7 +58,6 @@ class Shape:
     usual: tuple[float, ...] = ()
     also: tuple[float, ...] = ()
     fine: int = 0
-    rugged: bool = False
     never: bool = False
     linear_below: float = 0.0
     open_below: bool = False

@@ -131,7 +131,7 @@ BACKLASH = CatalogueEntry(
     families=("reversal", "compliance"),
     scope="joint",
     shapes=(
-        Shape("gap", "rad", 1e-4, 0.02, "log", 7, 1e-3, rugged=True, open_below=True),
+        Shape("gap", "rad", 1e-4, 0.02, "log", 7, 1e-3, open_below=True),
         Shape("frequency", "Hz", 5.0, 80.0, "log", 1, 20.0, also=(60.0,)),
         Shape("damping", "1", 0.05, 1.0, "log", 1, 0.3),
         Shape("rotor_share", "1", 0.0, 0.8, "linear", 1, 0.4, also=(0.2,)),
