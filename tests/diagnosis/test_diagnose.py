@@ -9,7 +9,11 @@ import pytest
 
 from oed.diagnosis.diagnose import diagnose
 from oed.diagnosis.evidence.moments import correlated_rows
+from oed.diagnosis.inference.answer import answer
 from oed.diagnosis.inference.covariance import parameter_covariance
+from oed.diagnosis.selection.screen import evaluate
+from oed.diagnosis.selection.search import Substitute
+from oed.diagnosis.selection.tables import as_term
 from oed.dynamics.effects import Effect, Parameter
 from oed.dynamics.effects.catalogue import (
     _ENTRIES,
@@ -66,6 +70,27 @@ def test_a_constant_is_named_though_any_curve_over_time_holds_one():
     (size,) = found.effects[0].parameters
     assert size.std is not None
     assert abs(size.value - 0.4) < 4 * size.std
+
+
+def test_a_curve_that_is_flat_says_nothing_against_a_constant_and_a_bent_one_does():
+    offset = data_set(
+        41, extra=lambda q, *_: np.stack([0 * q[:, 0] + 2.0, 0 * q[:, 0]], axis=1), repetitions=1
+    )
+    selected = _diagnose(offset).selected
+    (own,) = selected.judged
+    given = selected.substitutes[0][0].given
+    curve = next(c for c in own.rest.problem.smooth if c.label == "f(q_1)[11]@1")
+    scored = evaluate(curve, (), own.rest.means)
+    assert scored is not None
+    bent = given * (1 + 0.1 * np.sin(np.arange(given.shape[1])))
+    for torque, count in ((given, 1), (bent, 0)):
+        both = (
+            Substitute(own.term, own.worth.nats, given),
+            Substitute(as_term(scored), own.worth.nats - 0.5, torque),
+        )
+        found = answer(dataclasses.replace(selected, substitutes=(both,)))
+        assert len(found.effects) == count
+        assert all(e.probability > 0.95 for e in found.effects)
 
 
 def test_is_handed_on_as_a_model_that_predicts_the_same(found_stribeck, tmp_path):

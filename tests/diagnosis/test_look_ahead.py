@@ -8,7 +8,14 @@ import pytest
 from oed.diagnosis.evidence.moments import moments_of
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.selection.look_ahead import is_tested
-from oed.diagnosis.selection.screen import evaluate, least_price, most_gained, weighed
+from oed.diagnosis.selection.screen import (
+    evaluate,
+    least_price,
+    most_gained,
+    polish,
+    promised,
+    weighed,
+)
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import as_term
 from oed.diagnosis.setup import pose
@@ -115,3 +122,26 @@ def test_a_drift_is_compared_on_the_rows_that_show_it():
     assert grown.rise(start, "fitted") > 100
     assert grown.rise(start, "held_out") > 50
     assert start.rise(grown, "held_out") == pytest.approx(-grown.rise(start, "held_out"))
+
+
+def test_a_delay_that_is_far_too_long_on_the_grid_leads_to_the_right_one():
+    """At thrice the delay the torque fits worse than at none, and its direction is right."""
+    dataset = data_set(36, repetitions=1, late=0.004)
+    problem, _, _ = pose(dataset, TorqueModel.standard(dataset.robot), names=("time_delay",))
+    views = Views.of(problem, (), "fitted")
+    law = next(c for c in problem.names if c.label == "time_delay")
+    fitted = views.showing(law)
+    scored = evaluate(law, (0.012,), fitted)
+    assert scored is not None
+    assert scored.nats < -100
+    counted = fitted.rows(fitted.projection.used)
+    beside = fitted.projection.beside(scored.columns)
+    promise = promised(law, scored.values, fitted, beside, counted)
+    assert promise is not None
+    assert promise > 100
+    assert polish(scored, fitted).nats > 0
+    # The other way it would have to be less than nothing.
+    other = evaluate(law, (-0.012,), fitted)
+    assert other is not None
+    beside = fitted.projection.beside(other.columns)
+    assert promised(law, other.values, fitted, beside, counted) == pytest.approx(other.nats)

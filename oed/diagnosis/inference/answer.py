@@ -141,9 +141,10 @@ def _named(
     for substitute, p, torque in zip(substitutes, share.tolist(), given, strict=True):
         other = substitute.term.candidate
         same = substitute.term is not term and _cosine(mine, torque) > ALIKE
-        if other.is_named:
+        # A smooth term that gives the same torque says nothing against the name.
+        if other.is_named or same:
             named += p
-        if substitute.term is term or (same and other.is_named):
+        if substitute.term is term or same:
             probability += p
         if substitute.term is not term:
             alternatives.append(
