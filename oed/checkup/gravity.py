@@ -13,7 +13,7 @@ import numpy as np
 from oed.checkup.finding import EvidenceRow, Finding, Level
 from oed.checkup.repair import VERY_STRONG
 from oed.checkup.suspicion import STANDARD_GRAVITY
-from oed.checkup.trial import Trial, trial_data
+from oed.checkup.trial import Outcome, Trial, trial_data
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
@@ -46,11 +46,8 @@ def gravity_finding(
     if not is_earths:
         tried["of the size on Earth"] = declared * STANDARD_GRAVITY / size
         tried["of the size on Earth, reversed"] = -declared * STANDARD_GRAVITY / size
-    still = Trial.unchanged(dataset.robot.n)
     outcomes = {
-        name: trial_data(recordings, model.with_robot(model.robot.with_gravity(g)).columns).outcome(
-            still
-        )
+        name: _outcome(model.with_robot(model.robot.with_gravity(g)), recordings)
         for name, g in tried.items()
     }
     errors = {name: float(np.exp(np.mean(np.log(o.relative)))) for name, o in outcomes.items()}
@@ -82,3 +79,11 @@ def gravity_finding(
         text = f"the declared gravity is reversed: {evidence}"
         return Finding(topic, "red", text, f"declare gravity = [{vector}]", rows)
     return Finding(topic, "green", "the declared gravity fits the log", "", rows)
+
+
+def _outcome(
+    model: TorqueModel, recordings: Mapping[Role, tuple[ProcessedRecording, ...]]
+) -> Outcome:
+    """Of the log as it is."""
+    data = trial_data(recordings, model.columns, remembers=model.remembers)
+    return data.outcome(Trial.unchanged(model.robot.n))

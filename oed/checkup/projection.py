@@ -73,9 +73,14 @@ def project(
     )
     parameters = model.robot.parameters
     file = np.concatenate(
-        [r.columns(lambda m: rigid.columns(m) @ parameters[:, None]) for r in every]
+        [
+            r.columns(lambda m: rigid.columns(m) @ parameters[:, None], remembers=rigid.remembers)
+            for r in every
+        ]
     )
-    beside = np.concatenate([r.columns(friction.columns) for r in every])
+    beside = np.concatenate(
+        [r.columns(friction.columns, remembers=friction.remembers) for r in every]
+    )
     tau = np.concatenate([r.tau for r in every])
     dq = np.concatenate([r.motion.dq for r in every])
     found = [

@@ -175,7 +175,11 @@ def _laid_out(
     meant = model
     if suspicion.gravity is not None:
         meant = model.with_robot(model.robot.with_gravity(suspicion.gravity))
-    return trial_data(recordings, lambda motion: meant.columns(suspicion.motion(motion)))
+    return trial_data(
+        recordings,
+        lambda motion: meant.columns(suspicion.motion(motion)),
+        remembers=meant.remembers,
+    )
 
 
 def _more_signs(dataset: DataSet, data: TrialData, tried: list[Tried]) -> list[Tried]:

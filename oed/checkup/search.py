@@ -53,7 +53,7 @@ def find_cause(
         recordings: By role, processed; a thinned rate will do.
     """
     projection = project(model, recordings)
-    data = trial_data(recordings, model.columns)
+    data = trial_data(recordings, model.columns, remembers=model.remembers)
     as_logged = data.outcome(Trial.unchanged(dataset.robot.n))
     repairs: list[Tried] = []
     cause = None

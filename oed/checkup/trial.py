@@ -16,12 +16,11 @@ from numpy import ndarray
 
 from oed.dynamics.motion import Motion
 from oed.estimation.reach import find_reach
-from oed.estimation.triangular import triangularise
+from oed.estimation.triangular import factor_of, triangularise
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
 
 Columns = Callable[[Motion], Float[ndarray, "samples joints columns"]]
-Rows = tuple[Float[ndarray, "_ joints columns"], Float[ndarray, "_ joints"]]
 
 RANK = 1e-8  # of the largest singular value, columns of one norm: beyond it a direction is rounding
 FITTED_SHARE = 2 / 3  # of each recording, where none is held out
@@ -125,39 +124,77 @@ class TrialData:
 
 
 def trial_data(
-    recordings: Mapping[Role, tuple[ProcessedRecording, ...]], evaluate: Columns
+    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
+    evaluate: Columns,
+    *,
+    remembers: bool,
 ) -> TrialData:
-    """Lay a data set out for trials.
+    """Lay a data set out for trials, a recording at a time.
 
     Args:
         recordings: By role; the held-out roles are predicted, or the last third of each estimation
             recording where there is none.
         evaluate: The model's columns at every instant of a motion.
+        remembers: Whether an instant's columns depend on those before it.
     """
-    rows = {
-        role: [(recording.columns(evaluate), recording.tau) for recording in group]
-        for role, group in recordings.items()
-    }
-    fitted = rows["estimation"]
-    held = [pair for role in HELD_OUT for pair in rows.get(role, [])]
-    span = _duration([r for role in HELD_OUT for r in recordings.get(role, ())])
-    if not held:
-        cuts = [int(FITTED_SHARE * len(tau)) for _, tau in fitted]
-        held = [(c[k:], tau[k:]) for (c, tau), k in zip(fitted, cuts, strict=True)]
-        fitted = [(c[:k], tau[:k]) for (c, tau), k in zip(fitted, cuts, strict=True)]
+    has_held = any(recordings.get(role) for role in HELD_OUT)
+    fitted, held = _Seen(), _Seen()
+    for role in ("estimation", *HELD_OUT):
+        for recording in recordings.get(role, ()):
+            columns, tau = recording.columns(evaluate, remembers=remembers), recording.tau
+            share = (1.0 if has_held else FITTED_SHARE) if role == "estimation" else 0.0
+            cut = int(share * len(tau))
+            fitted = fitted.with_rows(columns[:cut], tau[:cut])
+            held = held.with_rows(columns[cut:], tau[cut:])
+    if has_held:
+        span = _duration([r for role in HELD_OUT for r in recordings.get(role, ())])
+    else:
         span = (1 - FITTED_SHARE) * _duration(recordings["estimation"])
-    basis = _basis([columns for columns, _ in (*fitted, *held)])
+    basis = _basis([*fitted.columns, *held.columns])
     band = recordings["estimation"][0].bandwidth
-    return TrialData(_part(fitted, basis, 0.0), _part(held, basis, 2 * band * span), basis.shape[1])
+    return TrialData(
+        Part(fitted.in_basis(basis), 0.0),
+        Part(held.in_basis(basis), 2 * band * span),
+        basis.shape[1],
+    )
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Triangular factor of each joint's rows [columns | 1 | torques], and their samples."""
+
+    factors: tuple[Float[ndarray, "_ width"], ...] = ()
+    samples: int = 0
+
+    def with_rows(
+        self, columns: Float[ndarray, "samples joints all"], tau: Float[ndarray, "samples joints"]
+    ) -> _Seen:
+        """What has seen these too."""
+        ones = np.ones((len(tau), 1))
+        rows = [np.column_stack([columns[:, j], ones, tau]) for j in range(tau.shape[1])]
+        before = self.factors or [np.zeros((0, row.shape[1])) for row in rows]
+        factors = (factor_of(pair) for pair in zip(before, rows, strict=True))
+        return _Seen(tuple(factors), self.samples + len(tau))
+
+    @property
+    def columns(self) -> tuple[Float[ndarray, "_ all"], ...]:
+        """Of each joint, the factor's columns that are the model's."""
+        return tuple(factor[:, : -1 - len(self.factors)] for factor in self.factors)
+
+    def in_basis(self, basis: Float[ndarray, "all p"]) -> Float[ndarray, "joints width width"]:
+        """Factors of the mean over samples, the model's columns in a basis."""
+        own = zip(self.columns, self.factors, strict=True)
+        changed = [np.column_stack([c @ basis, factor[:, c.shape[1] :]]) for c, factor in own]
+        return np.array([triangularise(rows) for rows in changed]) / np.sqrt(self.samples)
 
 
 def _duration(recordings: Sequence[ProcessedRecording]) -> float:
     return float(sum(len(recording) / recording.rate for recording in recordings))
 
 
-def _basis(columns: Sequence[Float[ndarray, "_ joints columns"]]) -> Float[ndarray, "all p"]:
+def _basis(columns: Sequence[Float[ndarray, "_ all"]]) -> Float[ndarray, "all p"]:
     """Combinations of the columns that differ on the recordings, of one norm each."""
-    factor = triangularise(np.concatenate([c.reshape(-1, c.shape[2]) for c in columns]))
+    factor = factor_of(columns)
     norms = np.linalg.norm(factor, axis=0)
     used = norms > RANK * norms.max()
     _, sizes, right = np.linalg.svd(factor[:, used] / norms[used])
@@ -165,17 +202,6 @@ def _basis(columns: Sequence[Float[ndarray, "_ joints columns"]]) -> Float[ndarr
     basis = np.zeros((len(norms), int(kept.sum())))
     basis[used] = right[kept].T / norms[used][:, None]
     return basis
-
-
-def _part(pairs: Sequence[Rows], basis: Float[ndarray, "all p"], independent: float) -> Part:
-    columns = np.concatenate([c @ basis for c, _ in pairs])
-    torque = np.concatenate([tau for _, tau in pairs])
-    ones = np.ones((len(torque), 1))
-    factors = [
-        triangularise(np.column_stack([columns[:, j], ones, torque])) / np.sqrt(len(torque))
-        for j in range(torque.shape[1])
-    ]
-    return Part(np.array(factors), independent)
 
 
 def _fit(
