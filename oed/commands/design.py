@@ -13,6 +13,7 @@ from numpy import ndarray
 
 from oed.commands.configurations import Design
 from oed.commands.design_of_load import of_load, run_static
+from oed.commands.design_of_model import model_at, of_model
 from oed.commands.design_output import Result, evaluations_of, told_of, write
 from oed.commands.telling import say, speak
 from oed.counted import counted
@@ -22,7 +23,7 @@ from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearan
 from oed.design.collision import Surroundings
 from oed.design.criteria import Criterion
 from oed.design.default_limits import with_default_limits
-from oed.design.default_problem import ProblemSettings, default_problem
+from oed.design.default_problem import DefaultProblem, ProblemSettings, default_problem
 from oed.design.design import Design as FoundDesign
 from oed.design.optimisers.registry import find_optimiser
 from oed.design.optimisers.result import Budget
@@ -101,9 +102,9 @@ def find(config: Design, robot: Robot) -> Result:
     notes = [*robot.notes, *held, *assumed, *([ROTORS] if config.model == "standard" else [])]
     rng = np.random.default_rng(config.seed)
     surroundings, unchecked = _surroundings(robot, config)
-    posed = default_problem(build_model(config.model, robot), _problem(config))
+    posed, told = _posed(config, robot)
     problem = posed.problem
-    notes += posed.notes
+    notes += [*posed.notes, *told]
     if config.payload:
         problem, told = of_load(problem, config)
         notes += told
@@ -139,6 +140,13 @@ def find(config: Design, robot: Robot) -> Result:
         notes.append(f"D-efficiency not known: {error}")
     before = None if search.free is None else problem.worth(search.free)
     return Result(design, limits, tuple(notes), efficiency, clearance, before)
+
+
+def _posed(config: Design, robot: Robot) -> tuple[DefaultProblem, tuple[str, ...]]:
+    """The problem of the model that is meant, and what was assumed of that."""
+    if isinstance(config.model, Path):
+        return of_model(config.model, robot, _problem(config))
+    return default_problem(build_model(config.model, robot), _problem(config)), ()
 
 
 def _sums(robot: Robot, config: Design) -> list[JointSum]:
@@ -223,6 +231,8 @@ def robot_of(config: Design) -> Robot:
     """The robot that a command names."""
     if config.data:
         return read_robot(config.data, joints=config.joints or None)
+    if not config.robot:
+        return model_at(Path(config.model)).robot
     gravity = config.gravity or EARTH_GRAVITY
     return load_arm(config.robot, joints=config.joints, gravity=gravity)
 
@@ -237,8 +247,9 @@ def _surroundings(robot: Robot, config: Design) -> tuple[Surroundings | None, st
 
 
 def _with_prior(problem: DesignProblem, files: Sequence[str]) -> DesignProblem:
+    known = 0.0 if problem.prior is None else problem.prior
     try:
-        return dataclasses.replace(problem, prior=prior_information(files, problem))
+        return dataclasses.replace(problem, prior=known + prior_information(files, problem))
     except ValueError as error:
         raise ValueError(f"--prior {error}") from error
 

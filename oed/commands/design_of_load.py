@@ -83,7 +83,7 @@ def run_static(config: Design, robot: Robot) -> int:
     robot, assumed = with_default_limits(robot)
     with DESIGN.in_folder(config.out, config.inputs) as results:
         settings = ProblemSettings(torque=False)
-        arm = default_problem(build_model(config.model, robot), settings).problem
+        arm = default_problem(build_model(str(config.model), robot), settings).problem
         problem, told = of_load(arm, config)
         frame, _ = _frame_and_model(robot, config)
         q = static_poses(

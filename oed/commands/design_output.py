@@ -79,7 +79,7 @@ def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
     more: dict[str, object] = {"evaluations_asked": evaluations_of(config)}
     more |= {"margin": config.margin, "scale": config.scale, "before_clearance": result.before}
     more |= {"robot_limits": limits_record(result.limits), "gravity": robot.gravity.tolist()}
-    more |= {"model": config.model, "prior": list(config.prior), "clearance": result.clearance}
+    more |= {"model": str(config.model), "prior": list(config.prior), "clearance": result.clearance}
     write_json(out / "design.json", {**record, **more})
     provenance = Provenance.collect(config, seed=config.seed)
     provenance.write(out / "provenance.json")

@@ -101,7 +101,7 @@ def load_problem(arm: DesignProblem, joint: int, known: KnownTorqueModel | None)
     """
     robot = arm.model.robot
     within = random_motion(robot, STATES, np.random.default_rng(0))
-    sizes = _sizes(arm, within)
+    sizes = drive_sizes(arm, within)
     model = TorqueModel(robot, (*_friction(robot), *load_model(robot, joint).effects))
     far = random_motion(
         robot.with_limits(JointLimits.unlimited(robot.n)), STATES, np.random.default_rng(0)
@@ -175,7 +175,7 @@ def _expected(
     return np.array(std), np.array(units)
 
 
-def _sizes(arm: DesignProblem, motion: Motion) -> Float[ndarray, " joints"]:
+def drive_sizes(arm: DesignProblem, motion: Motion) -> Float[ndarray, " joints"]:
     """(n,) torque that each drive is made for [N m]: its limit, or what the arm needs of it.
 
     Drives are chosen by that, and so are their friction and the noise of their currents.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from pathlib import Path
 from typing import Literal
 
 from oed.commands.configurations.command import Command, ModelName
@@ -29,7 +30,8 @@ class Design(Command):
         data: Folder of a data set whose robot is meant; recordings need not be there yet.
         out: Folder for the results.
         joints: Names of the joints to move; the arm proper if not given.
-        model: Torque model whose parameters the motion is to excite.
+        model: Torque model whose parameters the motion is to excite: standard, offset or rotor; or a
+            model.json, of which it excites what is in doubt. Its robot is meant where none is named.
         horizon: Length of the motion [s].
         criterion: What is optimised: log10 det of the information (J_d), its condition number
             (J_k), its mean (A) or worst (E) variance.
@@ -69,7 +71,7 @@ class Design(Command):
     data: str = ""
     out: OutFolder
     joints: tuple[str, ...] = ()
-    model: ModelName = "standard"
+    model: ModelName | Path = "standard"
     horizon: float = 10.0
     criterion: Literal["J_k", "J_d", "A", "E"] = "J_d"
     scaled_columns: bool = False
@@ -99,16 +101,13 @@ class Design(Command):
     seed: Seed = 0
 
     def __post_init__(self) -> None:
-        if bool(self.robot) == bool(self.data):
-            raise ValueError("name either a robot's file (--robot) or a data set (--data)")
+        self._check_arm()
         self._check_numbers()
         for option in ("arm", "frame", "static"):
             if getattr(self, option) and not self.payload:
                 raise ValueError(f"--{option}: only with --payload")
         if self.avoid_collision and self.no_clearance:
             raise ValueError("--avoid-collision and --no-clearance contradict each other")
-        if self.gravity is not None and self.data:
-            raise ValueError("--gravity: with --data, dataset.toml says it")
         if self.gravity is not None and not all(map(isfinite, self.gravity)):
             raise ValueError("--gravity: a component is not a finite number")
         if self.box is not None and not all(map(isfinite, self.box)):
@@ -117,6 +116,20 @@ class Design(Command):
             a >= b for a, b in zip(self.box[::2], self.box[1::2], strict=True)
         ):
             raise ValueError("--box: each lower bound must be below its upper bound")
+
+    def _check_arm(self) -> None:
+        """Refuse what leaves open which arm is meant, or says it twice."""
+        is_file = isinstance(self.model, Path)
+        if (self.robot and self.data) or not (self.robot or self.data or is_file):
+            raise ValueError("name either a robot's file (--robot) or a data set (--data)")
+        if self.gravity is not None and self.data:
+            raise ValueError("--gravity: with --data, dataset.toml says it")
+        if is_file and self.gravity is not None:
+            raise ValueError("--gravity: with --model FILE, the file says it")
+        if is_file and self.joints and not (self.robot or self.data):
+            raise ValueError("--joints: with --model FILE, the motion is one of the file's joints")
+        if is_file and self.payload:
+            raise ValueError("--model: with --payload, a file is given as --arm")
 
     def _check_numbers(self) -> None:
         for name in ("rate", "budget", "horizon"):
@@ -140,4 +153,5 @@ class Design(Command):
     @property
     def inputs(self) -> tuple[str, ...]:
         """What is read."""
-        return tuple(given for given in (self.robot, self.data, *self.prior, self.arm) if given)
+        file = str(self.model) if isinstance(self.model, Path) else ""
+        return tuple(x for x in (self.robot, self.data, *self.prior, self.arm, file) if x)
