@@ -53,7 +53,8 @@ for j, name in enumerate(design.problem.model.robot.joint_names):
 #
 # ## Send it
 #
-# The command leaves `motion.csv` and a ROS 2 `JointTrajectory` as YAML and JSON. From Python:
+# The command leaves `motion.csv` and a ROS 2 `JointTrajectory` as YAML and JSON, and URScript or set points for libfranka where the arm has six or
+# seven revolute joints. From Python:
 
 # %%
 robot = design.problem.model.robot

@@ -12,14 +12,10 @@ import numpy as np
 from oed.commands.configurations import Design
 from oed.design.bound.efficiency import DEfficiency
 from oed.design.clearance import ClearanceCheck
+from oed.design.controller_files import files_for
 from oed.design.design import Design as FoundDesign
 from oed.design.design_file import design_record, limits_record
-from oed.design.export import (
-    SetPoints,
-    write_csv,
-    write_joint_trajectory_json,
-    write_joint_trajectory_yaml,
-)
+from oed.design.export import SetPoints
 from oed.report.design_page import design_page
 from oed.report.json_file import write_json
 from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
@@ -105,9 +101,8 @@ def _write_for_controller(design: FoundDesign, config: Design, out: Path) -> Non
     points = SetPoints.sample(
         problem.trajectory, design.z, problem.model.robot.joint_names, config.rate
     )
-    write_csv(points, out / "motion.csv")
-    write_joint_trajectory_yaml(points, out / "joint_trajectory.yaml")
-    write_joint_trajectory_json(points, out / "joint_trajectory.json")
+    for file in files_for(problem.model.robot):
+        file.write(points, out / file.name)
 
 
 def told_of(result: Result, config: Design, notes: Sequence[str]) -> tuple[str, ...]:

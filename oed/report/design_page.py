@@ -12,6 +12,7 @@ from numpy import ndarray
 from oed.counted import counted
 from oed.design.bound.efficiency import DEfficiency
 from oed.design.clearance import ClearanceCheck
+from oed.design.controller_files import files_for
 from oed.design.design import Design
 from oed.design.limits import Certificate
 from oed.dynamics.motion import Motion
@@ -29,11 +30,6 @@ SIGNALS = (
     ("acceleration", "ddq", "rad/s^2"),
 )
 FAR = 1.6  # a limit further off than this many times the motion's own reach is not drawn
-FILES = (
-    ("motion.csv", "motion.csv", "time, position, velocity and acceleration of every joint"),
-    ("joint_trajectory.yaml", "joint_trajectory.yaml", "trajectory_msgs/JointTrajectory, as YAML"),
-    ("joint_trajectory.json", "joint_trajectory.json", "the same, as JSON"),
-)
 SENDING = (
     "With ROS 2, play the YAML file to the arm's trajectory controller: `ros2 topic pub --once "
     "/joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory "
@@ -220,4 +216,5 @@ def _bounds(joint: int, values: ndarray, limit: ndarray) -> list[dict[str, objec
 def _running(design: Design) -> tuple[Text | Links, ...]:
     if not design.status.is_usable:
         return (Text("No files for a controller were written: a limit is not kept."),)
-    return (Links(FILES), Text(SENDING))
+    files = files_for(design.problem.model.robot)
+    return (Links([(file.name, file.name, file.what) for file in files]), Text(SENDING))

@@ -64,6 +64,8 @@ DESIGN = ResultFiles(
         "joint_trajectory.yaml",
         "motion.csv",
         "motion.html",
+        "motion.script",
+        "motion_libfranka.csv",
         "poses.csv",
         "provenance.json",
         "report.html",
