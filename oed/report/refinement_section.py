@@ -39,7 +39,9 @@ def _gap(record: Mapping[str, Any]) -> tuple[Text, ...]:
         return ()
     distance, allowed = record["distance"], record["allowed"]
     says = (
-        "No more than noise makes: nothing speaks against the class of model."
+        "No more than noise makes. That does not show that the class of model is right: the estimate by "
+        "inverse dynamics is the prior here and holds this fit near it, the more so the less these windows "
+        "tell; a term that is missing can stay unseen."
         if distance <= allowed
         else "More than noise makes: the class of model is wrong, something that moves the arm is missing in it."
     )
@@ -47,7 +49,7 @@ def _gap(record: Mapping[str, Any]) -> tuple[Text, ...]:
         Text(
             f"Parameters that fit {record['windows']} simulated windows of half a second are {distance:.3g} "
             f"from those of inverse dynamics (squared, in standard deviations, {record['directions']} "
-            f"directions; with the right model below {allowed:.3g} in 95 % of cases). {says} "
+            f"directions; with the right model below {allowed:.3g} in 95 % of cases or more). {says} "
             f"The solver says: {record['status']}."
         ),
     )
