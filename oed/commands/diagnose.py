@@ -14,12 +14,12 @@ from oed.diagnosis.diagnose import Diagnosis, diagnose
 from oed.diagnosis.discrimination.next_motion import NextExperiment, design_next
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.models import build_model
-from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.calibration import NOTHING
 from oed.experiment.dataset import DataSet
-from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
 from oed.export.found_models import of_diagnosis
+from oed.export.model import Model
 from oed.export.model_file import NAME as MODEL
 from oed.export.model_file import write_model
 from oed.one_thread import on_one_thread
@@ -41,12 +41,14 @@ class Outcome:
         notes: What is doubtful about its numbers, and where its logs paused.
         found: The diagnosis.
         following: The motion that tells apart what is open; None where no name is.
+        started: The model that it started from; None where it is a named one.
     """
 
     dataset: DataSet
     notes: tuple[str, ...]
     found: Diagnosis
     following: NextExperiment | None
+    started: Model | None = None
 
 
 @on_one_thread
@@ -72,12 +74,20 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     for note in notes:
         say(f"note: {note}")
     settings = processing(dataset)
-    model = _base_model(config, dataset, settings)
+    started = _started(config, dataset)
     most = config.max_effects
+    if started is None:
+        name = config.model or base_model_name(dataset, settings)
+        model, known, parameters = build_model(str(name), dataset.robot), NOTHING, None
+    else:
+        model, known = started.to_estimate()
+        parameters = started.parameters_of(model)
     found = diagnose(
         dataset,
         model,
         settings=settings,
+        parameters=parameters,
+        known=known,
         names=config.candidates or tuple(CATALOGUE),
         most=FEW_TERMS if most is None and config.smoke else most,
         seed=config.seed,
@@ -87,15 +97,15 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     rng = np.random.default_rng(config.seed)
     motions = FEW_MOTIONS if config.smoke else MOTIONS
     following = design_next(found, rng, candidates=motions)
-    return Outcome(dataset, (*notes, *found.notes), found, following)
+    return Outcome(dataset, (*notes, *found.notes), found, following, started)
 
 
-def _base_model(config: Diagnose, dataset: DataSet, settings: ProcessingSettings) -> TorqueModel:
-    """As it is named, or found before."""
-    if isinstance(config.model, Path):
-        say(f"base model {config.model}")
-        return model_for(dataset, config.model).torque_model
-    return build_model(config.model or base_model_name(dataset, settings), dataset.robot)
+def _started(config: Diagnose, dataset: DataSet) -> Model | None:
+    """The model that was found before; None where it is named."""
+    if not isinstance(config.model, Path):
+        return None
+    say(f"base model {config.model}")
+    return model_for(dataset, config.model)
 
 
 def diagnose_into(config: Diagnose) -> Outcome:
@@ -104,7 +114,7 @@ def diagnose_into(config: Diagnose) -> Outcome:
         outcome = find(config, read_dataset(config.data))
         provenance = Provenance.collect(config, seed=config.seed)
         with results.replaced() as new:
-            model = of_diagnosis(outcome.found, outcome.dataset.name, provenance)
+            model = of_diagnosis(outcome.found, outcome.dataset.name, provenance, outcome.started)
             write_model(model, new / MODEL, home=results.folder)
             write_diagnosis(
                 outcome.found,

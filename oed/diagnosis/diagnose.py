@@ -22,6 +22,8 @@ from oed.diagnosis.selection.search import Selected, search
 from oed.diagnosis.setup import Sealed, pose
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry
 from oed.dynamics.torque_model import TorqueModel
+from oed.estimation.calibration import NOTHING
+from oed.estimation.known_torque import KnownTorque
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.recording import ROLES
@@ -41,6 +43,7 @@ class Diagnosis:
         errors: Before and after, one entry a role that has recordings.
         budget: What each term carries on held-out rows.
         curves: What each addition gives over a coordinate on these rows.
+        known: Torque that was found before: part of no model here, and of what is handed on.
         noise_floor: (n,) deviation of noise in the band [N m].
         noise_source: Where that was read off.
         cutoff: Of the analysis band [Hz].
@@ -57,6 +60,7 @@ class Diagnosis:
     errors: tuple[RoleErrors, ...]
     budget: Budget
     curves: tuple[Curve, ...]
+    known: KnownTorque
     noise_floor: Float[ndarray, " joints"]
     noise_source: str
     cutoff: float
@@ -74,6 +78,8 @@ def diagnose(
     catalogue: Mapping[str, CatalogueEntry] = CATALOGUE,
     names: Sequence[str] | None = None,
     most: int | None = None,
+    parameters: Float[ndarray, " parameters"] | None = None,
+    known: KnownTorque = NOTHING,
     seed: int = 0,
     budget: float | None = None,
     say: Callable[[str], None] = lambda _: None,
@@ -88,6 +94,9 @@ def diagnose(
         catalogue: Effects that may be named.
         names: Of these, those that are tried; all if None.
         most: Terms that may be added; three a joint if None, at least six.
+        parameters: Of the base model, where it was found before: errors before are those of this
+            estimate, handed on as it is; estimated from the data set if None.
+        known: Torque that was found before and stays as it is, such as that of smooth terms.
         seed: Of the bootstrap.
         budget: CPU time after which nothing more is looked for [s]; what was found by then is judged
             and reported.
@@ -105,13 +114,22 @@ def diagnose(
         catalogue=catalogue,
         names=names,
         most=most,
+        known=known,
         say=say,
     )
     for note in notes:
         say(f"note: {note}")
     selected = search(problem, say, lambda: time.process_time() > end)
     found = answer(selected)
-    return report(sealed, selected, found, notes=notes, rng=np.random.default_rng(seed))
+    before = Predictor(sealed.before.model, sealed.before.parameters)
+    return report(
+        sealed,
+        selected,
+        found,
+        before=before if parameters is None else Predictor(model, parameters),
+        notes=notes,
+        rng=np.random.default_rng(seed),
+    )
 
 
 def report(
@@ -119,13 +137,13 @@ def report(
     selected: Selected,
     found: Answer,
     *,
+    before: Predictor,
     notes: tuple[str, ...],
     rng: np.random.Generator,
 ) -> Diagnosis:
     """Errors on all recordings, the sealed ones too: nothing that was found changes by it."""
     here = selected.views.every.problem
     whole = fit(here, selected.views.every.terms, here.rows.fitted, selected.views.every)
-    before = Predictor(sealed.before.model, sealed.before.parameters)
     after = predictor(whole) if whole.terms else before
     by_role = {role: tuple(p for p in sealed.every if p.role == role) for role in ROLES}
     errors = tuple(
@@ -168,6 +186,7 @@ def report(
         errors,
         carried,
         tuple(c for c in drawn if c is not None),
+        sealed.before.known,
         sealed.floor,
         sealed.source,
         sealed.every[0].band.cutoff,

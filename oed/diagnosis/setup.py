@@ -19,8 +19,9 @@ from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry, Context, D
 from oed.dynamics.effects.entries.measurement import standing
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import with_widths
-from oed.estimation.calibration import Calibration, calibrate
+from oed.estimation.calibration import NOTHING, Calibration, calibrate
 from oed.estimation.dissipation import check_dissipation, driven_joints
+from oed.estimation.known_torque import KnownTorque
 from oed.estimation.noise_floor.baseline import Baseline, find_baseline
 from oed.estimation.noise_floor.linear_fit import LinearFit, fit_model
 from oed.estimation.noise_floor.smooth_terms import ALL_PAIRED, terms_alone, terms_together
@@ -42,7 +43,7 @@ class Sealed:
     """All recordings, those for the test among them: for the report alone.
 
     Attributes:
-        every: The recordings, prepared.
+        every: The recordings, prepared, without the torque that is known.
         before: The base model's estimate and its errors, as `oed identify` has them.
         baseline: Gives the noise and how certain a row's direction is.
     """
@@ -74,6 +75,7 @@ def pose(
     catalogue: Mapping[str, CatalogueEntry] = CATALOGUE,
     names: Sequence[str] | None = None,
     most: int | None = None,
+    known: KnownTorque = NOTHING,
     say: Callable[[str], None] = lambda _: None,
 ) -> tuple[Problem, Sealed, tuple[str, ...]]:
     """Lay out what a search may look at, and seal the rest.
@@ -85,6 +87,7 @@ def pose(
         catalogue: Effects that may be named.
         names: Of these, those that are tried; all if None.
         most: Terms that may be added.
+        known: Torque that was found before and is taken off.
         say: Receives lines of progress.
 
     Returns:
@@ -101,11 +104,11 @@ def pose(
         )
     dataset.check_moves()
     settings = settings or choose_settings(dataset.recordings)
-    prepared = prepare(dataset.recordings, settings)
+    prepared = known.taken_off(prepare(dataset.recordings, settings), model)
     say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
     estimation, validation = _looked_at(prepared, say)
     model = standing(model)
-    before = calibrate(dataset, model, settings)
+    before = calibrate(dataset, model, settings, known=known)
     # Of recordings that are too short it raises what is wrong with them.
     baseline = before.baseline or find_baseline(model, estimation)
     rows = WhiteRows.of(weigh((*estimation, *validation), baseline.floor.noise, baseline.coulomb))

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.calibration import Calibration
 from oed.estimation.known_torque import KnownTorque
 from oed.export.model import Model, Origin, Ranges, ShapeEstimate
@@ -84,8 +83,17 @@ def _completed(found: Model, known: KnownTorque, started: Model | None) -> Model
     )
 
 
-def of_diagnosis(found: Diagnosis, data: str, provenance: Provenance) -> Model:
-    """The augmented model: base parameters, effects in their exact form, smooth terms."""
+def of_diagnosis(
+    found: Diagnosis, data: str, provenance: Provenance, started: Model | None = None
+) -> Model:
+    """The augmented model: base parameters, effects in their exact form, smooth terms.
+
+    Args:
+        found: Of a data set.
+        data: Its name.
+        provenance: Of the run.
+        started: The model that it started from, None for a named one.
+    """
     from oed.diagnosis.inference.covariance import (  # noqa: PLC0415
         parameter_covariance,
     )
@@ -93,7 +101,7 @@ def of_diagnosis(found: Diagnosis, data: str, provenance: Provenance) -> Model:
     model = found.after.model
     covariance = parameter_covariance(found.selected.views.every)
     prepared = found.selected.views.every.problem.rows.prepared
-    return Model(
+    whole = Model(
         model,
         found.after.parameters,
         covariance,
@@ -106,20 +114,27 @@ def of_diagnosis(found: Diagnosis, data: str, provenance: Provenance) -> Model:
             "penalised least squares of base model and additions; covariance by blocks of rows",
             provenance,
         ),
-        shapes=_shapes(model, found.effects),
     )
+    whole = _completed(whole, found.known, started)
+    return dataclasses.replace(whole, shapes=_shapes(whole, found.effects))
 
 
 def _shapes(
-    model: TorqueModel, effects: tuple[FoundEffect, ...]
+    whole: Model, effects: tuple[FoundEffect, ...]
 ) -> tuple[tuple[ShapeEstimate, ...], ...]:
-    """Nonlinear parameters of what was found, at the effect that has its name and joint."""
+    """Nonlinear parameters of what was found, at the effect that has its name and joint.
+
+    Those of an effect that was there before stay.
+    """
+    model = whole.torque_model
     names = {parameter.name for parameter in model.parameters}
 
-    def own(name: str, joint: int | None) -> tuple[ShapeEstimate, ...]:
+    def own(
+        name: str, joint: int | None, before: tuple[ShapeEstimate, ...]
+    ) -> tuple[ShapeEstimate, ...]:
         found = next((e for e in effects if (e.name, e.joint) == (name, joint)), None)
         return (
-            ()
+            before
             if found is None
             else tuple(
                 ShapeEstimate(p.name, p.unit, p.value, p.std, p.note)
@@ -129,7 +144,11 @@ def _shapes(
         )
 
     every = (*model.effects, *model.measurement)
-    return tuple(own(effect.name, getattr(effect, "joint", None)) for effect in every)
+    shapes = whole.shapes or ((),) * len(every)
+    return tuple(
+        own(effect.name, getattr(effect, "joint", None), before)
+        for effect, before in zip(every, shapes, strict=True)
+    )
 
 
 def _ranges(calibration: Calibration) -> Ranges:

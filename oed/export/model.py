@@ -160,6 +160,13 @@ class Model:
         known = KnownTorque(tuple(effect for effect, _ in kept), numbers)
         return dataclasses.replace(whole, effects=fitted), known
 
+    def parameters_of(self, torque_model: TorqueModel) -> Float[ndarray, " parameters"]:
+        """Values of another model's parameters, whose effects are some of these."""
+        own = {
+            id(e): self.parameters[place] for e, place in with_columns(self.torque_model.effects)
+        }
+        return np.concatenate([np.zeros(0), *(own[id(e)] for e in torque_model.effects)])
+
     def shapes_of(self, torque_model: TorqueModel) -> tuple[tuple[ShapeEstimate, ...], ...]:
         """Nonlinear parameters of another model's effects, as far as they are these."""
         every = (*self.torque_model.effects, *self.torque_model.measurement)

@@ -12,7 +12,7 @@ from oed.diagnosis.evidence.moments import correlated_rows
 from oed.diagnosis.inference.answer import answer
 from oed.diagnosis.inference.covariance import parameter_covariance
 from oed.diagnosis.selection.screen import evaluate
-from oed.diagnosis.selection.search import Substitute
+from oed.diagnosis.selection.substitutes import Substitute
 from oed.diagnosis.selection.tables import as_term
 from oed.dynamics.effects import Effect, Parameter
 from oed.dynamics.effects.catalogue import (
@@ -106,6 +106,31 @@ def test_is_handed_on_as_a_model_that_predicts_the_same(found_stribeck, tmp_path
         rel=1e-12,
     )
     assert [s.name for s in again.shapes[-1]] == ["speed", "exponent", "tail"]
+
+
+@pytest.mark.parametrize("names", [("stribeck",), ("rotor_inertia",)])
+def test_a_second_round_starts_with_what_the_first_handed_on(names, tmp_path):
+    """With a name, whose numbers may be refitted, and without one: a curve that stays as it is."""
+    dataset = data_set(31, extra=stribeck(1.5, 0.15), repetitions=2)
+    first = _diagnose(dataset, names=names)
+    assert bool(first.effects) == (names == ("stribeck",))
+    assert first.selected.views.terms
+    provenance = Provenance.collect(PAGE, seed=0)
+    write_model(of_diagnosis(first, "arm", provenance), tmp_path / "model.json")
+    started = load_model(tmp_path / "model.json")
+    model, known = started.to_estimate()
+    assert bool(known.effects) != bool(first.effects)
+    second = diagnose(
+        dataset, model, names=names, most=0, parameters=started.parameters_of(model), known=known
+    )
+    for one, other in zip(first.errors, second.errors, strict=True):
+        # How certain a row's direction is, hence its weight, is read off the data again.
+        assert other.before == pytest.approx(one.after, rel=0.02)
+    motion = first.selected.views.every.problem.rows.prepared[0].motion
+    again = of_diagnosis(second, "arm", provenance, started)
+    there = started.torque_model.torque(started.parameters, motion)
+    assert again.torque_model.torque(again.parameters, motion) == pytest.approx(there, rel=1e-9)
+    assert sum(map(len, again.shapes)) == sum(map(len, started.shapes))
 
 
 def test_covariance_is_the_textbooks_by_blocks(found_stribeck):

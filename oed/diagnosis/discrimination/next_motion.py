@@ -24,7 +24,7 @@ from oed.diagnosis.numbers import REFITTED
 from oed.diagnosis.problem import Problem
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.diagnosis.selection.screen import evaluate, polish
-from oed.diagnosis.selection.search import in_place
+from oed.diagnosis.selection.substitutes import in_place
 from oed.diagnosis.selection.tables import as_term
 from oed.dynamics.motion import Motion
 from oed.dynamics.velocity_sign import sign_terms

@@ -14,7 +14,9 @@ from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.estimates import Estimated, estimates
 from oed.diagnosis.numbers import ALIKE, NAMED
-from oed.diagnosis.selection.search import Judged, Selected, Substitute, ahead
+from oed.diagnosis.selection.judge import Judged
+from oed.diagnosis.selection.search import Selected
+from oed.diagnosis.selection.substitutes import Substitute, ahead
 from oed.dynamics.effects.catalogue import EffectPage
 
 Outcome = Literal["nothing found", "explained", "ambiguous", "unexplained"]

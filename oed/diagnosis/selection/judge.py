@@ -1,0 +1,77 @@
+"""Judging backwards: what each term is worth by what the whole model leaves."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+from oed.diagnosis.evidence.criterion import Moments, Worth, worth
+from oed.diagnosis.evidence.term import Term
+from oed.diagnosis.evidence.views import Views, moments
+from oed.diagnosis.selection.look_ahead import Say
+from oed.diagnosis.selection.screen import price
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A term of a whole model, and what it is worth there.
+
+    Attributes:
+        term: The one that is judged.
+        rest: The model without it, its variance that of the whole.
+        moments: What rows tell of it.
+        worth: Of the term.
+    """
+
+    term: Term
+    rest: Views
+    moments: Moments
+    worth: Worth
+
+
+def judge(whole: Views, number: int) -> Judged:
+    """What a term is worth beside all else, counted by what the whole model leaves."""
+    others = tuple(t for k, t in enumerate(whole.terms) if k != number)
+    rest = whole.grown(others, "all", like=whole)
+    told = moments(whole, number, rest)
+    return Judged(whole.terms[number], rest, told, worth_of(whole, number, told))
+
+
+def worth_of(whole: Views, number: int, told: Moments) -> Worth:
+    """Worth of a term by what rows tell of it."""
+    term = whole.terms[number]
+    fitted = whole.showing(term.candidate)
+    cost = price(term.candidate, term.values, fitted, told.rows / told.dilution)
+    fixed = term.candidate.unit_coefficient
+    return worth(told, cost, term.precision, fixed=fixed, chosen=term.precision is not None)
+
+
+def resmoothed(whole: Views) -> Views:
+    """The model whose smooth terms are as smooth as rows have it, counted by what all of it leaves.
+
+    On the way ahead all rows counted, and let a term bend to what a wrong model had left.
+    """
+    terms = list(whole.terms)
+    for k, term in enumerate(terms):
+        if term.precision is not None:
+            penalty = term.candidate.precision(len(term.precision))
+            own = worth(judge(whole, k).moments, 0.0, penalty)
+            terms[k] = dataclasses.replace(term, precision=own.precision)
+    changed = any(new is not old for new, old in zip(terms, whole.terms, strict=True))
+    return whole.grown(tuple(terms), "all") if changed else whole
+
+
+def prune(views: Views, say: Say) -> tuple[Views, list[Judged]]:
+    """Drop the term that is worth least, as long as one is worth nothing."""
+    views = resmoothed(views)
+    while True:
+        judged = [judge(views, k) for k in range(len(views.terms))]
+        if not judged:
+            return views, judged
+        least = min(range(len(judged)), key=lambda k: judged[k].worth.nats)
+        if judged[least].worth.nats > 0:
+            return views, judged
+        own = judged[least]
+        say(f"- {own.term.label} {own.worth.nats:.1f} nats, tau {own.moments.dilution:.1f}")
+        terms = tuple(t for k, t in enumerate(views.terms) if k != least)
+        views = views.grown(terms, "all")

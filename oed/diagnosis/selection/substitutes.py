@@ -1,0 +1,111 @@
+"""What else could stand in the place of a term."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from oed.diagnosis.candidates.candidate import Candidate
+from oed.diagnosis.evidence.term import Term
+from oed.diagnosis.evidence.views import Views, moments
+from oed.diagnosis.numbers import COMPARED, NAMED, PREDICTION_GAIN
+from oed.diagnosis.selection.judge import Judged, worth_of
+from oed.diagnosis.selection.screen import Scored, evaluate
+from oed.diagnosis.selection.sign_refit import with_refitted_sign
+from oed.diagnosis.selection.tables import Tables, as_term, few
+
+
+@dataclass(frozen=True, eq=False)
+class Substitute:
+    """Something else in the place of a term.
+
+    Attributes:
+        term: It.
+        nats: What it is worth there, at the term's own dilution and variance.
+        given: (n, R) white torque that it gives there. A model with it, which `in_place` makes, is not
+            kept: each holds columns of all rows.
+    """
+
+    term: Term
+    nats: float
+    given: Float[ndarray, "joints rows"]
+
+
+# Nats by which a substitute is excluded, however many there are of like worth.
+NOT_EXCLUDED = float(np.log(NAMED / (1 - NAMED))) + float(np.log(COMPARED))
+
+
+def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute]:
+    """What else could stand in the place of a term, best first; the term itself is among them.
+
+    Whatever could be preferred to the term has to predict held-out rows better than nothing does,
+    as the term had to when it was added. The term with other shapes is one of them where it is
+    worth more: of a formula that has several, such as a spring in stretches, a plainer one may do.
+    """
+    joint = own.term.candidate.joint
+    excluded = own.rest.labels
+
+    def near(candidate: Candidate) -> bool:
+        return joint is None or candidate.joint in (joint, None) or candidate.is_named
+
+    found = [Substitute(own.term, own.worth.nats, _given(whole, own))]
+    nothing = ahead(own.rest, own.rest.terms)
+    for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
+        grown = in_place(whole, own, as_term(_as_smooth(scored, own)))
+        # Substitutes of one size are compared at the same, smaller dilution.
+        nats = _nats_in_place(grown, whole, own)
+        substitute = Substitute(grown.terms[-1], nats, _given(grown, own))
+        if substitute.term.label == own.term.label and nats <= own.worth.nats + PREDICTION_GAIN:
+            continue
+        if (
+            substitute.nats < own.worth.nats - NOT_EXCLUDED
+            or ahead(grown, grown.terms).rise(nothing, "held_out") > 0
+        ):
+            found.append(substitute)
+    return sorted(found, key=lambda r: -r.nats)
+
+
+def _as_smooth(scored: Scored, own: Judged) -> Scored:
+    """A smooth candidate as smooth as rows have it that count as in a term's place; a name as it is."""
+    if scored.candidate.is_named:
+        return scored
+    fitted = own.rest.showing(scored.candidate)
+    return evaluate(scored.candidate, scored.values, fitted, own.moments.dilution) or scored
+
+
+def in_place(whole: Views, own: Judged, term: Term) -> Views:
+    """A model with another term in the place of one."""
+    grown = whole.grown((*own.rest.terms, term), "all", like=whole)
+    return with_refitted_sign(grown, "all", _acting(grown, own))
+
+
+def _given(whole: Views, own: Judged) -> Float[ndarray, "joints rows"]:
+    """White torque that a model has beyond what is there without a term."""
+    after, before = (v.showing(own.term.candidate).projection for v in (whole, own.rest))
+    return (before.residual - after.residual) * before.weights[:, None]
+
+
+def _acting(grown: Views, own: Judged) -> set[int] | None:
+    """Joints of a term and of what it stands in the place of; None for all."""
+    joints = {own.term.candidate.joint, grown.terms[-1].candidate.joint}
+    return None if None in joints else {j for j in joints if j is not None}
+
+
+def _nats_in_place(grown: Views, whole: Views, own: Judged) -> float:
+    """Worth of a model's last term in the place of another; on all rows where one of them changes."""
+    last, number = len(grown.terms) - 1, whole.terms.index(own.term)
+    alike = own.term.candidate.changes == grown.terms[last].candidate.changes
+
+    def nats(views: Views, place: int) -> float:
+        tau, changes = own.moments.dilution, None if alike else True
+        return worth_of(views, place, moments(views, place, own.rest, tau, changes=changes)).nats
+
+    return nats(grown, last) if alike else own.worth.nats + nats(grown, last) - nats(whole, number)
+
+
+def ahead(views: Views, terms: tuple[Term, ...]) -> Views:
+    """A model of these terms that is fitted without the rows that are held out."""
+    return views.grown(terms, "fitted")
