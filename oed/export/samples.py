@@ -3,8 +3,9 @@
 What is drawn is the normal distribution of the estimate, cut off where no body has such an inertia
 or an effect would be of the wrong sign. Hit-and-run (Smith 1984, Operations Research 32(6)) walks in
 it: a direction of the covariance at random, the stretch of that line that is feasible, and a point
-of the normal distribution on it. The chain leaves exactly that distribution as it is: nothing is
-projected, and so nothing is drawn to an edge.
+of the normal distribution on it. The walk leaves exactly that distribution as it is: nothing is
+projected, and so nothing is drawn to an edge. Every draw is the end of a walk of its own from the
+estimate, all walked at once, so that no draw depends on another.
 """
 
 from __future__ import annotations
@@ -22,9 +23,11 @@ from oed.export.model import Model
 from oed.robot.inertia import pseudo_inertia
 
 RANK = 1e-12  # of the covariance's largest eigenvalue, in units of the deviations
-STEPS = 5  # of the walk a dimension, from one draw to the next: enough to forget where it was
+STEPS = 10  # of a walk a dimension: what it remembers of its start is below e^-10
 MARGIN = 1e-6  # of a body's pseudo-inertia that is kept in every direction
 FARTHEST = 8.0  # standard deviations: beyond that the normal distribution is rounding
+
+UNITS = np.array([pseudo_inertia(unit) for unit in np.eye(10)])  # of each of the ten parameters
 
 
 @dataclass(frozen=True)
@@ -55,28 +58,38 @@ class FeasibleRegion:
         return cls(model.robot.n, np.array(rows).reshape(-1, count), np.array(bounds))
 
     def stretch(
-        self, point: Float[ndarray, " p"], way: Float[ndarray, " p"]
-    ) -> tuple[float, float]:
-        """Least and largest multiple of `way` from a possible point that stays possible."""
-        least, most = -np.inf, np.inf
-        slack, rate = self.weights @ point - self.bounds, self.weights @ way
-        with np.errstate(divide="ignore"):
+        self, points: Float[ndarray, "count p"], ways: Float[ndarray, "count p"]
+    ) -> tuple[Float[ndarray, " count"], Float[ndarray, " count"]]:
+        """Least and largest multiple of each way from a possible point that stays possible."""
+        slack, rate = points @ self.weights.T - self.bounds, ways @ self.weights.T
+        with np.errstate(divide="ignore", invalid="ignore"):
             ends = -slack / rate
-        least = max(least, float(ends[rate > 0].max(initial=-np.inf)))
-        most = min(most, float(ends[rate < 0].min(initial=np.inf)))
-        for i in range(self.joints):
-            own = slice(10 * i, 10 * i + 10)
-            # J + s D is positive definite while 1 + s e is positive for all e of L^-1 D L^-T.
-            root = np.linalg.inv(np.linalg.cholesky(pseudo_inertia(point[own])))
-            turned = np.linalg.eigvalsh(root @ pseudo_inertia(way[own]) @ root.T)
-            inside = 1 - MARGIN
-            least = max(least, -inside / turned[-1] if turned[-1] > 0 else -np.inf)
-            most = min(most, -inside / turned[0] if turned[0] < 0 else np.inf)
+        least = np.where(rate > 0, ends, -np.inf).max(axis=1, initial=-np.inf)
+        most = np.where(rate < 0, ends, np.inf).min(axis=1, initial=np.inf)
+        # J + s D is positive definite while 1 + s e is positive for all e of L^-1 D L^-T.
+        inertias, turns = (self._pseudo_inertias(x) for x in (points, ways))
+        roots = np.linalg.inv(np.linalg.cholesky(inertias))
+        turned = np.linalg.eigvalsh(roots @ turns @ roots.swapaxes(-1, -2)).reshape(len(ways), -1)
+        lowest, highest = turned.min(axis=1), turned.max(axis=1)
+        inside = 1 - MARGIN
+        with np.errstate(divide="ignore"):
+            least = np.maximum(least, np.where(highest > 0, -inside / highest, -np.inf))
+            most = np.minimum(most, np.where(lowest < 0, -inside / lowest, np.inf))
         return least, most
+
+    def _pseudo_inertias(
+        self, parameters: Float[ndarray, "count p"]
+    ) -> Float[ndarray, "count joints 4 4"]:
+        """Of all links: linear in their ten parameters each."""
+        own = parameters[:, : 10 * self.joints].reshape(-1, self.joints, 10)
+        return np.tensordot(own, UNITS, axes=1)
 
 
 def draw_models(model: Model, count: int, rng: np.random.Generator) -> Float[ndarray, "count p"]:
     """Parameters of models that the data do not tell from a model.
+
+    The torques that they foretell spread as the torque without noise is uncertain; a measured
+    torque has its noise besides.
 
     Args:
         model: Of possible bodies, with its covariance.
@@ -90,13 +103,10 @@ def draw_models(model: Model, count: int, rng: np.random.Generator) -> Float[nda
     if model.covariance is None:
         raise NoUsableResult("the model has no covariance to draw from: oed feasible leaves one")
     half = half_covariance(model.covariance)
-    region, z = FeasibleRegion.of(model), np.zeros(half.shape[1])
-    drawn = np.empty((count, len(model.parameters)))
-    for k in range(count):
-        for _ in range(STEPS * len(z)):
-            z = _stepped(z, half, model.parameters, region, rng)
-        drawn[k] = model.parameters + half @ z
-    return drawn
+    region, z = FeasibleRegion.of(model), np.zeros((count, half.shape[1]))
+    for _ in range(STEPS * half.shape[1]):
+        z = _stepped(z, half, model.parameters, region, rng)
+    return model.parameters + z @ half.T
 
 
 def half_covariance(covariance: Float[ndarray, "p p"]) -> Float[ndarray, "p rank"]:
@@ -109,18 +119,18 @@ def half_covariance(covariance: Float[ndarray, "p p"]) -> Float[ndarray, "p rank
 
 
 def _stepped(
-    z: Float[ndarray, " rank"],
+    z: Float[ndarray, "count rank"],
     half: Float[ndarray, "p rank"],
     centre: Float[ndarray, " p"],
     region: FeasibleRegion,
     rng: np.random.Generator,
-) -> Float[ndarray, " rank"]:
-    """One step of hit-and-run in units of standard deviations."""
-    way = rng.normal(size=len(z))
-    way /= np.linalg.norm(way)
-    least, most = region.stretch(centre + half @ z, half @ way)
+) -> Float[ndarray, "count rank"]:
+    """One step of hit-and-run of every walk, in units of standard deviations."""
+    ways = rng.normal(size=z.shape)
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    least, most = region.stretch(centre + z @ half.T, ways @ half.T)
     # Along the line the normal distribution is one of unit width about -z . way.
-    middle = -float(z @ way)
-    low, high = (float(np.clip(x - middle, -FARTHEST, FARTHEST)) for x in (least, most))
-    share = ndtr(low) + rng.uniform() * (ndtr(high) - ndtr(low))
-    return z + (middle + float(ndtri(share))) * way
+    middle = -np.sum(z * ways, axis=1)
+    low, high = (ndtr(np.clip(x - middle, -FARTHEST, FARTHEST)) for x in (least, most))
+    share = low + rng.uniform(size=len(z)) * (high - low)
+    return z + (middle + ndtri(share))[:, None] * ways

@@ -72,4 +72,5 @@ def _named(parameters: Sequence, drawn: Float[ndarray, "count k"]) -> dict[str, 
 
 
 def _range(values: Float[ndarray, " count"]) -> list[float]:
-    return [float(x) for x in np.percentile(values, TAILS)]
+    # One more draw lies between two neighbours with probability 1 / (count + 1): Weibull's positions.
+    return [float(x) for x in np.percentile(values, TAILS, method="weibull")]
