@@ -10,6 +10,7 @@ estimate, all walked at once, so that no draw depends on another.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import ndtr, ndtri
 
+from oed.dynamics.motion import random_motion
 from oed.errors import NoUsableResult
 from oed.export.bodies import calibrated_robot
 from oed.export.model import Model
@@ -25,6 +27,7 @@ from oed.robot.inertia import pseudo_inertia
 RANK = 1e-12  # of the covariance's largest eigenvalue, in units of the deviations
 STEPS = 10  # of a walk a dimension: what it remembers of its start is below e^-10
 MARGIN = 1e-6  # of a body's pseudo-inertia that is kept in every direction
+STATES = 100  # at which the torque's spread is looked at
 FARTHEST = 8.0  # standard deviations: beyond that the normal distribution is rounding
 
 UNITS = np.array([pseudo_inertia(unit) for unit in np.eye(10)])  # of each of the ten parameters
@@ -107,6 +110,24 @@ def draw_models(model: Model, count: int, rng: np.random.Generator) -> Float[nda
     for _ in range(STEPS * half.shape[1]):
         z = _stepped(z, half, model.parameters, region, rng)
     return model.parameters + z @ half.T
+
+
+def kept_spread(model: Model, drawn: Float[ndarray, "count p"], rng: np.random.Generator) -> float:
+    """Spread of the draws' torque over that of the covariance, the median of random states.
+
+    The covariance is one of estimates that are possible, and so is cut off already. Where most of a
+    normal distribution with it is impossible, the second cut leaves less.
+
+    Args:
+        model: That was drawn about, with its covariance.
+        drawn: Of it.
+        rng: Of the states.
+    """
+    arm = dataclasses.replace(model.torque_model, measurement=())
+    rows = arm.regressor(random_motion(model.robot, STATES, rng))
+    told = np.linalg.norm(rows @ half_covariance(model.covariance), axis=1)  # pyright: ignore[reportArgumentType]  # drawn about: it has one
+    moves = told > 0
+    return float(np.median(np.std(rows[moves] @ drawn.T, axis=1, ddof=1) / told[moves]))
 
 
 def half_covariance(covariance: Float[ndarray, "p p"]) -> Float[ndarray, "p rank"]:

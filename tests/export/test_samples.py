@@ -12,7 +12,7 @@ from oed.dynamics.motion import random_motion
 from oed.errors import NoUsableResult
 from oed.export.bodies import calibrated_robot
 from oed.export.model_file import write_model
-from oed.export.samples import FeasibleRegion, draw_models
+from oed.export.samples import FeasibleRegion, draw_models, kept_spread
 from tests.export.every_effect import model_with
 
 COUNT = 200
@@ -77,6 +77,34 @@ def test_every_sample_is_possible_where_half_of_a_normals_are_not():
         calibrated_robot(dataclasses.replace(model, parameters=parameters))
         assert (region.weights @ parameters >= region.bounds - 1e-12).all()
     assert drawn.std(axis=0)[0] > 0
+
+
+@pytest.mark.parametrize(("relative", "is_cut"), [(1e-4, False), (0.4, True)])
+def test_what_the_cut_takes_of_the_spread_of_torque_is_told(relative, is_cut):
+    model, std = known(relative, ("stribeck",))
+    rng = np.random.default_rng(6)
+    cut, free = (
+        draw_models(model, 200, rng),
+        model.parameters + std * rng.normal(size=(200, len(std))),
+    )
+    rows = model.torque_model.regressor(random_motion(model.robot, 300, rng))
+    spreads = [np.std(rows @ each.T, axis=1) for each in (cut, free)]
+    truth = np.median(spreads[0] / spreads[1])
+    assert kept_spread(model, cut, rng) == pytest.approx(truth, abs=0.08)
+    assert (kept_spread(model, cut, rng) < 0.9) == is_cut
+
+
+@pytest.mark.parametrize(("relative", "is_told"), [(0.01, False), (0.4, True)])
+def test_the_command_says_where_samples_spread_less_than_the_estimate(
+    relative, is_told, tmp_path, capsys
+):
+    model, _ = known(relative, ("stribeck",))
+    path = write_model(model, tmp_path / "model.json")
+    given = ["export", str(path), "--samples", "5", "--out", str(tmp_path / "out")]
+    assert run(given) == 0
+    assert ("of what the covariance says" in capsys.readouterr().out) == is_told
+    told = json.loads((tmp_path / "out" / "samples.json").read_text(encoding="utf-8"))
+    assert len(told["samples"]) == 5
 
 
 def test_the_command_writes_samples_and_ranges(tmp_path):

@@ -12,11 +12,13 @@ from numpy import ndarray
 from oed.dynamics.effects import with_columns
 from oed.export.model import Model
 from oed.export.registry import Exported, Target
-from oed.export.samples import draw_models
+from oed.export.samples import draw_models, kept_spread
 from oed.report.json_file import write_json
 
 FILE, RANGES = "samples.json", "randomisation.json"
 TAILS = (2.5, 97.5)  # [%] of the ranges
+ENOUGH = 200  # draws, whose spread is known to 5 %
+NARROW = 0.9  # of the spread: a band of 95 % then holds 92 %
 TERMS = {"friction": "frictionloss", "damping": "damping", "armature": "armature"}  # in MJCF
 
 
@@ -29,7 +31,9 @@ def write_samples(model: Model, target: Target, count: int, seed: int) -> Export
         count: Number of samples.
         seed: Of the draws.
     """
-    drawn = draw_models(model, count, np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    every = draw_models(model, max(count, ENOUGH), rng)
+    drawn = every[:count]
     parameters = model.torque_model.parameters
     record = {
         "format": 1,
@@ -42,7 +46,22 @@ def write_samples(model: Model, target: Target, count: int, seed: int) -> Export
     write_json(target.folder / FILE, record)
     write_json(target.folder / RANGES, {"format": 1, "tails": TAILS, **ranges(model, drawn)})
     use = f"each row of samples in {FILE} is a model; ranges by body and joint are in {RANGES}"
-    return Exported((FILE, RANGES), use)
+    return Exported((FILE, RANGES), use, notes=_narrowed(model, every, rng))
+
+
+def _narrowed(
+    model: Model, drawn: Float[ndarray, "count p"], rng: np.random.Generator
+) -> tuple[str, ...]:
+    """What is said where the samples know more than the estimate."""
+    kept = kept_spread(model, drawn, rng)
+    if kept > NARROW:
+        return ()
+    told = (
+        f"torques of the samples spread {kept:.0%} of what the covariance says, as much of that is cut "
+        "off where no body can be: a band of these torques is too narrow; a motion that excites more "
+        "leaves less to cut"
+    )
+    return (told,)
 
 
 def ranges(model: Model, drawn: Float[ndarray, "count p"]) -> dict[str, Any]:
