@@ -26,7 +26,7 @@ from numpy import ndarray
 
 from oed.commands.configurations import Gains, Payload
 from oed.commands.gains import measure
-from oed.commands.options import Folder, parse
+from oed.commands.options import parse
 from oed.commands.payload import weigh
 from oed.commands.telling import speak
 from oed.errors import OedError
@@ -115,7 +115,7 @@ class Options(StudyOptions):
     """
 
     study: ClassVar[str] = "public_loads"
-    repo: tuple[Folder, ...] = ()
+    repo: tuple[Path, ...] = ()
 
 
 class Laboratory:

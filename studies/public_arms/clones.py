@@ -15,7 +15,13 @@ def clone_of(marker: str, clones: Sequence[Path]) -> Path | None:
     Args:
         marker: The file, by its path in the repository.
         clones: Clones, or folders that hold some.
+
+    Raises:
+        ValueError: If a folder is not there.
     """
+    for folder in clones:
+        if not folder.is_dir():
+            raise ValueError(f"--repo {folder}: no such folder")
     every = [clone for folder in clones for clone in (folder, *sorted(folder.iterdir()))]
     return next((clone for clone in every if (clone / marker).is_file()), None)
 

@@ -92,9 +92,6 @@ class Options(CaseOptions):
 def cases_of(options: Options) -> list[Case]:
     """One a recording, whether its clone is there or not; then the data sets."""
     budget = SMOKE_BUDGET if options.smoke else options.budget
-    for folder in options.repo:
-        if not folder.is_dir():
-            raise ValueError(f"--repo {folder}: no such folder")
     found = []
     for name in options.arms or ARMS:
         clone = clone_of(ARMS[name].marker, options.repo)
