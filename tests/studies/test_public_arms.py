@@ -220,7 +220,7 @@ def test_a_clone_is_found_by_what_it_holds_also_in_a_folder_of_clones(tmp_path):
     pendulum(clone)
     assert clone_of(pendulum_dfki.ARM.marker, [tmp_path / "clones"]) == clone
     assert clone_of(pendulum_dfki.ARM.marker, [clone]) == clone
-    assert clone_of(tx40_nantes.ARM, [clone]) is None
+    assert clone_of(tx40_nantes.ARM.marker, [clone]) is None
     with pytest.raises(ValueError, match="nowhere: no such folder"):
         study.main(["--repo", str(tmp_path / "nowhere"), "--out", str(tmp_path / "out")])
 
