@@ -236,8 +236,8 @@ def page(rows: Sequence[BenchRow], note: str) -> str:
         f"\n95 % intervals that hold the injected value: {coverage(rows)}.\n",
         "\n## Time\n",
         (
-            "Of a whole diagnosis on one core while another ran on the other; recordings of 10,000 "
-            "to 15,000 samples. Each state ran on the machine of its day.\n"
+            "Wall clock of a whole diagnosis on one core, with whatever else the machine did beside it; "
+            "recordings of 10,000 to 15,000 samples. Each state ran on the machine of its day.\n"
         ),
         _table(time_table(rows)),
         "\n## By what was hidden\n",
