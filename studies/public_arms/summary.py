@@ -31,7 +31,8 @@ def page(lines: Sequence[Line]) -> str:
             "## In noise floors, in newton metres, and simulated",
             (
                 f"`floors`: root mean square over the joints of error over noise. `flange`: how far the simulated "
-                f"flange is from the measured one after {HORIZONS[-1]:g} s, in millimetres."
+                f"flange is from the measured one after {HORIZONS[-1]:g} s, in millimetres; a model "
+                "whose mass matrix is that of no bodies has no simulation."
             ),
             markdown_table([_absolute(line) for line in done]),
             "## What is not asked of the models",
