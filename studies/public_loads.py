@@ -187,7 +187,7 @@ def weigh_pair(laboratory: Laboratory, pair: Pair, whose: str, gains: Sequence[f
     except OedError as error:
         return row | {"problem": str(error)}
     mass = next(one for one in report.payload.quantities if one.name == "mass")
-    low, high = mass.interval
+    low, high = mass.interval or (np.nan, np.nan)
     return row | {
         "mass [kg]": mass.value,
         "lower": low,
@@ -236,7 +236,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with options.held(options.repo) as results, tempfile.TemporaryDirectory() as folder:
         laboratory = Laboratory(clone, Path(folder))
         gains, ours = find_gains(laboratory)
-        both = ((OURS, ours), ("published", PUBLISHED))
+        both = ((OURS, tuple(ours.tolist())), ("published", PUBLISHED))
         rows = [weigh_pair(laboratory, pair, *of) for pair in pairs for of in both]
         with results.replaced() as new:
             write_csv(new / "runs.csv", [*rows])

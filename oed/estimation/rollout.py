@@ -141,7 +141,7 @@ def roll_out(
             )
             off = np.abs(found - measured)
             lost += not off.max() < LOST
-            gone = ~np.isfinite(off).all(axis=1)
+            gone = np.asarray(~np.isfinite(off).all(axis=1))
             ends = (last_origin(model.robot, q) for q in (np.nan_to_num(found), measured))
             away = np.linalg.norm(np.subtract(*ends), axis=1)
             errors.append(np.where(gone[:, None], LOST, off))

@@ -151,7 +151,7 @@ def cut(model: TorqueModel, parameters: Float[ndarray, " p"], tracks: Sequence[T
             f"no window of {LENGTH:g} s of the estimation recordings can be simulated to its end"
         )
     parts = (np.array(x) for x in zip(*found, strict=True))
-    return Windows(*parts, np.sqrt(np.mean(np.square(missed), axis=(0, 1))))
+    return Windows(*parts, np.sqrt(np.mean(np.square(missed), axis=(0, 1))))  # pyright: ignore[reportCallIssue]
 
 
 def _at(
@@ -185,7 +185,7 @@ def _step(
     there = casadi.repmat(q, 1, 2) + STEP * casadi.mtimes(moving, casadi.DM(WEIGHTS.T))
     missing, after = [], []
     for k in range(len(STAGES)):
-        state = State(0.0, *(casadi.vertsplit(x[:, k]) for x in (there, moving, a)), SIGN_WIDTH)  # pyright: ignore[reportArgumentType]
+        state = State(0.0, *(casadi.vertsplit(x[:, k]) for x in (there, moving, a)), SIGN_WIDTH)  # pyright: ignore[reportArgumentType, reportCallIssue]
         torque, after = _torque(kept, theta, state, memory)
         missing.append(applied[k * n : (k + 1) * n] - torque)
     return casadi.Function(

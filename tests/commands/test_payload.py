@@ -8,7 +8,7 @@ import pytest
 
 from oed.commands.from_data_set import held_out_notes, prepare
 from oed.experiment.read_dataset import read_dataset
-from oed.experiment.recording import Recording
+from oed.experiment.recording import Recording, Role
 from oed.experiment.write_dataset import write_dataset
 from tests.commands.vertical_arm import CENTRE, MASS, write_sets
 from tests.running import oed
@@ -129,10 +129,11 @@ def test_rows_that_are_held_out_for_nothing_are_told(folders, tmp_path, capsys):
     whole = read_dataset(folders / "loaded")
     (log,) = whole.recordings
     cut = len(log.t) * 3 // 4
-    parts = [
-        Recording(role, role, log.t[rows], log.q[rows], log.tau[rows])
-        for role, rows in (("estimation", slice(None, cut)), ("test", slice(cut, None)))
-    ]
+    roles: tuple[tuple[Role, slice], ...] = (
+        ("estimation", slice(None, cut)),
+        ("test", slice(cut, None)),
+    )
+    parts = [Recording(role, role, log.t[k], log.q[k], log.tau[k]) for role, k in roles]
     part = tmp_path / "part"
     write_dataset(dataclasses.replace(whole, recordings=tuple(parts)), part)
     assert not held_out_notes(prepare(folders / "loaded", model="standard"))

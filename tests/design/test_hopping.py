@@ -49,7 +49,7 @@ def test_a_split_at_one_frequency_is_the_same_motion(monkeypatch) -> None:
     z = problem.random_start(np.random.default_rng(0))
     z[trajectory.variables[:, 0]] = 0.0  # the first term of each joint does nothing
     for seed in range(20):
-        split = split_term(trajectory, z.copy(), np.random.default_rng(seed))
+        split = split_term(trajectory, z.copy(), np.random.default_rng(seed))  # pyright: ignore[reportArgumentType]  # as there
         if (split != z)[trajectory.variables[:, trajectory.terms]].any():
             np.testing.assert_allclose(
                 trajectory.derivative(split, t, 2), trajectory.derivative(z, t, 2), atol=1e-12

@@ -32,6 +32,7 @@ def known_of(*names, forms=False):
     model, _ = model_with(*names, forms=forms, duration=0.2)
     robot = with_default_limits(model.robot)[0]
     whole = model.torque_model.with_robot(robot)
+    assert model.covariance is not None
     return KnownTorqueModel(whole, model.parameters, model.covariance)
 
 
@@ -99,6 +100,7 @@ def test_what_is_in_doubt_becomes_better_known_than_by_a_motion_for_the_same_ter
         motion = problem.trajectory.motion(found.z, problem.instants)
         # By the model's own columns: rows in units of the noise, beside what was known.
         rows = with_model.base.reduce(whole.torque_model.columns(motion))
+        assert with_model.covariance is not None
         rows = (rows / np.sqrt(with_model.covariance)[:, None]).reshape(-1, len(with_model.base))
         return np.linalg.inv(prior + rows.T @ rows)[place, place]
 

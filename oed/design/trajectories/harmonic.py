@@ -201,7 +201,7 @@ class HarmonicClass(TrajectoryClass):
     def moves(self) -> tuple[Move, ...]:
         """Of single terms, where there are several."""
         of_terms = (renew_term, split_term, overtone) if self.terms > 1 else ()
-        return tuple(partial(move, self) for move in of_terms)
+        return tuple(partial(move, self) for move in of_terms)  # pyright: ignore[reportArgumentType]  # a cached property is one
 
     def describe(self, z: Float[ndarray, " size"]) -> dict[str, ndarray]:
         """Centre, amplitudes and frequencies, (n, W) each."""
