@@ -38,7 +38,7 @@ from oed.report.table import Row, markdown_table, write_csv
 from studies.public_arms.clones import clone_of, commit_of
 from studies.study_options import StudyOptions
 
-REPOSITORY, COMMIT = "shamilmamedov/dynamic_calibration", "11af40e7deb7"
+REPOSITORY = "shamilmamedov/dynamic_calibration"
 LOGS = Path("dataset_ur10e/identification_data")
 ROBOT = Path("URe/urdf/ur10e.urdf")
 MASS = 2.805  # [kg], estimate_drive_gains.m
@@ -197,14 +197,20 @@ def weigh_pair(laboratory: Laboratory, pair: Pair, whose: str, gains: Sequence[f
     }
 
 
-def summarise(gains: Sequence[Row], rows: Sequence[Row]) -> str:
-    """The tables, and whether the claim stands."""
+def summarise(gains: Sequence[Row], rows: Sequence[Row], commit: str) -> str:
+    """The tables, and whether the claim stands.
+
+    Args:
+        gains: One row a joint.
+        rows: One a weighing.
+        commit: At which the clone stands.
+    """
     ours = [row for row in rows if row["gains"] == OURS and "problem" not in row]
     worst = max((abs(float(row["off [%]"])) for row in ours), default=np.inf)  # pyright: ignore[reportArgumentType]
     held = sum(bool(row["held"]) for row in ours)
     stands = bool(ours) and worst <= MOST_OFF and held == len(ours)
     verdict = (
-        f"UR10e, {REPOSITORY} at {COMMIT}; the load is {MASS} kg. The claim, stated before the run: "
+        f"UR10e, {REPOSITORY} at {commit}; the load is {MASS} kg. The claim, stated before the run: "
         f"with gains of one pair of recordings its mass comes out within {MOST_OFF:g} % in others, and "
         f"inside its interval. It {'stands' if stands else 'does not stand'}: the largest error is "
         f"{worst:.2g} %, and {held} of {len(ours)} intervals hold the mass."
@@ -238,12 +244,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
         gains, ours = find_gains(laboratory)
         both = ((OURS, tuple(ours.tolist())), ("published", PUBLISHED))
         rows = [weigh_pair(laboratory, pair, *of) for pair in pairs for of in both]
+        commit = commit_of(clone)
+        told = summarise(gains, rows, commit)
         with results.replaced() as new:
             write_csv(new / "runs.csv", [*rows])
-            write_atomically(new / "summary.md", summarise(gains, rows))
-            config = Config(commit_of(clone), tuple(pair.name for pair in pairs))
+            write_atomically(new / "summary.md", told)
+            config = Config(commit, tuple(pair.name for pair in pairs))
             Provenance.collect(config, seed=None).write(new / "provenance.json")
-    sys.stdout.write(summarise(gains, rows))
+    sys.stdout.write(told)
 
 
 if __name__ == "__main__":

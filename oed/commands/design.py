@@ -13,7 +13,7 @@ from numpy import ndarray
 
 from oed.commands.configurations import Design
 from oed.commands.design_of_load import of_load, run_static
-from oed.commands.design_of_model import model_at, of_model
+from oed.commands.design_of_model import of_model
 from oed.commands.design_output import Result, evaluations_of, told_of, write
 from oed.commands.telling import say, speak
 from oed.counted import counted
@@ -34,6 +34,7 @@ from oed.design.still_joints import hold_still_joints
 from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError, RobotError
 from oed.experiment.read_dataset import read_robot
+from oed.export.model_file import load_model, model_file_at
 from oed.one_thread import on_one_thread
 from oed.process_end import NO_USABLE_RESULT
 from oed.report.design_summary import summary
@@ -232,7 +233,7 @@ def robot_of(config: Design) -> Robot:
     if config.data:
         return read_robot(config.data, joints=config.joints or None)
     if not config.robot:
-        return model_at(Path(config.model)).robot
+        return load_model(model_file_at(Path(config.model))).robot
     gravity = config.gravity or EARTH_GRAVITY
     return load_arm(config.robot, joints=config.joints, gravity=gravity)
 

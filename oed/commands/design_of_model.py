@@ -9,14 +9,8 @@ from oed.design.load_problem import NOISE, KnownTorqueModel
 from oed.design.model_prior import completing, for_design, not_designed_for
 from oed.errors import NoUsableResult
 from oed.estimation.load.same_arm import check_same_robot
-from oed.export.model import Model
-from oed.export.model_file import NAME, load_model
+from oed.export.model_file import load_model, model_file_at
 from oed.robot import Robot
-
-
-def model_at(path: Path) -> Model:
-    """The model of a file, or of the folder that holds it."""
-    return load_model(path / NAME if path.is_dir() else path)
 
 
 def of_model(
@@ -33,7 +27,7 @@ def of_model(
         NoUsableResult: If the model has no covariance.
         OtherArm: If it is of another arm.
     """
-    found = model_at(path)
+    found = load_model(model_file_at(path))
     if found.covariance is None:
         raise NoUsableResult(
             f"--model {path}: this model has no covariance; give that of oed identify, diagnose or feasible"

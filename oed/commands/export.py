@@ -7,7 +7,7 @@ from pathlib import Path
 from oed.commands.configurations import Export
 from oed.commands.telling import say, speak
 from oed.export.kinds.sample_files import write_samples
-from oed.export.model_file import NAME, load_model
+from oed.export.model_file import load_model, model_file_at
 from oed.export.registry import Exported, Target, find_exporter
 from oed.report.json_file import write_json
 from oed.report.provenance import Provenance
@@ -18,7 +18,7 @@ def run(config: Export) -> int:
     """Write the model in every form that was asked for, and say what each has and lacks."""
     speak(quiet=config.quiet)
     exporters = {name: find_exporter(name) for name in config.to}
-    path = config.model / NAME if config.model.is_dir() else config.model
+    path = model_file_at(config.model)
     model = load_model(path)
     with EXPORT.in_folder(config.out, [path]) as results, results.replaced() as new:
         target = Target(new, results.folder, 1 / config.rate)

@@ -20,7 +20,7 @@ from oed.experiment.preparation.settings import ProcessingSettings, choose_setti
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
 from oed.export.model import Model
-from oed.export.model_file import NAME, load_model
+from oed.export.model_file import load_model, model_file_at
 from oed.export.model_record import ModelFileError
 
 
@@ -123,7 +123,7 @@ def model_for(dataset: DataSet, path: Path) -> Model:
     Raises:
         ModelFileError: If the file cannot be read, or is of another arm.
     """
-    found = load_model(path / NAME if path.is_dir() else path)
+    found = load_model(model_file_at(path))
     said, meant = found.robot.joint_names, dataset.robot.joint_names
     if said != meant:
         raise ModelFileError(

@@ -30,9 +30,8 @@ from oed.estimation import rollout
 from oed.estimation.rollout import ImplicitArm, Track
 from oed.estimation.symbolic_bodies import possible_bodies
 
-LENGTH = (
-    0.5  # [s] of a window: longer ones of an arm near an upright pose tell its start, not its model
-)
+# [s] of a window: longer ones of an arm near an upright pose tell its start, not its model.
+LENGTH = 0.5
 STEP = 0.025  # [s]: third order keeps a motion of a few hertz to a ten thousandth
 MOST_WINDOWS = 24  # of all recordings: a minute of work for six joints
 STAGES = (1 / 3, 1.0)  # of Radau IIA, in steps
@@ -40,8 +39,8 @@ WEIGHTS = np.array([[5 / 12, -1 / 12], [3 / 4, 1 / 4]])  # of its accelerations
 # Of a sign's turn at least [rad/s]: below what a simulation in MuJoCo or Drake has; Newton's steps need it.
 SIGN_WIDTH = 0.02
 SECONDS = 120.0  # of CPU time: dry friction has corners, about which the solver goes on for long
-ITERATIONS = 200
-TOLERANCE = 1e-6
+ITERATIONS = 200  # of IPOPT: the time ends before, on six joints after some 30
+TOLERANCE = 1e-6  # of IPOPT, far below a deviation of the first fit, in which it counts
 
 
 @dataclass(frozen=True)

@@ -56,6 +56,11 @@ def write_model(model: Model, path: str | Path, *, home: Path | None = None) -> 
     return path
 
 
+def model_file_at(path: Path) -> Path:
+    """Where a model is: the file itself, or `model.json` of the folder that holds it."""
+    return path / NAME if path.is_dir() else path
+
+
 def load_model(path: str | Path) -> Model:
     """Read a model that an identification, a diagnosis or a feasible estimate left.
 

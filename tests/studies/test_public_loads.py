@@ -23,11 +23,11 @@ def row(mass, lower, upper, gains=OURS):
 
 def test_a_claim_falls_by_one_mass_that_is_off_or_outside() -> None:
     good = row(2.79, 2.7, 2.9)
-    assert "It stands" in summarise([], [good])
-    assert "It stands" in summarise([], [good, row(3.08, 3.0, 3.1, "published")])
-    assert "does not stand" in summarise([], [good, row(2.72, 2.6, 2.9)])
-    assert "does not stand" in summarise([], [good, row(2.79, 2.78, 2.8)])
-    assert "does not stand" in summarise([], [])
+    assert "It stands" in summarise([], [good], "c0ffee")
+    assert "It stands" in summarise([], [good, row(3.08, 3.0, 3.1, "published")], "c0ffee")
+    assert "does not stand" in summarise([], [good, row(2.72, 2.6, 2.9)], "c0ffee")
+    assert "does not stand" in summarise([], [good, row(2.79, 2.78, 2.8)], "c0ffee")
+    assert "does not stand" in summarise([], [], "c0ffee")
 
 
 def test_rows_are_those_of_the_authors_without_one_that_is_cut(tmp_path) -> None:

@@ -64,7 +64,7 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
                 break
         views, judged = prune(changed, say)
     if is_over:
-        return _each_by_its_best(tables, views, judged, say)
+        return _each_by_its_best(tables, views, say)
     return Selected(views, tuple(judged), substitutes)
 
 
@@ -75,13 +75,13 @@ def _substitutes(
     return tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
 
 
-def _each_by_its_best(tables: Tables, views: Views, judged: Sequence[Judged], say: Say) -> Selected:
+def _each_by_its_best(tables: Tables, views: Views, say: Say) -> Selected:
     """Each term once by what is worth most in its place, where the time for more is over.
 
     What could stand in a term's place is asked beside all others as they are by then.
     """
     found: dict[str, tuple[Substitute, list[Substitute]]] = {}
-    for label in [own.term.label for own in judged]:
+    for label in [term.label for term in views.terms]:
         own = judge(views, [t.label for t in views.terms].index(label))
         say(f"what else {label} could be")
         substitutes = substitutes_of(tables, views, own)
