@@ -7,7 +7,7 @@ BLOCK_SECONDS = 0.5  # [s] least length of a block: friction at two reversals is
 MOST_BLOCK_SHARE = (
     1 / 12
 )  # of the rows: fewer blocks leave no estimate of a score's variance; assumed
-SMOOTHNESS = (1e-3, 1e-1, 1e1, 1e3)  # precisions of a smoothing prior, of the columns' own
+SMOOTHNESS = (1e-6, 1e-4, 1e-2, 1e0, 1e2)  # rows' worth of a prior on differences of neighbours
 LEAST_LEFT = 0.1  # of noise that a model may leave: below, rows are too few to tell; assumed
 
 # Selection.

@@ -121,23 +121,23 @@ def _by_smoothness(
     *,
     chosen: bool,
 ) -> tuple[Worth, float]:
-    """Posterior under the smoothness of largest evidence, or the one that is given."""
-    size = np.sqrt(np.maximum(np.diag(A), NEW * np.trace(A) + 1e-300))
-    unit = np.outer(size, size)
-    A, g, scaled = A / unit, g / size, penalty / unit
+    """Posterior under the smoothness of largest evidence, or the one that is given.
+
+    The level, which smoothness leaves open, has the information of one row, as a name's
+    coefficients have; a difference between neighbours so many times that.
+    """
     if chosen:
-        options = [scaled]
+        options = [penalty]
     else:
-        scaled = scaled * (len(g) / max(np.trace(scaled), 1e-300))
-        # What smoothness leaves open has unit information, as a name's coefficients have.
-        options = [s * scaled + np.eye(len(g)) / rows for s in SMOOTHNESS]
+        one = float(np.trace(A)) / rows
+        options = [one * (s * penalty + np.eye(len(g)) / len(g)) for s in SMOOTHNESS]
     found: list[tuple[float, Worth, float]] = []
     for P in options:
         mean = np.linalg.solve(A + P, g)
         gained = saturated(max(float(g @ mean), 0.0), rows)
         occam = 0.5 * float(np.linalg.slogdet(A + P)[1] - np.linalg.slogdet(P)[1])
         freedom = float(np.trace(np.linalg.solve(A + P, A)))
-        own = Worth(0.0, mean / size, P * unit * dilution, freedom, occam)
+        own = Worth(0.0, mean, P * dilution, freedom, occam)
         found.append((gained - occam, own, gained))
     _, best, gained = max(found, key=lambda f: f[0])
     return best, gained
