@@ -58,6 +58,12 @@ class Problem:
         return self.means or self
 
     @property
+    def bare(self) -> Problem:
+        """The same without nuisances."""
+        means = None if self.means is None else self.means.bare
+        return dataclasses.replace(self, nuisances=self.nuisances[:, :, :0], means=means)
+
+    @property
     def candidates(self) -> tuple[NamedCandidate | SmoothCandidate, ...]:
         """All that may be added."""
         return (*self.names, *self.smooth)
