@@ -62,6 +62,21 @@ def test_smoothness_is_that_of_largest_evidence_and_paid_for():
         assert other.nats < found.nats
 
 
+def test_pieces_that_hardly_any_row_saw_lie_near_their_neighbours():
+    rng = np.random.default_rng(5)
+    knots, steps = 8, np.diff(np.eye(8), axis=0)
+    curve, penalty = np.sin(np.arange(8.0)), steps.T @ steps
+    X = np.eye(knots)[np.repeat(np.arange(knots), 100)]
+    seen = np.ones(len(X))
+    seen[-200:-100], seen[-100:] = 0.03, 1e-4
+    X = X * seen[:, None]
+    y = X @ curve + rng.normal(size=len(X))
+    y[-200:-100] += 0.3  # as if the curve rose by ten, three deviations of what such rows tell
+    found = worth(Moments(X.T @ X, X.T @ y, float(len(X))), 0.0, penalty)
+    assert found.coefficients[:-2] == pytest.approx(curve[:-2], abs=0.5)
+    assert found.coefficients[-2:] == pytest.approx(curve[-3], abs=1.5)
+
+
 def test_units_do_not_change_it():
     X, y = _problem()
     scale = np.array([1e-4, 1e3])

@@ -16,6 +16,7 @@ from oed.diagnosis.selection.screen import (
     promised,
     weighed,
 )
+from oed.diagnosis.selection.search import as_handed_on
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import as_term
 from oed.diagnosis.setup import pose
@@ -103,6 +104,19 @@ def test_a_sign_that_is_too_wide_is_made_sharp_beside_all_terms(problem):
     only = with_refitted_sign(views, "fitted", {0})
     assert signs_of(only.problem.base)[1] == wide[1]
     assert signs_of(only.problem.base)[0].width < 0.1
+
+
+def test_nuisances_that_take_up_what_the_model_explains_have_no_part_in_the_estimate(problem):
+    friction = Views.of(problem.bare, (), "fitted").every.projection.columns[:, :, -1:]
+    rng = np.random.default_rng(3)
+    noise = 1e-3 * rng.normal(size=friction.shape)
+    idle = Views.of(dataclasses.replace(problem, nuisances=noise), (), "all")
+    assert as_handed_on(idle, lambda _: None) is idle
+    greedy = Views.of(dataclasses.replace(problem, nuisances=friction + noise), (), "all")
+    estimated = as_handed_on(greedy, lambda _: None).every.parameters
+    alone = Views.of(problem.bare, (), "all").every.parameters
+    assert estimated == pytest.approx(alone, rel=1e-6)
+    assert greedy.every.parameters != pytest.approx(alone, rel=1e-2)
 
 
 def test_a_drift_is_compared_on_the_rows_that_show_it():

@@ -68,10 +68,10 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
         if is_over
         else Selected(views, tuple(judged), substitutes)
     )
-    return dataclasses.replace(found, views=_as_handed_on(found.views, say))
+    return dataclasses.replace(found, views=as_handed_on(found.views, say))
 
 
-def _as_handed_on(views: Views, say: Say) -> Views:
+def as_handed_on(views: Views, say: Say) -> Views:
     """The model estimated with nuisances or without, whichever predicts held-out rows better.
 
     They guard the choice of terms against noise that moves the arm. To an estimate they cost what

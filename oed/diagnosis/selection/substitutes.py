@@ -8,13 +8,14 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.diagnosis.candidates.candidate import Candidate
+from oed.diagnosis.evidence.moments import columns_of
 from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views, moments
 from oed.diagnosis.numbers import COMPARED, NAMED, PREDICTION_GAIN
 from oed.diagnosis.selection.judge import Judged, worth_of
 from oed.diagnosis.selection.screen import Scored, evaluate
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
+from oed.diagnosis.selection.table import Line
 from oed.diagnosis.selection.tables import Tables, as_term, few
 
 
@@ -47,9 +48,12 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     """
     joint = own.term.candidate.joint
     excluded = own.rest.labels
+    acting = _acts_on(whole, own)
 
-    def near(candidate: Candidate) -> bool:
-        return joint is None or candidate.joint in (joint, None) or candidate.is_named
+    def near(line: Line) -> bool:
+        candidate = line.candidate
+        at = joint is None or candidate.joint in (joint, None) or candidate.is_named
+        return at and not acting.isdisjoint(line.places)
 
     found = [Substitute(own.term, own.worth.nats, _given(whole, own))]
     nothing = ahead(own.rest, own.rest.terms)
@@ -86,6 +90,13 @@ def _given(whole: Views, own: Judged) -> Float[ndarray, "joints rows"]:
     """White torque that a model has beyond what is there without a term."""
     after, before = (v.showing(own.term.candidate).projection for v in (whole, own.rest))
     return (before.residual - after.residual) * before.weights[:, None]
+
+
+def _acts_on(whole: Views, own: Judged) -> set[int]:
+    """Joints on which a term has columns: what has none there cannot stand in its place."""
+    fitted = whole.showing(own.term.candidate)
+    columns = columns_of(own.term, fitted, fitted.places[whole.terms.index(own.term)])
+    return {j for j, x in columns.items() if np.any(x)}
 
 
 def _acting(grown: Views, own: Judged) -> set[int] | None:

@@ -99,7 +99,7 @@ def lay_out(fitted: Fitted, candidates: Sequence[Candidate]) -> Table:
 def ranked(
     table: Table,
     fitted: Fitted,
-    wanted: Callable[[Candidate], bool],
+    wanted: Callable[[Line], bool],
     per_place: int = 3,
 ) -> list[list[tuple[float, Line]]]:
     """Lines of each candidate, best first, and the candidates by their best.
@@ -107,7 +107,7 @@ def ranked(
     Args:
         table: Of columns.
         fitted: Beside which they stand.
-        wanted: Whether a candidate is asked for.
+        wanted: Whether a line is asked for.
         per_place: Lines of each candidate.
     """
     projection, problem = fitted.projection, fitted.problem
@@ -132,7 +132,7 @@ def ranked(
     counted = fitted.rows(projection.used)
     found: dict[str, list[tuple[float, Line]]] = {}
     for line in table.lines:
-        if not wanted(line.candidate):
+        if not wanted(line):
             continue
         beside = Beside(
             span,

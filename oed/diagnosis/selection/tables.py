@@ -33,12 +33,12 @@ class Tables:
         views: Views,
         excluded: frozenset[str],
         most: int = POLISHED,
-        keep: Callable[[Candidate], bool] = lambda _: True,
+        keep: Callable[[Line], bool] = lambda _: True,
     ) -> list[Scored]:
         """The names and the smooth terms that are worth most beside a model, polished, best first."""
 
-        def wanted(candidate: Candidate) -> bool:
-            return candidate.label not in excluded and keep(candidate)
+        def wanted(line: Line) -> bool:
+            return line.candidate.label not in excluded and keep(line)
 
         lines = ranked(self.alike, views.means, wanted)
         lines += ranked(self.changing, views.every, wanted)
