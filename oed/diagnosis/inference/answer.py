@@ -129,7 +129,7 @@ def _named(
 ) -> FoundEffect | None:
     """The effect of a term, or None where its name is not certain enough."""
     whole = views.every
-    term = whole.terms[number]
+    term = own.term  # as it was judged: one that acts on the model is moved on in each refit
     candidate = term.candidate
     if not isinstance(candidate, NamedCandidate):
         return None
