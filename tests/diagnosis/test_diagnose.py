@@ -133,6 +133,14 @@ def test_a_second_round_starts_with_what_the_first_handed_on(names, tmp_path):
     assert sum(map(len, again.shapes)) == sum(map(len, started.shapes))
 
 
+def test_names_are_those_that_were_judged_though_the_model_is_fitted_again(found_stribeck):
+    selected = found_stribeck.selected
+    moved = tuple(dataclasses.replace(term) for term in selected.views.terms)
+    again = dataclasses.replace(selected, views=selected.views.grown(moved, "all"))
+    labels = [(e.name, e.joint, e.probability) for e in found_stribeck.effects]
+    assert [(e.name, e.joint, e.probability) for e in answer(again).effects] == labels
+
+
 def test_covariance_is_the_textbooks_by_blocks(found_stribeck):
     whole = found_stribeck.selected.views.every
     projection, rows = whole.projection, whole.problem.rows
