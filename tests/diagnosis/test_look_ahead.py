@@ -152,10 +152,24 @@ def test_a_delay_that_is_far_too_long_on_the_grid_leads_to_the_right_one():
     beside = fitted.projection.beside(scored.columns)
     promise = promised(law, scored.values, fitted, beside, counted)
     assert promise is not None
-    assert promise > 100
+    assert promise.nats > 100
     assert polish(scored, fitted).nats > 0
     # The other way it would have to be less than nothing.
     other = evaluate(law, (-0.012,), fitted)
     assert other is not None
     beside = fitted.projection.beside(other.columns)
-    assert promised(law, other.values, fitted, beside, counted) == pytest.approx(other.nats)
+    promise = promised(law, other.values, fitted, beside, counted)
+    assert promise is not None
+    assert promise.nats == pytest.approx(other.nats)
+
+
+def test_shapes_are_fitted_beyond_the_next_of_the_grid():
+    """From 0.3 ms the right delay is several steps of the grid away."""
+    dataset = data_set(36, repetitions=1, late=0.004)
+    problem, _, _ = pose(dataset, TorqueModel.standard(dataset.robot), names=("time_delay",))
+    views = Views.of(problem, (), "fitted")
+    law = next(c for c in problem.names if c.label == "time_delay")
+    fitted = views.showing(law)
+    scored = evaluate(law, (0.0003,), fitted)
+    assert scored is not None
+    assert polish(scored, fitted).values[0] == pytest.approx(0.004, rel=0.1)

@@ -142,13 +142,14 @@ def _named(
     alternatives, probability, named = [], 0.0, 0.0
     for substitute, p, torque in zip(substitutes, share.tolist(), given, strict=True):
         other = substitute.term.candidate
-        same = substitute.term is not term and _cosine(mine, torque) > ALIKE
+        # Other shapes of one name are that name.
+        same = other.label == candidate.label or _cosine(mine, torque) > ALIKE
         # A smooth term that gives the same torque says nothing against the name.
         if other.is_named or same:
             named += p
-        if substitute.term is term or same:
+        if same:
             probability += p
-        if substitute.term is not term:
+        if other.label != candidate.label:
             alternatives.append(
                 Alternative(other.label, _name(other), other.joint, p, same, p > (1 - NAMED) / 2)
             )

@@ -20,6 +20,7 @@ from oed.diagnosis.problem import Problem
 
 NEW = 1e-6  # share of columns outside the model's, below which they add nothing
 EVALUATIONS = 25  # of a shape, and so many more for each further one
+AT_THE_END = 0.05  # of a step: the best that close to the end of a stretch lies beyond it
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,19 +129,19 @@ def promised(
     fitted: Fitted,
     beside: Beside,
     counted: Float[ndarray, " joints"],
-) -> float | None:
-    """Nats that shapes on a grid promise, as a place from which to fit them; None without support.
+) -> Worth | None:
+    """What shapes on a grid promise, as a place from which to fit them; None without columns.
 
     An effect whose size is one of its shapes has no coefficient. Beside the right size it explains
     little or does harm, and yet its direction may be right: it is weighed as if the size were free.
     """
     own = weighed(candidate, values, fitted, beside, counted)
     if own is None or not candidate.unit_coefficient:
-        return None if own is None else own.nats
+        return own
     free = weighed(candidate, values, fitted, beside, counted, fixed=False)
     if free is None or not np.all(free.coefficients > 0):
-        return own.nats
-    return max(own.nats, free.nats)
+        return own
+    return dataclasses.replace(own, nats=max(own.nats, free.nats))
 
 
 def evaluate(
@@ -174,16 +175,33 @@ def evaluate(
 
 
 def polish(scored: Scored, fitted: Fitted) -> Scored:
-    """A candidate with the shapes that are worth most near those given (variable projection)."""
+    """A candidate with the shapes that are worth most near those given (variable projection).
+
+    Of each formula that it has: where one of them is best, another need not be good.
+    """
+    shapes = scored.candidate.shapes(fitted.context)
+    best = _profiled(scored, fitted)
+    for k, shape in enumerate(shapes):
+        if shape.scale != "formula":
+            continue
+        for option in range(int(shape.lower), int(shape.upper) + 1):
+            if float(option) == best.values[k]:
+                continue
+            starts = [
+                evaluate(scored.candidate, (*near[:k], float(option), *near[k + 1 :]), fitted)
+                for near in dict.fromkeys((scored.values, best.values))
+            ]
+            known = [start for start in starts if start is not None]
+            if known:
+                other = _profiled(max(known, key=lambda s: s.nats), fitted)
+                best = max(best, other, key=lambda s: s.nats)
+    return best
+
+
+def _profiled(scored: Scored, fitted: Fitted) -> Scored:
+    """A candidate's formula with the shapes that are worth most near those given."""
     shapes = scored.candidate.shapes(fitted.context)
     best = scored
-    for k, shape in enumerate(shapes):
-        if shape.scale == "formula":
-            for option in range(int(shape.lower), int(shape.upper) + 1):
-                values = (*best.values[:k], float(option), *best.values[k + 1 :])
-                other = evaluate(scored.candidate, values, fitted)
-                if other is not None and other.nats > best.nats:
-                    best = other
     free = [
         k
         for k, shape in enumerate(shapes)
@@ -218,14 +236,21 @@ def _climbed(scored: Scored, moving: list[int], fitted: Fitted) -> Scored:
     start = np.array([shapes[k].place_of(scored.values[k]) for k in moving])
     steps = np.array([1 / max(shapes[k].points - 1, shapes[k].fine, 4) for k in moving])
     if len(moving) == 1:
-        bounds = max(start[0] - steps[0], 0.0), min(start[0] + steps[0], 1.0)
-        minimize_scalar(
-            lambda x: at(np.array([x])),
-            bounds=bounds,
-            method="bounded",
-            options={"maxiter": EVALUATIONS, "xatol": 1e-3 * steps[0]},
-        )
-        return best
+        middle, width, least = float(start[0]), float(steps[0]), np.inf
+        while True:
+            low, high = max(middle - width, 0.0), min(middle + width, 1.0)
+            found = minimize_scalar(
+                lambda x: at(np.array([x])),
+                bounds=(low, high),
+                method="bounded",
+                options={"maxiter": EVALUATIONS, "xatol": 1e-3 * width},
+            )
+            beyond = (low > 0 and found.x - low < AT_THE_END * width) or (
+                high < 1 and high - found.x < AT_THE_END * width
+            )
+            if not beyond or found.fun >= least:
+                return best
+            middle, least = float(found.x), found.fun
     simplex = np.stack(
         [
             start,

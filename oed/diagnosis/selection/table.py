@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from jaxtyping import Int
@@ -15,9 +16,11 @@ from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate, Values
 from oed.diagnosis.evidence.columns import white_effect
+from oed.diagnosis.evidence.criterion import Worth
 from oed.diagnosis.evidence.fit import Beside, Span
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.selection.screen import least_price, most_gained, promised
+from oed.dynamics.effects.catalogue import Context
 
 COLUMN_BYTES = 200_000_000  # of all candidates' columns on the rows of one table; a search has two
 BLOCK = 50  # rows that are kept together where not all are
@@ -102,7 +105,7 @@ def ranked(
     wanted: Callable[[Line], bool],
     per_place: int = 3,
 ) -> list[list[tuple[float, Line]]]:
-    """Lines of each candidate, best first, and the candidates by their best.
+    """Plausible lines of each candidate, best first, and the candidates by their best.
 
     Args:
         table: Of columns.
@@ -130,7 +133,7 @@ def ranked(
         inside.append(product[:-1] / np.sqrt(share))
         scores.append(product[-1] / share)
     counted = fitted.rows(projection.used)
-    found: dict[str, list[tuple[float, Line]]] = {}
+    found: dict[str, list[tuple[Worth, Line]]] = {}
     for line in table.lines:
         if not wanted(line):
             continue
@@ -142,10 +145,21 @@ def ranked(
         )
         if most_gained(beside, counted) <= least_price(line.candidate, problem):
             continue
-        nats = promised(line.candidate, line.values, fitted, beside, counted)
-        if nats is not None:
-            found.setdefault(line.candidate.label, []).append((nats, line))
-    for own in found.values():
-        own.sort(key=lambda x: -x[0])
-        del own[per_place:]
-    return sorted(found.values(), key=lambda own: -own[0][0])
+        own = promised(line.candidate, line.values, fitted, beside, counted)
+        if own is not None:
+            found.setdefault(line.candidate.label, []).append((own, line))
+    supported = (_supported(own, fitted.context, per_place) for own in found.values())
+    return sorted((own for own in supported if own), key=lambda own: -own[0][0])
+
+
+def _supported(
+    lines: list[tuple[Worth, Line]], context: Context, most: int
+) -> list[tuple[float, Line]]:
+    """Of a candidate's lines the best within its prior's support."""
+    lines.sort(key=lambda x: -x[0].nats)
+    possible = (
+        (own.nats, line)
+        for own, line in lines
+        if line.candidate.excluded(context, line.values, own.coefficients) is None
+    )
+    return list(islice(possible, most))
