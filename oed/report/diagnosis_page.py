@@ -58,11 +58,23 @@ def diagnosis_page(
     )
 
 
+def _left(found: Diagnosis) -> str:
+    """What has no name, in words: at which joints, and what it goes with."""
+    over: dict[int, dict[str, None]] = {}
+    for u in sorted(found.unexplained, key=lambda u: u.joint):
+        over.setdefault(u.joint + 1, {}).update(dict.fromkeys(u.depends_on))
+    if not over:
+        return ""
+    places = [
+        f"joint {joint}" + (f" (goes with {', '.join(names)})" if names else "")
+        for joint, names in over.items()
+    ]
+    return f"; something without a name at {', '.join(places)}"
+
+
 def _verdict(found: Diagnosis) -> Verdict:
     names = ", ".join(f"{e.name} ({place_words(e.joint)})" for e in found.effects)
-    places = sorted({u.joint + 1 for u in found.unexplained})
-    left = f"; something without a name at joint{'s' * (len(places) > 1)} {', '.join(map(str, places))}"
-    headline = found.verdict.capitalize() + (f": {names}" if names else "") + left * bool(places)
+    headline = found.verdict.capitalize() + (f": {names}" if names else "") + _left(found)
     sentences = [
         f"{e.role.capitalize()} error: {over_floor(e.before, found.noise_floor):.2f} → "
         f"{over_floor(e.after, found.noise_floor):.2f} noise floors."
@@ -134,8 +146,28 @@ def _error_section(found: Diagnosis, labels: Sequence[str], proof: Path) -> Sect
     )
     noise = Text(
         f"The noise floor was read off the {found.noise_source}, in the band up to {found.cutoff:.3g} Hz."
+        + _below_floor(found, labels)
     )
     return Section("Errors before and after", [picture, Table(rows, caption, digits=3), noise])
+
+
+def _below_floor(found: Diagnosis, labels: Sequence[str]) -> str:
+    """Where held-out errors are certainly below the floor, which then held what has been found."""
+    below = [
+        label
+        for j, label in enumerate(labels)
+        if any(
+            e.role != "estimation" and e.after_interval[j, 1] < found.noise_floor[j]
+            for e in found.errors
+        )
+    ]
+    if not below:
+        return ""
+    return (
+        f" At {', '.join(below)} less than that is left of recordings that nothing was fitted to: the "
+        "floor there, read off before anything was added, holds part of what was found, and the noise "
+        "is lower."
+    )
 
 
 def _effect_section(effect: FoundEffect, labels: Sequence[str]) -> Section:

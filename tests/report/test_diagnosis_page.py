@@ -117,8 +117,19 @@ def test_does_not_say_that_all_is_well_where_something_has_no_name(found, tmp_pa
     page = Reader(write(left, tmp_path / "left"))
     headline = page.text[3]
     assert headline.startswith("Unexplained")
-    assert "something without a name at joint 2" in headline
+    assert "something without a name at joint 2 (goes with q_1, q_2)" in headline
     assert "q_1, q_2" in page.text
+
+
+def test_a_floor_that_held_what_was_found_is_said_to_be_too_high(found, tmp_path):
+    def said(page):
+        return [text for text in page.text if "the noise is lower" in text]
+
+    assert not said(Reader(write(found, tmp_path / "as_it_is")))
+    high = found.noise_floor * np.array([3.0, 1.0])
+    page = Reader(write(dataclasses.replace(found, noise_floor=high), tmp_path / "high"))
+    assert len(said(page)) == 1
+    assert f"At joint 1 ({JOINTS[0]}) less" in said(page)[0]
 
 
 def test_a_contradiction_by_the_test_recordings_stands_beside_the_verdict(found, tmp_path):
