@@ -157,7 +157,7 @@ def compare(cell: Cell, first: str, other: str, seconds: float) -> Comparison:
 
 def judge(low: float, high: float) -> str:
     """The verdict on an interval of the gain of the first over the other."""
-    if 1 / (1 + MATTERS) <= low and high <= 1 + MATTERS:
+    if low >= 1 / (1 + MATTERS) and high <= 1 + MATTERS:
         return "as good"
     if low > 1.0:
         return "ahead"
