@@ -44,7 +44,9 @@ any final motion: {violation:.1e} of a limit). The value at a budget is that of 
 time. Every point at which an optimiser asked for a gradient counts, also before its first local solution ends: it is
 brought within the limits and evaluated exactly after the run, off the clock. Means are over seeds.
 
-Seeds: {seeds}. One run of a longer budget serves the shorter ones. What an entry of a table was not run for is left out.{failed}
+Runs of each method, one a seed: {seeds}. A run of a longer budget serves the shorter ones. An entry that was not run is
+empty; where there is one run each there is no test.{failed} "(0 hops)" stands where no run of just that budget came to a hop from
+one local solution to a neighbour of it: the method is then worth its starts alone.
 
 ## Said before the study was run
 
@@ -76,8 +78,7 @@ def write_summary(rows: Sequence[Mapping[str, str]], budgets: Sequence[float], o
 {markdown_table([row for cell in cells for row in said_rows(cell, budgets)])}
 ## What did each reach?
 
-Median of the seeds, and from the worst to the best of them; "(0 hops)" where no run of that budget came to a hop from one
-local solution to a neighbour of it, so that it is worth its starts alone.
+Median of the seeds, and from the worst to the best of them.
 
 {markdown_table([row for cell in cells for row in reached_rows(cell, budgets)])}
 ## By how much is the best ahead of each?
@@ -127,14 +128,16 @@ def best_rows(cell: Cell, budgets: Sequence[float]) -> list[Row]:
     """A line a budget: the best mean, and which are not told apart from it."""
     rows: list[Row] = []
     for seconds in budgets:
-        first, *others = ranked(cell, seconds)[:] or [""]
+        first, *others = ranked(cell, seconds) or [""]
         if not first:
             rows.append({"criterion": cell.criterion, "CPU s": f"{seconds:g}", "best": "not run"})
             continue
         verdicts = {name: compare(cell, first, name, seconds).verdict for name in others}
         costs = list(cell.costs(first, seconds).values())
         of = {
-            verdict: ", ".join(name for name in others if verdicts[name] == verdict)
+            verdict: "no test"
+            if len(costs) < 2
+            else ", ".join(name for name in others if verdicts[name] == verdict) or "none"
             for verdict in ("ahead", "as good", "not told apart")
         }
         rows.append(
@@ -144,9 +147,9 @@ def best_rows(cell: Cell, budgets: Sequence[float]) -> list[Row]:
                 "best": first + _hops(cell, first, seconds),
                 "mean value": f"{cell.value(float(np.mean(costs))):.5g}",
                 "runs": len(costs),
-                "as good": of["as good"] or "none",
-                "not told apart from": of["not told apart"] or "none",
-                "ahead of": of["ahead"] or "none",
+                "as good": of["as good"],
+                "not told apart from": of["not told apart"],
+                "ahead of": of["ahead"],
             }
         )
     return rows
@@ -221,6 +224,7 @@ def pair_rows(cell: Cell, budgets: Sequence[float]) -> list[Row]:
         first, *others = ranked(cell, seconds) or [""]
         for name in others:
             found = compare(cell, first, name, seconds)
+            is_tested = found.pairs > 1
             rows.append(
                 {
                     "problem": cell.problem,
@@ -230,8 +234,8 @@ def pair_rows(cell: Cell, budgets: Sequence[float]) -> list[Row]:
                     "against": name,
                     "won": f"{found.won} of {found.pairs}",
                     "gain": f"{found.gain:.3f}",
-                    "interval": f"[{found.low:.3f}, {found.high:.3f}]",
-                    "verdict": found.verdict,
+                    "interval": f"[{found.low:.3f}, {found.high:.3f}]" if is_tested else "",
+                    "verdict": found.verdict if is_tested else "one run each: no test",
                 }
             )
     return rows
