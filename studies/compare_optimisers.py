@@ -51,7 +51,7 @@ class Stage:
 # methods without gradients CMA-ES was ahead of both others wherever an earlier state of this study went on.
 STAGES = (
     Stage(1.0, 10),
-    Stage(10.0, 4, ("cma-es", *GRADIENT)),
+    Stage(10.0, 5, ("cma-es", *GRADIENT)),
     Stage(60.0, 1, GRADIENT, (("paper", "J_k"), ("panda", "J_d"))),
 )
 
