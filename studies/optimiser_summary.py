@@ -44,9 +44,11 @@ any final motion: {violation:.1e} of a limit). The value at a budget is that of 
 time. Every point at which an optimiser asked for a gradient counts, also before its first local solution ends: it is
 brought within the limits and evaluated exactly after the run, off the clock. Means are over seeds.
 
-Runs of each method, one a seed: {seeds}. A run of a longer budget serves the shorter ones. Their number was
-set by the time that the machine had, the last ones when others had been seen. An entry that was not run is empty; where there is one run each there is no test.{failed} "(0 hops)" stands where no run of just that budget came to a hop from
-one local solution to a neighbour of it: the method is then worth its starts alone.
+Runs of each method, one a seed: {seeds}. A run of a longer budget
+serves the shorter ones. How many there are was set by the time that the machine had; the last were added when results of the
+first had been seen. An entry that was not run is empty; where there is one run each there is no test.{failed} "(0 hops)"
+stands where no run of just that budget came to a hop from one local solution to a neighbour of it: the method is then worth
+its starts alone.
 
 ## Said before the study was run
 
