@@ -1,247 +1,285 @@
-"""What the runs of `studies.compare_optimisers` say: table, figure, and who wins where."""
+"""What the runs of `studies.compare_optimisers` say: one table a question, and a figure."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy import ndarray
 
-from oed.design.optimisers.result import HistoryPoint
-from oed.design.optimisers.target_hits import (
-    Resource,
-    cost_at,
-    expected_cost,
-    first_hit,
-    hit_curve,
-    median_interval,
-    read_history,
-)
+from oed.design.optimisers.target_hits import expected_cost, first_hit, hit_curve
 from oed.report.comparison_plots import HitPanel, plot_target_hits
 from oed.report.json_file import write_atomically
 from oed.report.style import save_figure
-from oed.report.table import markdown_table, write_csv
+from oed.report.table import Row, markdown_table
+from studies.optimiser_comparison import LEVEL, MATTERS, Cell, cells_of, compare, ranked
+from studies.optimiser_targets import best_known, other_classes, target_row
 
-Row = Mapping[str, str]
-Cell = tuple[str, str, str]  # problem, class, criterion
-BOOTSTRAP_SEED = 0
-RESOURCES: tuple[Resource, Resource] = ("evaluations", "cpu_s")
-UNITS = ("evaluations", "CPU seconds")
-LABELS = ("evaluations", "CPU time [s]")
+DEFAULT = "interior-point"  # of the command
+WITHOUT_GRADIENT = ("genetic", "cma-es", "random")
+NAMES = {"paper": "the paper's arm of two joints", "panda": "a Panda of seven joints"}
 LOSSES = (0.05, 0.01)
-# Of the figure: from 1 % to three times worse than the best.
+# Of the figure: from 1 % to three times worse than the best known.
 CURVE_LOSSES = np.geomspace(0.01, 3.0, 25)
 CURVE_POINTS = 200
-PAPER_J_K = 13.34  # Calafiore 2001, section 5; its horizon is not stated
+SOONEST = 0.02  # [s] of CPU time where the figure begins: a few evaluations
+HOPS = re.compile(r"\b(\d+) hops?\b")
+SAID = """\
+- One optimiser is *ahead* of another at a budget if the interval of its gain, seed by seed, lies wholly above 1;
+  *as good* if it lies within {matters:.0%} of 1; *not told apart* otherwise. The gain is the ratio of J_k, or of the
+  information about every parameter, 10^(difference of J_d / base parameters), in the geometric mean. Intervals are
+  those of Student's t, {level:.0%} for all pairs of a budget together (Bonferroni). "The best" below has the best mean; that
+  ranking is refuted for each rival that is not told apart from it.
+- That {default}, the default of the command, is beaten by none at any budget: refuted where another is ahead of it.
+- That gradients pay: refuted where the best optimiser without them is ahead of the best with them, not shown where
+  these two are not told apart.
+"""
 INTRODUCTION = """\
-A cell is a problem, a class and a criterion. Every run goes on until it has used both budgets, or
-{longest:g} times the CPU budget, which can leave it short of evaluations (see median_evaluations);
-values are read at the budget. Its *target* is the best value that
-any run of the cell found: within 5 % means J_k at most 1.05 times it, or a D-efficiency
-(det Lambda / det best)^(1/b) of at least 1 / 1.05. The figure counts, after each amount, the pairs of
-a run and one of {targets} targets, from 1 % to three times worse than the best, that had been hit. Medians are over seeds, in brackets their 95 %
-bootstrap interval. An evaluation with its gradient counts as one evaluation; what it costs shows
-in the CPU time. `hit` is the share of seeds within so many per cent at the CPU budget; "expected"
-is all CPU time spent by all seeds per success in the whole of their runs, which go on after it. Criteria are of
-80 instants, R_v = I, J_d to base 10.
+# Optimisers compared
+
+Fourier series of five harmonics in 10 s on the paper's arm of two joints (J_k and J_d) and on a Panda of seven (J_d alone), 80
+instants, R_v = I, J_d to base 10, limits of position, velocity and acceleration proven for all t (worst violation of
+any final motion: {violation:.1e} of a limit). The value at a budget is that of the best motion within the limits by that CPU
+time. Every point at which an optimiser asked for a gradient counts, also before its first local solution ends: it is
+brought within the limits and evaluated exactly after the run, off the clock. Means are over seeds.
+
+Runs of each method, one a seed: {seeds}. A run of a longer budget
+serves the shorter ones. How many there are was set by the time that the machine had; the last were added when results of the
+first had been seen. An entry that was not run is empty; where there is one run each there is no test.{failed} "(0 hops)"
+stands where no run of just that budget came to a hop from one local solution to a neighbour of it: the method is then worth
+its starts alone.
+
+## Said before the study was run
+
+{said}
 """
 
 
-@dataclass(frozen=True)
-class Runs:
-    """The runs of one optimiser in one cell that did not fail."""
-
-    histories: tuple[tuple[HistoryPoint, ...], ...]
-    spent: ndarray
-    evaluations: ndarray
-    violations: ndarray
-    failed: int
-
-    @property
-    def best(self) -> float:
-        """Lowest cost."""
-        return min((h[-1].cost for h in self.histories if h), default=float("inf"))
-
-
-def write_summary(rows: Sequence[Row], sizes: Mapping[str, int], longest: float, out: Path) -> None:
-    """Leave summary.csv, summary.md and the figure of target hits.
+def write_summary(rows: Sequence[Mapping[str, str]], budgets: Sequence[float], out: Path) -> None:
+    """Leave summary.md and the figure of target hits.
 
     Args:
         rows: Lines of runs.csv.
-        sizes: Number of base parameters of each problem.
-        longest: Multiple of the CPU budget at which runs are cut.
-        out: Folder.
+        budgets: CPU times at which runs are read [s], the shortest first.
+        out: Folder, made where there is none.
     """
-    cells = group(rows)
-    budgets = (float(rows[0]["evaluations_budget"]), float(rows[0]["cpu_budget_s"]))
-    table = [line for cell, runs in cells.items() for line in lines(cell, runs, sizes, budgets)]
-    write_csv(out / "summary.csv", table)
-    text = [
-        "# Optimisers compared\n",
-        INTRODUCTION.format(longest=longest, targets=len(CURVE_LOSSES)),
-        f"Budgets: {budgets[0]:g} evaluations, {budgets[1]:g} CPU seconds.\n",
-        "## Who wins where\n",
-        *statements(cells, budgets),
-        *against_the_paper(cells),
-        "\n## All cells\n",
-        markdown_table([_readable(line) for line in table]),
+    cells = cells_of(rows)
+    known = {(cell.problem, cell.criterion): best_known(cell) for cell in cells}
+    targets = [target_row(cell, *known[cell.problem, cell.criterion]) for cell in cells]
+    text = _introduction(cells, budgets)
+    for problem in dict.fromkeys(cell.problem for cell in cells):
+        own = [cell for cell in cells if cell.problem == problem]
+        text += f"""
+## Which optimiser for {NAMES[problem]}?
+
+{markdown_table([row for cell in own for row in best_rows(cell, budgets)])}"""
+    text += f"""
+## What was said, and what came out
+
+{markdown_table([row for cell in cells for row in said_rows(cell, budgets)])}
+## What did each reach?
+
+Median of the seeds, and from the worst to the best of them.
+
+{markdown_table([row for cell in cells for row in reached_rows(cell, budgets)])}
+## By how much is the best ahead of each?
+
+{markdown_table([row for cell in cells for row in pair_rows(cell, budgets)])}
+## How long until a motion is near the best known?
+
+Runs within 5 % and 1 % of the best known value (in J_k, or in the information about every parameter), and the CPU time
+that restarts of such runs are expected to take until one succeeds: all time spent up to the limit, over the successes up to
+the same limit. A dash: none succeeded. The figure `target_hits.png` counts, by CPU time, the pairs of a run and one of {len(CURVE_LOSSES)}
+targets from 1 % to three times worse than the best known that had been hit, up to the last budget with two runs.
+
+{markdown_table([row for cell in cells for row in hit_rows(cell, known[cell.problem, cell.criterion][0], budgets)])}
+## What is the best known?
+
+{markdown_table(targets)}{other_classes()}"""
+    write_atomically(out / "summary.md", text)
+    panels = [hit_panel(cell, known[cell.problem, cell.criterion][0]) for cell in cells]
+    save_figure(plot_target_hits(panels), out / "target_hits")
+
+
+def _introduction(cells: Sequence[Cell], budgets: Sequence[float]) -> str:
+    counts = [
+        f"{seconds:g} s: {', '.join(sorted({str(len(cell.costs(name, seconds))) for cell in cells for name in cell.optimisers(seconds)}, key=int))}"
+        f" ({_all_or_some(cells, seconds)})"
+        for seconds in budgets
     ]
-    write_atomically(out / "summary.md", "\n".join(text))
-    save_figure(plot_target_hits(hit_panels(cells, sizes, budgets, longest)), out / "target_hits")
-
-
-def group(rows: Sequence[Row]) -> dict[Cell, dict[str, Runs]]:
-    """Runs by cell and optimiser, in order of appearance."""
-    found: dict[Cell, dict[str, list[Row]]] = {}
-    for row in rows:
-        cell = (row["problem"], row["class"], row["criterion"])
-        found.setdefault(cell, {}).setdefault(row["optimiser"], []).append(row)
-    return {cell: {o: _runs(r) for o, r in by.items()} for cell, by in found.items()}
-
-
-def _runs(rows: Sequence[Row]) -> Runs:
-    good = [row for row in rows if not row["status"].startswith("failed")]
-    return Runs(
-        tuple(read_history(row["history"]) for row in good),
-        np.array([float(row["cpu_s"]) for row in good]),
-        np.array([float(row["evaluations"]) for row in good]),
-        np.array([float(row["certified_violation"]) for row in good]),
-        len(rows) - len(good),
+    failed = sum(cell.failed for cell in cells)
+    return INTRODUCTION.format(
+        violation=max(run.violation for cell in cells for run in cell.runs),
+        seeds="; ".join(counts),
+        failed=f" {failed} runs failed." if failed else "",
+        said=SAID.format(matters=MATTERS, level=LEVEL, default=DEFAULT).rstrip(),
     )
 
 
-def value_of(cost: float, criterion: str) -> float:
-    """J_k or J_d of a cost."""
-    return 10.0**cost if criterion == "J_k" else -cost
+def _all_or_some(cells: Sequence[Cell], seconds: float) -> str:
+    """Which cells and optimisers were run to a budget."""
+    run = [cell for cell in cells if cell.optimisers(seconds)]
+    names = list(dict.fromkeys(name for cell in run for name in cell.optimisers(seconds)))
+    every = {run.optimiser for cell in cells for run in cell.runs}
+    where = "" if len(run) == len(cells) else ", ".join(f"{c.problem} {c.criterion}" for c in run)
+    who = "all optimisers" if set(names) == every else ", ".join(names)
+    return f"{who}; {where} alone" if where else who
 
 
-def target_cost(best: float, loss: float, criterion: str, size: int) -> float:
-    """The cost at which a design is within `loss` of the best one."""
-    return best + (1 if criterion == "J_k" else size) * float(np.log10(1 + loss))
-
-
-def lines(
-    cell: Cell,
-    by_optimiser: Mapping[str, Runs],
-    sizes: Mapping[str, int],
-    budgets: tuple[float, float],
-) -> list[dict[str, str | int | float]]:
-    """A line of the table for every optimiser of a cell."""
-    criterion = cell[2]
-    best = min(runs.best for runs in by_optimiser.values())
-    result = []
-    for name, runs in by_optimiser.items():
-        line: dict[str, str | int | float] = dict(
-            zip(("problem", "class", "criterion"), cell, strict=True)
+def best_rows(cell: Cell, budgets: Sequence[float]) -> list[Row]:
+    """A line a budget: the best mean, and which are not told apart from it."""
+    rows: list[Row] = []
+    for seconds in budgets:
+        first, *others = ranked(cell, seconds) or [""]
+        if not first:
+            rows.append({"criterion": cell.criterion, "CPU s": f"{seconds:g}", "best": "not run"})
+            continue
+        verdicts = {name: compare(cell, first, name, seconds).verdict for name in others}
+        costs = list(cell.costs(first, seconds).values())
+        of = {
+            verdict: "no test"
+            if len(costs) < 2
+            else ", ".join(name for name in others if verdicts[name] == verdict) or "none"
+            for verdict in ("ahead", "as good", "not told apart")
+        }
+        rows.append(
+            {
+                "criterion": cell.criterion,
+                "CPU s": f"{seconds:g}",
+                "best": first + _hops(cell, first, seconds),
+                "mean value": f"{cell.value(float(np.mean(costs))):.5g}",
+                "runs": len(costs),
+                "as good": of["as good"],
+                "not told apart from": of["not told apart"],
+                "ahead of": of["ahead"],
+            }
         )
-        line |= {"optimiser": name, "seeds": len(runs.histories), "failed": runs.failed}
-        for resource, budget in zip(RESOURCES, budgets, strict=True):
-            low, middle, high = _at_budget(runs, resource, budget)
-            line |= {
-                f"median_at_{resource}": value_of(middle, criterion),
-                f"low_at_{resource}": min(value_of(x, criterion) for x in (low, high)),
-                f"high_at_{resource}": max(value_of(x, criterion) for x in (low, high)),
-            }
-        line["best"] = value_of(runs.best, criterion)
-        for loss in LOSSES:
-            target = target_cost(best, loss, criterion, sizes[cell[0]])
-            hits = np.array([first_hit(h, "cpu_s", target) for h in runs.histories])
-            line[f"hit_{loss:.0%}".replace("%", "")] = float((hits <= budgets[1]).mean())
-            line[f"expected_cpu_s_{loss:.0%}".replace("%", "")] = expected_cost(hits, runs.spent)
-        line["median_evaluations"] = float(np.median(runs.evaluations))
-        line["worst_violation"] = float(runs.violations.max(initial=-np.inf))
-        result.append(line)
-    return result
+    return rows
 
 
-def _at_budget(runs: Runs, resource: Resource, budget: float) -> tuple[float, float, float]:
-    """Lower, median and upper cost at a budget."""
-    costs = np.array([cost_at(h, resource, budget) for h in runs.histories])
-    middle, low, high = median_interval(costs, np.random.default_rng(BOOTSTRAP_SEED))
-    return low, middle, high
+def _hops(cell: Cell, name: str, seconds: float) -> str:
+    """A note where every run of just this budget says that it made no hop."""
+    said = [
+        HOPS.search(run.status)
+        for run in cell.runs
+        if run.optimiser == name and run.seconds == seconds
+    ]
+    none = bool(said) and all(match is not None and match[1] == "0" for match in said)
+    return " (0 hops)" if none else ""
 
 
-def _readable(line: Mapping[str, str | int | float]) -> dict[str, str | int | float]:
-    """A line with each median and its interval in one cell."""
-    kept = {k: v for k, v in line.items() if not k.startswith(("median_at", "low_at", "high_at"))}
-    shown: dict[str, str | int | float] = {
-        k: kept.pop(k) for k in ("problem", "class", "criterion", "optimiser", "seeds")
-    }
-    for resource, title in (("evaluations", "at evaluations"), ("cpu_s", "at CPU time")):
-        middle, low, high = (line[f"{k}_at_{resource}"] for k in ("median", "low", "high"))
-        shown[title] = f"{middle:.4g} [{low:.4g}, {high:.4g}]"
-    return shown | kept
+def said_rows(cell: Cell, budgets: Sequence[float]) -> list[Row]:
+    """The verdict on each claim at each budget."""
+    rows: list[Row] = []
+    for seconds in (each for each in budgets if cell.optimisers(each)):
+        order = ranked(cell, seconds)
+        without = [name for name in order if name in WITHOUT_GRADIENT]
+        within = [name for name in order if name not in WITHOUT_GRADIENT]
+        line = {"problem": cell.problem, "criterion": cell.criterion, "CPU s": f"{seconds:g}"}
+        line |= {"beaten by none": "not run", "gradients pay": "not run"}
+        if DEFAULT in order:
+            ahead = [
+                name
+                for name in order
+                if name != DEFAULT and compare(cell, DEFAULT, name, seconds).verdict == "behind"
+            ]
+            line["beaten by none"] = f"refuted: {', '.join(ahead)}" if ahead else "not refuted"
+            if not ahead and len(cell.costs(DEFAULT, seconds)) < 2:
+                line["beaten by none"] = "one run a method: no test"
+        if within and without:
+            outcome = compare(cell, within[0], without[0], seconds).verdict
+            line["gradients pay"] = {"ahead": "confirmed", "behind": "refuted"}.get(
+                outcome, f"not shown: {within[0]} {outcome} {without[0]}"
+            )
+        rows.append(line)
+    return rows
 
 
-def statements(cells: Mapping[Cell, Mapping[str, Runs]], budgets: tuple[float, float]) -> list[str]:
-    """One sentence a cell and budget: the best median, and which others are not told apart."""
-    sentences = []
-    for cell, by_optimiser in cells.items():
-        for resource, budget, unit in zip(RESOURCES, budgets, UNITS, strict=True):
-            sentences.append(_sentence(cell, by_optimiser, resource, budget, unit))
-    return sentences
-
-
-def against_the_paper(cells: Mapping[Cell, Mapping[str, Runs]]) -> list[str]:
-    """How the paper's own algorithm, on its own class and bounds, compares with its value."""
-    genetic = cells.get(("scara", "conservative", "J_k"), {}).get("genetic")
-    if genetic is None or not genetic.histories:
-        return []
-    values = np.array([10.0 ** h[-1].cost for h in genetic.histories if h])
-    below = int((values < PAPER_J_K).sum())
-    sentence = (
-        "\nThe paper's genetic algorithm on its class, bounds and 4-bit genes, at the end of its runs "
-        f"(median {np.median(genetic.evaluations):.0f} evaluations): best J_k {values.min():.4g}, median "
-        f"{np.median(values):.4g}; {below} of {len(values)} seeds beat the paper's {PAPER_J_K}."
-    )
-    return [sentence]
-
-
-def _sentence(
-    cell: Cell, by_optimiser: Mapping[str, Runs], resource: Resource, budget: float, unit: str
-) -> str:
-    intervals = {name: _at_budget(runs, resource, budget) for name, runs in by_optimiser.items()}
-    ranked = sorted(intervals, key=lambda name: intervals[name][1])
-    first = ranked[0]
-    tied = [name for name in ranked[1:] if intervals[name][0] <= intervals[first][2]]
-    value = value_of(intervals[first][1], cell[2])
-    text = f"- {cell[0]}, {cell[1]}, {cell[2]}, {budget:g} {unit}: **{first}**, median {value:.4g}"
-    if tied:
-        text += f"; not told apart from {', '.join(tied)} (intervals overlap)"
-    others = [name for name in ranked[1:] if name not in tied]
-    if others:
-        rest = ", ".join(f"{n} {value_of(intervals[n][1], cell[2]):.4g}" for n in others)
-        text += f"; ahead of {rest}"
-    return text + "."
-
-
-def hit_panels(
-    cells: Mapping[Cell, Mapping[str, Runs]],
-    sizes: Mapping[str, int],
-    budgets: tuple[float, float],
-    longest: float,
-) -> list[HitPanel]:
-    """Two panels a cell: hits of all targets against evaluations and against CPU time."""
-    panels = []
-    for cell, by_optimiser in cells.items():
-        best = min(runs.best for runs in by_optimiser.values())
-        targets = [target_cost(best, loss, cell[2], sizes[cell[0]]) for loss in CURVE_LOSSES]
-        for resource, budget, label in zip(RESOURCES, budgets, LABELS, strict=True):
-            amounts = np.geomspace(budget / 50, budget * longest, CURVE_POINTS)
-            curves = {
-                name: hit_curve(
-                    np.array(
-                        [
-                            first_hit(history, resource, target)
-                            for history in runs.histories
-                            for target in targets
-                        ]
-                    ),
-                    amounts,
+def reached_rows(cell: Cell, budgets: Sequence[float]) -> list[Row]:
+    """A line an optimiser: median, worst and best at each budget."""
+    rows: list[Row] = []
+    for name in cell.optimisers(budgets[0]):
+        line: dict[str, str] = {
+            "problem": cell.problem,
+            "criterion": cell.criterion,
+            "optimiser": name,
+        }
+        for seconds in budgets:
+            costs = np.array(list(cell.costs(name, seconds).values()))
+            shown = ""
+            if len(costs):
+                middle, worst, best = (
+                    f"{cell.value(float(cost)):.5g}"
+                    for cost in (np.median(costs), costs.max(), costs.min())
                 )
-                for name, runs in by_optimiser.items()
+                spread = f" [{worst}, {best}]" if len(costs) > 1 else ""
+                shown = f"{middle}{spread}{_hops(cell, name, seconds)}"
+            line[f"{seconds:g} s"] = shown
+        rows.append(line)
+    return rows
+
+
+def pair_rows(cell: Cell, budgets: Sequence[float]) -> list[Row]:
+    """A line a budget and rival of its best: gain and interval."""
+    rows: list[Row] = []
+    for seconds in budgets:
+        first, *others = ranked(cell, seconds) or [""]
+        for name in others:
+            found = compare(cell, first, name, seconds)
+            is_tested = found.pairs > 1
+            rows.append(
+                {
+                    "problem": cell.problem,
+                    "criterion": cell.criterion,
+                    "CPU s": f"{seconds:g}",
+                    "best": first,
+                    "against": name,
+                    "won": f"{found.won} of {found.pairs}",
+                    "gain": f"{found.gain:.3f}",
+                    "interval": f"[{found.low:.3f}, {found.high:.3f}]" if is_tested else "",
+                    "verdict": found.verdict if is_tested else "one run each: no test",
+                }
+            )
+    return rows
+
+
+def hit_rows(cell: Cell, best: float, budgets: Sequence[float]) -> list[Row]:
+    """A line a limit and optimiser: successes and expected time, both to that limit."""
+    rows: list[Row] = []
+    for limit in budgets:
+        for name in cell.optimisers(limit):
+            runs = [run for run in cell.runs if run.optimiser == name and run.seconds >= limit]
+            line: dict[str, str | float] = {
+                "problem": cell.problem,
+                "criterion": cell.criterion,
+                "limit [CPU s]": f"{limit:g}",
+                "optimiser": name,
             }
-            panels.append(HitPanel(", ".join(cell), amounts, curves, budget, label))
-    return panels
+            for loss in LOSSES:
+                target = best + cell.decades(1 + loss)
+                hits = np.array([first_hit(run.history, "cpu_s", target) for run in runs])
+                hits[hits > limit] = np.inf
+                expected = expected_cost(hits, np.full(len(hits), limit))
+                line[f"within {loss:.0%}"] = f"{np.isfinite(hits).sum()} of {len(hits)}"
+                line[f"expected to {loss:.0%} [s]"] = (
+                    expected if np.isfinite(expected) else float("nan")
+                )
+            rows.append(line)
+    return rows
+
+
+def hit_panel(cell: Cell, best: float) -> HitPanel:
+    """Hits of all targets against CPU time, to the last budget that an optimiser has two runs of."""
+    targets = [best + cell.decades(1 + float(loss)) for loss in CURVE_LOSSES]
+    limits = {
+        name: sorted(run.seconds for run in cell.runs if run.optimiser == name)[-2:][0]
+        for name in cell.optimisers(0.0)
+    }
+    amounts = np.geomspace(SOONEST, max(limits.values()), CURVE_POINTS)
+    curves = {}
+    for name, limit in limits.items():
+        runs = [run for run in cell.runs if run.optimiser == name and run.seconds >= limit]
+        hits = [first_hit(run.history, "cpu_s", target) for run in runs for target in targets]
+        curves[name] = np.where(amounts <= limit, hit_curve(np.array(hits), amounts), np.nan)
+    return HitPanel(f"{cell.problem}, {cell.criterion}", amounts, curves, 1.0, "CPU time [s]")

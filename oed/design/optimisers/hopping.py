@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.design.optimisers.local_solution import LocalSettings, solve_locally
 from oed.design.optimisers.moves import neighbour
 from oed.design.optimisers.result import Budget, EvaluationLog, OptimiserResult
@@ -58,11 +59,13 @@ def optimise(
     """
     settings = settings or HoppingSettings()
     log = EvaluationLog(budget)
-    chains = solutions = 0
+    chains = solutions = hops = 0
     while not log.is_spent or log.best_z is None:
         chains += 1
-        solutions += _chain(problem, log, rng, settings)
-    return log.result(f"{chains} chains, {solutions} local solutions; budget used up")
+        solved, hopped = _chain(problem, log, rng, settings)
+        solutions, hops = solutions + solved, hops + hopped
+    made = f"{counted(chains, 'chain')}, {counted(solutions, 'local solution')}"
+    return log.result(f"{made}, {counted(hops, 'hop')}; budget used up")
 
 
 def _chain(
@@ -70,11 +73,14 @@ def _chain(
     log: EvaluationLog,
     rng: np.random.Generator,
     settings: HoppingSettings,
-) -> int:
-    """One chain, until it is stuck or the budget is spent; how many local solutions it made."""
+) -> tuple[int, int]:
+    """One chain, until it is stuck or the budget is spent; its local solutions, and the hops of them."""
     first = replace(settings.local, stages=settings.local.stages[:1], exchanges=0)
-    starts = (mixed_start(problem, rng) for _ in range(settings.starts))
-    screened = [_solve(problem, start, log, first, is_warm=False) for start in starts]
+    screened = [_solve(problem, mixed_start(problem, rng), log, first, is_warm=False)]
+    while len(screened) < settings.starts and not log.is_spent:
+        screened.append(_solve(problem, mixed_start(problem, rng), log, first, is_warm=False))
+    if log.is_spent:
+        return len(screened), 0
     best, _ = min(screened, key=lambda pair: pair[1])
     best, best_cost = _solve(problem, best, log, settings.local, is_warm=True)
     failed = hops = 0
@@ -84,7 +90,7 @@ def _chain(
         failed = 0 if cost < best_cost - settings.improvement else failed + 1
         if cost < best_cost:
             best, best_cost = z, cost
-    return settings.starts + 1 + hops
+    return len(screened) + 1 + hops, hops
 
 
 def _solve(

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.design.optimisers.local_solution import LocalSettings, solve_locally
 from oed.design.optimisers.polish import polish
 from oed.design.optimisers.result import Budget, EvaluationLog, OptimiserResult
@@ -78,7 +79,9 @@ def optimise(
         value = log.evaluate(problem.cost, solution)
         if value <= before + settings.promising and not log.is_spent:
             polish(problem, solution, value, log, rng, evaluations=settings.polish_evaluations)
-    return log.result(f"{starts} local solutions, {hops} of them from hops; budget used up")
+    return log.result(
+        f"{counted(starts, 'local solution')}, {counted(hops, 'hop')}; budget used up"
+    )
 
 
 def _hop(

@@ -183,11 +183,7 @@ class _Smooth:
 def _left(log: EvaluationLog) -> tuple[int, float]:
     """Iterations and CPU seconds that the budget leaves to one run of the solver."""
     budget = log.budget
-    seconds = budget.longest - log.cpu_s
-    if budget.needs_both:  # either alone may be overspent
-        return UNBOUNDED, seconds
-    if budget.cpu_seconds is not None:
-        seconds = min(seconds, budget.cpu_seconds - log.cpu_s)
+    seconds = np.inf if budget.cpu_seconds is None else budget.cpu_seconds - log.cpu_s
     if budget.evaluations is None:
         return UNBOUNDED, seconds
     return max(1, budget.evaluations - log.evaluations), seconds

@@ -20,15 +20,10 @@ class Budget:
     Attributes:
         evaluations: Evaluations of the criterion, one with its gradient counting as one.
         cpu_seconds: CPU time of this process [s].
-        needs_both: Whether to stop only when both are used up, so that one run can be read at
-            an equal number of evaluations and at equal time.
-        longest: CPU time at which to stop in any case [s].
     """
 
     evaluations: int | None = None
     cpu_seconds: float | None = None
-    needs_both: bool = False
-    longest: float = np.inf
 
     def __post_init__(self) -> None:
         if self.evaluations is None and self.cpu_seconds is None:
@@ -94,9 +89,7 @@ class EvaluationLog:
         """Whether the budget is used up."""
         budget = self.budget
         bounds = ((budget.evaluations, self.evaluations), (budget.cpu_seconds, self.cpu_s))
-        is_reached = [spent >= bound for bound, spent in bounds if bound is not None]
-        is_used = all(is_reached) if budget.needs_both else any(is_reached)
-        return is_used or self.cpu_s >= budget.longest
+        return any(spent >= bound for bound, spent in bounds if bound is not None)
 
     def count(self, evaluations: int = 1) -> None:
         """Record evaluations that are offered to no one."""

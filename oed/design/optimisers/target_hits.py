@@ -20,10 +20,16 @@ Resource = Literal["evaluations", "cpu_s"]
 KEPT_LEVELS = np.concatenate([np.geomspace(1.0, 1e-4, 30), [0.0]])
 
 
-def compress(history: Sequence[HistoryPoint]) -> tuple[HistoryPoint, ...]:
+def compress(
+    history: Sequence[HistoryPoint], read_at: Sequence[float] = ()
+) -> tuple[HistoryPoint, ...]:
     """The points at which a history first passes levels that close in on its end.
 
     The first and the last finite point are always kept, so that no final value is lost.
+
+    Args:
+        history: Improvements in order.
+        read_at: CPU times at which the best value so far is kept, too [s].
     """
     finite = [point for point in history if np.isfinite(point.cost)]
     if not finite:
@@ -35,7 +41,11 @@ def compress(history: Sequence[HistoryPoint]) -> tuple[HistoryPoint, ...]:
         while finite[index].cost > level:
             index += 1
         kept[index] = finite[index]
-    return tuple(kept.values())
+    for seconds in read_at:
+        by_then = sum(point.cpu_s <= seconds for point in finite)
+        if by_then:
+            kept[by_then - 1] = finite[by_then - 1]
+    return tuple(kept[index] for index in sorted(kept))
 
 
 def cost_at(history: Sequence[HistoryPoint], resource: Resource, amount: float | int) -> float:

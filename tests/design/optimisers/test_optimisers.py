@@ -156,19 +156,12 @@ def test_limit_inequalities_have_the_derivatives_they_claim(
     assert (room(z) > -1e-9).all()
 
 
-def test_both_budgets_can_be_demanded() -> None:
-    log = EvaluationLog(Budget(evaluations=3, cpu_seconds=1e-9, needs_both=True))
+def test_the_bound_that_is_reached_first_counts() -> None:
+    log = EvaluationLog(Budget(evaluations=3, cpu_seconds=1e6))
     assert not log.is_spent
     log.count(3)
     assert log.is_spent
-
-
-def test_a_longest_time_ends_even_that() -> None:
-    budget = Budget(evaluations=10**9, cpu_seconds=1e-9, needs_both=True, longest=1e-6)
-    log = EvaluationLog(budget)
-    while time.process_time() - log.started < 1e-5:
-        pass
-    assert log.is_spent
+    assert EvaluationLog(Budget(evaluations=3, cpu_seconds=0.0)).is_spent
 
 
 def test_a_budget_without_bound_is_refused() -> None:

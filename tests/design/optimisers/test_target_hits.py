@@ -82,3 +82,13 @@ def test_a_history_survives_its_text() -> None:
     assert [p.evaluations for p in again] == [5, 20, 30]
     np.testing.assert_allclose([p.cost for p in again], [3.0, 1.0, 0.5])
     assert read_history("") == ()
+
+
+def test_compression_keeps_what_a_budget_would_have_found() -> None:
+    history = [HistoryPoint(n, 0.1 * n, 1.0 + 1e-3 / n) for n in range(1, 100)]
+    history.insert(0, HistoryPoint(0, 0.0, 30.0))
+    assert cost_at(compress(history), "cpu_s", 1.05) > cost_at(history, "cpu_s", 1.05)
+    short = compress(history, read_at=(1.05, 3.0))
+    for seconds in (1.05, 3.0):
+        assert cost_at(short, "cpu_s", seconds) == cost_at(history, "cpu_s", seconds)
+    assert list(short) == sorted(short, key=lambda point: point.cpu_s)
