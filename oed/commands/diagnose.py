@@ -140,7 +140,7 @@ def _summarise(found: Diagnosis, config: Diagnose) -> None:
     for effect in found.effects:
         values = ", ".join(
             f"{p.name} = {p.value:.4g} "
-            + (f"± {p.std:.2g}" if p.std is not None else f"({p.note})")
+            + (f"(standard deviation {p.std:.2g})" if p.std is not None else f"({p.note})")
             for p in effect.parameters
         )
         where = place_words(effect.joint)
