@@ -10,6 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
+from oed.commands.from_data_set import processing
 from oed.commands.rollouts import held_out_tracks
 from oed.commands.telling import say
 from oed.diagnosis.inference.errors import Predictor
@@ -95,7 +96,7 @@ def _errors(
         roll_out(m.torque_model, m.parameters, tracks, horizons=horizons, windows=windows).flange
         for m in (before, after)
     ]
-    rows = [p for p in prepare(dataset.recordings) if p.role == role]
+    rows = [p for p in prepare(dataset.recordings, processing(dataset)) if p.role == role]
     torques = [_rms(m, rows) for m in (before, after)]
     ratio = np.sqrt(np.mean((torques[1] / torques[0]) ** 2))
     return {

@@ -17,6 +17,7 @@ from oed.commands.configurations import Diagnose, ModelName
 from oed.commands.diagnose import Outcome, diagnose_into
 from oed.commands.feasible import estimate
 from oed.commands.from_data_set import prepare as prepare_estimate
+from oed.commands.from_data_set import processing
 from oed.commands.rollouts import held_out_tracks
 from oed.diagnosis.inference.errors import Predictor
 from oed.errors import OedError
@@ -141,7 +142,7 @@ def _data(case: Case) -> Path:
 
 def _numbers(case: Case, dataset: DataSet, outcome: Outcome) -> dict[str, str | int | float]:
     found = outcome.found
-    rows = prepare(dataset.recordings)
+    rows = prepare(dataset.recordings, processing(dataset))
     sealed = [p for p in rows if p.role == "test"]
     models: dict[str, Predictor] = {"base": found.before, "loop": found.after}
     told: dict[str, str | int | float] = {}
