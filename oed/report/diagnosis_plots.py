@@ -44,6 +44,7 @@ class CurvePanel:
         title: Joint and the addition's name.
         unit: Of the joint's residual, "N m" or "N".
         coordinate: In words, with its unit.
+        is_along: Whether torque is counted in the direction in which the joint moves.
         missing: Residual without the addition.
         given: What the addition gives of it.
     """
@@ -51,6 +52,7 @@ class CurvePanel:
     title: str
     unit: str
     coordinate: str
+    is_along: bool
     missing: Curve
     given: Curve
 
@@ -86,7 +88,8 @@ def _draw_curve(panel: Axes, shown: CurvePanel) -> None:
     )
     panel.plot(given.centre, given.mean, color=BLUE, label="what it gives")
     panel.set_xlabel(shown.coordinate, fontsize=7.0)
-    panel.set_ylabel(f"[{shown.unit}]", fontsize=7.0)
+    way = "along the motion " if shown.is_along else ""
+    panel.set_ylabel(f"{way}[{shown.unit}]", fontsize=7.0)
 
 
 @mpl.rc_context(STYLE)

@@ -102,6 +102,7 @@ def _panels(found: Diagnosis) -> list[CurvePanel]:
             f"joint {c.joint + 1}: {c.label}",
             units[c.joint],
             coordinate_label(c.coordinate, joints),
+            c.is_along,
             Curve(c.centre, c.missing, c.error),
             Curve(c.centre, c.given, np.zeros_like(c.given)),
         )

@@ -24,6 +24,7 @@ class Curve:
         label: Of the addition.
         joint: From 0.
         coordinate: Such as "dq_2" (joints from 1), or "time".
+        is_along: Whether torque is counted in the direction in which the joint moves, as friction is.
         centre: (B,) mean of the coordinate in each bin, in its SI unit.
         given: (B,) mean of what the addition gives there [N m].
         missing: (B,) mean of what is left without it [N m].
@@ -33,6 +34,7 @@ class Curve:
     label: str
     joint: int
     coordinate: str
+    is_along: bool
     centre: Float[ndarray, " bins"]
     given: Float[ndarray, " bins"]
     missing: Float[ndarray, " bins"]
@@ -50,6 +52,9 @@ def curve(
 ) -> Curve | None:
     """An addition over the one of its coordinates that tells most of it; None where it has none.
 
+    What turns with the joint's direction, such as friction that varies with position, is counted in
+    that direction: over position it would cancel.
+
     Args:
         label: Of the addition.
         prepared: Recordings to show it on.
@@ -65,16 +70,26 @@ def curve(
     shown = [name for name in coordinates if name == "time" or name.rpartition("_")[0] in KINDS]
     if not shown or len(given) < BINS:
         return None
-    binned = [_bins(_values(prepared, name)) for name in shown]
-    means = [_means(given[:, joint], place) for _, place in binned]
-    best = int(np.argmax([np.var(m) for m in means]))
-    centre, place = binned[best]
-    counts = np.bincount(place, minlength=BINS)
-    left = missing[:, joint]
+    own, left, turning = given[:, joint], missing[:, joint], f"dq_{joint + 1}"
+    ways = [(name, False) for name in shown]
+    if turning in shown:
+        ways += [(name, True) for name in shown if name != turning]
+    sign = np.sign(_values(prepared, turning))
+    best, most = None, -np.inf
+    for name, is_along in ways:
+        centre, place = _bins(_values(prepared, name))
+        factor = sign if is_along else 1.0
+        told = float(np.mean(_means(factor * own, place) ** 2))
+        if told > most:
+            best, most = (name, is_along, centre, place, factor), told
+    if best is None:
+        return None
+    name, is_along, centre, place, factor = best
+    left = factor * left
     spread = np.sqrt(np.maximum(_means(left**2, place) - _means(left, place) ** 2, 0.0))
-    error = spread / np.sqrt(counts)
-    name = shown[best]
-    return Curve(label, joint, name, centre, means[best], _means(left, place), error)
+    error = spread / np.sqrt(np.bincount(place, minlength=BINS))
+    means = _means(factor * own, place), _means(left, place)
+    return Curve(label, joint, name, is_along, centre, *means, error)
 
 
 def _valid(

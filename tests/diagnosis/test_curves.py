@@ -1,0 +1,34 @@
+"""What each addition gives over a coordinate, against the function that was put in."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.inference.curves import curve
+from oed.diagnosis.inference.errors import Predictor
+from oed.dynamics.torque_model import TorqueModel
+from oed.experiment.preparation.prepare import prepare
+from tests.diagnosis.arm import data_set
+
+
+class _Known(Predictor):
+    """Predicts friction that varies with position, of a size."""
+
+    def torque(self, prepared):
+        q, dq = (prepared.band.instants(x) for x in (prepared.motion.q, prepared.motion.dq))
+        return self.parameters[0] * np.sin(q) * np.sign(dq)
+
+
+@pytest.mark.parametrize(
+    ("coordinates", "name", "is_along"),
+    [(("q_1", "dq_1"), "q_1", True), (("q_1",), "q_1", False), (("dq_1",), "dq_1", False)],
+)
+def test_friction_over_position_is_shown_along_the_motion(coordinates, name, is_along):
+    dataset = data_set(3, repetitions=1)
+    rows, model = prepare(dataset.estimation), TorqueModel.standard(dataset.robot)
+    after, rest = (_Known(model, np.array([size])) for size in (2.0, 0.0))
+    floor = np.array([0.01, np.inf])
+    found = curve("f", rows, after=after, rest=rest, coordinates=coordinates, floor=floor)
+    assert found is not None
+    assert (found.joint, found.coordinate, found.is_along) == (0, name, is_along)
+    if is_along:
+        assert found.given == pytest.approx(2 * np.sin(found.centre), abs=0.05)
