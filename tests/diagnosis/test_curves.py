@@ -14,7 +14,8 @@ class _Known(Predictor):
     """Predicts friction that varies with position, of a size."""
 
     def torque(self, prepared):
-        q, dq = (prepared.band.instants(x) for x in (prepared.motion.q, prepared.motion.dq))
+        instants, motion = prepared.band.instants, prepared.motion
+        q, dq = (np.stack([*map(instants, x.T)], axis=1) for x in (motion.q, motion.dq))
         return self.parameters[0] * np.sin(q) * np.sign(dq)
 
 
