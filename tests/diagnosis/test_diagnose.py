@@ -93,6 +93,20 @@ def test_a_curve_that_is_flat_says_nothing_against_a_constant_and_a_bent_one_doe
         assert all(e.probability > 0.95 for e in found.effects)
 
 
+def test_other_shapes_of_a_name_are_that_name_and_another_place_is_open(found_stribeck):
+    selected = found_stribeck.selected
+    (own,), ((first, *_),) = selected.judged, selected.substitutes
+    names = selected.views.problem.names
+    bent = first.given * (1 + 0.1 * np.sin(np.arange(first.given.shape[1])))
+    for label, is_open in (("stribeck@1", False), ("stribeck@2", True)):
+        term = dataclasses.replace(own.term, candidate=next(c for c in names if c.label == label))
+        rival = Substitute(term, own.worth.nats - 0.5, bent)
+        found = answer(dataclasses.replace(selected, substitutes=((first, rival),)))
+        (effect,) = found.effects
+        assert effect.is_open is is_open
+        assert (effect.probability > 0.95) is not is_open
+
+
 def test_is_handed_on_as_a_model_that_predicts_the_same(found_stribeck, tmp_path):
     provenance = Provenance.collect(PAGE, seed=0)
     model = of_diagnosis(found_stribeck, "arm", provenance)

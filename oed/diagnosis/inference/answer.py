@@ -71,8 +71,8 @@ class FoundEffect:
 
     @property
     def is_open(self) -> bool:
-        """Whether another name is not excluded."""
-        return any(a.open and not a.same and a.name != self.name for a in self.alternatives)
+        """Whether another name, or this one at another place, is not excluded."""
+        return any(a.open and not a.same for a in self.alternatives)
 
 
 @dataclass(frozen=True)
