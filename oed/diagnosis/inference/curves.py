@@ -70,11 +70,11 @@ def curve(
     shown = [name for name in coordinates if name == "time" or name.rpartition("_")[0] in KINDS]
     if not shown or len(given) < BINS:
         return None
-    own, left, turning = given[:, joint], missing[:, joint], f"dq_{joint + 1}"
+    own, left, velocity = given[:, joint], missing[:, joint], f"dq_{joint + 1}"
     ways = [(name, False) for name in shown]
-    if turning in shown:
-        ways += [(name, True) for name in shown if name != turning]
-    sign = np.sign(_values(prepared, turning))
+    if velocity in shown:
+        ways += [(name, True) for name in shown if name != velocity]
+    sign = np.sign(_values(prepared, velocity))
     best, most = None, -np.inf
     for name, is_along in ways:
         centre, place = _bins(_values(prepared, name))
