@@ -23,6 +23,7 @@ from oed.diagnosis.selection.screen import least_price, most_gained, promised
 from oed.dynamics.effects.catalogue import Context
 
 COLUMN_BYTES = 200_000_000  # of all candidates' columns on the rows of one table; a search has two
+SINGLE = float(np.finfo(np.float32).max)  # beyond, or not a number, nothing can be told
 BLOCK = 50  # rows that are kept together where not all are
 
 
@@ -81,7 +82,7 @@ def lay_out(fitted: Fitted, candidates: Sequence[Candidate]) -> Table:
     for candidate, values, effect in asked:
         places, squares = {}, {}
         columns = white_effect(effect, fitted.installed, problem.rows)
-        if not columns or not all(np.isfinite(c).all() for c in columns.values()):
+        if not columns or not all(np.abs(c).max(initial=0.0) < SINGLE for c in columns.values()):
             continue
         for j, own in columns.items():
             kept = own[rows]
