@@ -138,13 +138,18 @@ def test_a_drift_is_compared_on_the_rows_that_show_it():
     assert start.rise(grown, "held_out") == pytest.approx(-grown.rise(start, "held_out"))
 
 
-def test_a_delay_that_is_far_too_long_on_the_grid_leads_to_the_right_one():
-    """At thrice the delay the torque fits worse than at none, and its direction is right."""
+@pytest.fixture(scope="module")
+def late():
+    """A delay, and the fit without it to a torque that is 4 ms late."""
     dataset = data_set(36, repetitions=1, late=0.004)
     problem, _, _ = pose(dataset, TorqueModel.standard(dataset.robot), names=("time_delay",))
-    views = Views.of(problem, (), "fitted")
     law = next(c for c in problem.names if c.label == "time_delay")
-    fitted = views.showing(law)
+    return law, Views.of(problem, (), "fitted").showing(law)
+
+
+def test_a_delay_that_is_far_too_long_on_the_grid_leads_to_the_right_one(late):
+    """At thrice the delay the torque fits worse than at none, and its direction is right."""
+    law, fitted = late
     scored = evaluate(law, (0.012,), fitted)
     assert scored is not None
     assert scored.nats < -100
@@ -163,13 +168,9 @@ def test_a_delay_that_is_far_too_long_on_the_grid_leads_to_the_right_one():
     assert promise.nats == pytest.approx(other.nats)
 
 
-def test_shapes_are_fitted_beyond_the_next_of_the_grid():
+def test_shapes_are_fitted_beyond_the_next_of_the_grid(late):
     """From 0.3 ms the right delay is several steps of the grid away."""
-    dataset = data_set(36, repetitions=1, late=0.004)
-    problem, _, _ = pose(dataset, TorqueModel.standard(dataset.robot), names=("time_delay",))
-    views = Views.of(problem, (), "fitted")
-    law = next(c for c in problem.names if c.label == "time_delay")
-    fitted = views.showing(law)
+    law, fitted = late
     scored = evaluate(law, (0.0003,), fitted)
     assert scored is not None
     assert polish(scored, fitted).values[0] == pytest.approx(0.004, rel=0.1)
