@@ -142,8 +142,9 @@ def report(
     rng: np.random.Generator,
 ) -> Diagnosis:
     """Errors on all recordings, the sealed ones too: nothing that was found changes by it."""
-    here = selected.views.every.problem
-    whole = fit(here, selected.views.every.terms, here.rows.fitted, selected.views.every)
+    told = selected.views.told
+    here = told.problem
+    whole = fit(here, told.terms, here.rows.fitted, told)
     after = predictor(whole) if whole.terms else before
     by_role = {role: tuple(p for p in sealed.every if p.role == role) for role in ROLES}
     errors = tuple(

@@ -8,7 +8,6 @@ MOST_BLOCK_SHARE = (
     1 / 12
 )  # of the rows: fewer blocks leave no estimate of a score's variance; assumed
 SMOOTHNESS = (1e-6, 1e-4, 1e-2, 1e0, 1e2)  # rows' worth of a prior on differences of neighbours
-LEAST_LEFT = 0.1  # of noise that a model may leave: below, rows are too few to tell; assumed
 
 # Selection.
 PREDICTION_GAIN = (

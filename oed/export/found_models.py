@@ -99,8 +99,8 @@ def of_diagnosis(
     )
 
     model = found.after.model
-    covariance = parameter_covariance(found.selected.views.every)
-    prepared = found.selected.views.every.problem.rows.prepared
+    covariance = parameter_covariance(found.selected.views.told)
+    prepared = found.selected.views.told.problem.rows.prepared
     whole = Model(
         model,
         found.after.parameters,

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from oed.dynamics.effects import State
@@ -105,11 +106,9 @@ def late_torque(arm: Arm, joint: int, size: float, rng: np.random.Generator) -> 
     delay = size * rng.uniform(0.005, 0.012)
 
     def change(torque: Series, period: float) -> Series:
-        whole = int(delay / period)
-        part = delay / period - whole
-        padded = np.concatenate([np.repeat(torque[:1], whole + 1, axis=0), torque])
-        end = len(torque)
-        return (1 - part) * padded[1 : end + 1] + part * padded[:end]
+        # Between samples by a cubic: a line between two of them would lag besides.
+        t = np.arange(len(torque)) * period
+        return CubicSpline(t, torque)(np.maximum(t - delay, 0.0))
 
     return Injected(arm.change_torque(change), {"delay": (delay, "s")}, {"delay": delay})
 

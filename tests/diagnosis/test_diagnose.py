@@ -78,15 +78,13 @@ def test_a_curve_that_is_flat_says_nothing_against_a_constant_and_a_bent_one_doe
     )
     selected = _diagnose(offset).selected
     (own,) = selected.judged
-    given = selected.substitutes[0][0].given
     curve = next(c for c in own.rest.problem.smooth if c.label == "f(q_1)[11]@1")
     scored = evaluate(curve, (), own.rest.means)
     assert scored is not None
-    bent = given * (1 + 0.1 * np.sin(np.arange(given.shape[1])))
-    for torque, count in ((given, 1), (bent, 0)):
+    for is_same, count in ((True, 1), (False, 0)):
         both = (
-            Substitute(own.term, own.worth.nats, given),
-            Substitute(as_term(scored), own.worth.nats - 0.5, torque),
+            Substitute(own.term, own.worth.nats, is_same=True, price=0.0),
+            Substitute(as_term(scored), own.worth.nats - 0.5, is_same, price=0.0),
         )
         found = answer(dataclasses.replace(selected, substitutes=(both,)))
         assert len(found.effects) == count
@@ -97,10 +95,9 @@ def test_other_shapes_of_a_name_are_that_name_and_another_place_is_open(found_st
     selected = found_stribeck.selected
     (own,), ((first, *_),) = selected.judged, selected.substitutes
     names = selected.views.problem.names
-    bent = first.given * (1 + 0.1 * np.sin(np.arange(first.given.shape[1])))
     for label, is_open in (("stribeck@1", False), ("stribeck@2", True)):
         term = dataclasses.replace(own.term, candidate=next(c for c in names if c.label == label))
-        rival = Substitute(term, own.worth.nats - 0.5, bent)
+        rival = Substitute(term, own.worth.nats - 0.5, is_same=False, price=first.price)
         found = answer(dataclasses.replace(selected, substitutes=((first, rival),)))
         (effect,) = found.effects
         assert effect.is_open is is_open

@@ -49,6 +49,19 @@ class Candidate(ABC):
         return False
 
     @property
+    def holds(self) -> tuple[str, ...]:
+        """Names of effects that are this one with parameters left out."""
+        return ()
+
+    def size_in(
+        self,
+        base: TorqueModel,  # noqa: ARG002
+        model: TorqueModel,  # noqa: ARG002
+    ) -> Coefficients | None:
+        """Size of what was installed in a model in steps; None where the steps add up."""
+        return None
+
+    @property
     @abstractmethod
     def changes(self) -> bool:
         """Whether it makes repetitions of one motion differ."""
@@ -139,6 +152,15 @@ class NamedCandidate(Candidate):
 
     def precision(self, columns: int) -> None:  # of any number
         """Unit information."""
+
+    @property
+    def holds(self) -> tuple[str, ...]:
+        """As its entry says."""
+        return self.entry.holds
+
+    def size_in(self, base: TorqueModel, model: TorqueModel) -> Coefficients | None:
+        """As its entry reads it off the model."""
+        return None if self.entry.size_in is None else self.entry.size_in(base, model)
 
     def install(self, context: Context, values: Values, sizes: Coefficients) -> TorqueModel:
         """The context's model with it."""

@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from oed.diagnosis.evidence.columns import dense, white_effect, white_model
 from oed.diagnosis.evidence.criterion import log_score
+from oed.diagnosis.evidence.design import Design, lay
 from oed.diagnosis.evidence.fit import Projection, project
-from oed.diagnosis.evidence.term import Term, install, steps_of
+from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.numbers import BASE_ERROR, FORMULA_ERROR, ROUNDS
-from oed.diagnosis.problem import Problem, full_parameters, visible_columns
+from oed.diagnosis.problem import Problem, full_parameters
 from oed.dynamics.effects.catalogue import Context
 from oed.dynamics.effects.effect import Effect
 from oed.dynamics.effects.on_reference import holds_reference
@@ -33,28 +33,48 @@ class Fitted:
     """Terms beside the base model, fitted to rows.
 
     Attributes:
-        problem: What is asked.
-        terms: Beside the base model.
-        installed: The base model with all terms that act on the whole of it.
-        effects: Effect of each term, None of those that have no columns.
-        places: Columns of each term in the design.
+        design: The model's columns.
         projection: The fit.
         variance: (n,) v, the larger of what is left and what is tolerated, in units of noise.
         tolerated: (n,) phi.
-        context: The same as the problem's with what was fitted.
-        columns: (b,) of the installed model that are estimated.
+        context: The problem's with what was fitted.
     """
 
-    problem: Problem
-    terms: tuple[Term, ...]
-    installed: TorqueModel
-    effects: tuple[Effect | None, ...]
-    places: tuple[slice, ...]
+    design: Design
     projection: Projection
     variance: Float[ndarray, " joints"]
     tolerated: Float[ndarray, " joints"]
     context: Context
-    columns: Int[ndarray, " base"]
+
+    @property
+    def problem(self) -> Problem:
+        """What is asked."""
+        return self.design.problem
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """Beside the base model."""
+        return self.design.terms
+
+    @property
+    def installed(self) -> TorqueModel:
+        """The base model with all terms that act on the whole of it."""
+        return self.design.seen.model
+
+    @property
+    def effects(self) -> tuple[Effect | None, ...]:
+        """Effect of each term, None of those that have no columns."""
+        return self.design.effects
+
+    @property
+    def places(self) -> tuple[slice, ...]:
+        """Columns of each term in the design."""
+        return self.design.places
+
+    @property
+    def columns(self) -> Int[ndarray, " base"]:
+        """(b,) of the installed model that are estimated."""
+        return self.design.visible
 
     @property
     def coefficients(self) -> list[Float[ndarray, " columns"]]:
@@ -78,9 +98,7 @@ class Fitted:
         """
         left = self.projection.residual[:, where]
         if is_ahead:
-            start = len(self.columns)
-            own = self.projection.coefficients[start : start + self.problem.nuisances.shape[2]]
-            left = left + self.problem.nuisances[:, where] @ own
+            left = left + self.design.nuisances_of(self.projection.coefficients)[:, where]
         return np.sum(left**2, axis=1)
 
     def rows(self, where: Bool[ndarray, " rows"]) -> Float[ndarray, " joints"]:
@@ -104,6 +122,9 @@ def fit(
     used: Bool[ndarray, " rows"],
     before: Fitted | None = None,
     variance: Float[ndarray, " joints"] | None = None,
+    *,
+    context: Context | None = None,
+    known: Design | None = None,
 ) -> Fitted:
     """Fit a model, effects of its own torque and terms that act on all of it included.
 
@@ -113,12 +134,17 @@ def fit(
         used: Rows to fit.
         before: A fit to start from.
         variance: (n,) of the rows, if it is given; otherwise what is left decides.
+        context: From which effects of the model's own torque have it; that of `before` if None.
+        known: Columns that may serve again; those of `before` if there is one.
     """
-    context = problem.context if before is None else before.context
+    if context is None:
+        context = problem.context if before is None else before.context
     fitted = before
     for _ in range(ROUNDS):
         last = fitted
-        fitted = _once(problem, terms, used, context, before=last, variance=variance)
+        columns = known if last is None else last.design
+        design = lay(problem, terms, context, columns)
+        fitted = _fitted(design, used, last, variance)
         context = fitted.context
         terms, moved = _stepped(fitted)
         follow = any(e is not None and holds_reference(e) for e in fitted.effects)
@@ -157,120 +183,43 @@ def _stepped(fitted: Fitted) -> tuple[tuple[Term, ...], bool]:
     return tuple(result), moved
 
 
-def _once(
-    problem: Problem,
-    terms: tuple[Term, ...],
+def _fitted(
+    design: Design,
     used: Bool[ndarray, " rows"],
-    context: Context,
-    *,
     before: Fitted | None,
     variance: Float[ndarray, " joints"] | None,
 ) -> Fitted:
-    seen = install(problem, terms, context)
-    alike = before if before is not None and steps_of(before.terms) == steps_of(terms) else None
-    visible, beside_all = _base_columns(problem, seen.model, alike)
-    effects, places, blocks, start = [], [], [beside_all], beside_all.shape[2]
-    for term in terms:
-        is_fixed = term.candidate.unit_coefficient
-        effect = None if is_fixed else term.candidate.effect(seen, term.values)
-        count = 0 if effect is None else len(effect.parameters)
-        if effect is not None:
-            own = _kept(alike, term, effect)
-            if own is None:
-                own = dense(white_effect(effect, seen.model, problem.rows), problem.rows, count)
-            blocks.append(own)
-        effects.append(effect)
-        places.append(slice(start, start + count))
-        start += count
-    columns = np.concatenate(blocks, axis=2) if len(blocks) > 1 else blocks[0]
-    precision = np.zeros((start, start))
-    if np.array_equal(visible, problem.columns):  # under another gravity there are others
-        precision[: len(visible), : len(visible)] = problem.base_precision
-    for term, place in zip(terms, places, strict=True):
-        if term.precision is not None:
-            precision[place, place] = term.precision
+    problem, terms = design.problem, design.terms
+    precision = design.precision
     v = np.ones(problem.rows.joints) if before is None else before.variance
     v = v if variance is None else variance
-    projection = project(problem.rows, columns, used, v, precision)
-    tolerated = _tolerated(problem, places, projection, len(visible))
+    projection = project(problem.rows, design.columns, used, v, precision)
+    tolerated = _tolerated(design, projection)
     counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
     found = np.maximum(tolerated, np.sum(projection.residual[:, used] ** 2, axis=1) / counted)
     if variance is None and np.any(np.abs(found - v) > SAME_VARIANCE * v):
         v = found
-        projection = project(problem.rows, columns, used, v, precision)
-        tolerated = _tolerated(problem, places, projection, len(visible))
-    base = full_parameters(seen.model, visible, projection.coefficients[: len(visible)])
+        projection = project(problem.rows, design.columns, used, v, precision)
+        tolerated = _tolerated(design, projection)
+    visible = design.visible
+    base = full_parameters(design.seen.model, visible, projection.coefficients[: len(visible)])
     beside = tuple(
         (effect, projection.coefficients[place])
-        for term, effect, place in zip(terms, effects, places, strict=True)
+        for term, effect, place in zip(terms, design.effects, design.places, strict=True)
         if effect is not None and not term.steps
     )
-    known = dataclasses.replace(seen, parameters=base, beside=beside)
-    return Fitted(
-        problem,
-        terms,
-        seen.model,
-        tuple(effects),
-        tuple(places),
-        projection,
-        v,
-        tolerated,
-        known,
-        visible,
-    )
+    known = dataclasses.replace(design.seen, parameters=base, beside=beside)
+    return Fitted(design, projection, v, tolerated, known)
 
 
-def _base_columns(
-    problem: Problem, model: TorqueModel, alike: Fitted | None
-) -> tuple[Int[ndarray, " base"], Float[ndarray, "joints rows beside"]]:
-    """Columns of the installed model that are estimated, and these and the nuisances, white.
-
-    Args:
-        problem: What is asked.
-        model: The installed one.
-        alike: A fit with the same steps installed, which has them if its base model is the same;
-            none if None.
-    """
-    if alike is not None and alike.problem.base is problem.base:
-        count = len(alike.columns) + problem.nuisances.shape[2]
-        return alike.columns, alike.projection.columns[:, :, :count]
-    visible = visible_columns(problem, model)
-    both = white_model(model, visible, problem.rows), problem.nuisances
-    return visible, np.concatenate(both, axis=2)
-
-
-def _kept(
-    before: Fitted | None, term: Term, effect: Effect
-) -> Float[ndarray, "joints rows columns"] | None:
-    """Columns of an effect that an earlier fit has as they are; None if they have to be worked out.
-
-    A derivative by which a term is moved on holds until something is moved: steps of Newton's with
-    an old slope (the chord method) end where those with a new one do.
-
-    Args:
-        before: A fit with the same whole model's steps; none if None.
-        term: Of the effect.
-        effect: Whose columns are asked for.
-    """
-    if before is None or (holds_reference(effect) and not term.steps):
-        return None
-    for old, own, place in zip(before.terms, before.effects, before.places, strict=True):
-        alike = old.candidate is term.candidate and old.values == term.values
-        if alike and (term.steps or own == effect):
-            return before.projection.columns[:, :, place]
-    return None
-
-
-def _tolerated(
-    problem: Problem, places: list[slice], projection: Projection, base: int
-) -> Float[ndarray, " joints"]:
+def _tolerated(design: Design, projection: Projection) -> Float[ndarray, " joints"]:
     """(n,) variance that a joint's rows may have without blame: formulas are true to a few per cent."""
 
     def power(place: slice) -> Float[ndarray, " joints"]:
         own = projection.columns[:, :, place] @ projection.coefficients[place]
-        return np.sum(own**2, axis=1) / problem.rows.counted
+        return np.sum(own**2, axis=1) / design.problem.rows.counted
 
-    result = 1 + BASE_ERROR**2 * power(slice(base))
-    for place in places:
+    result = 1 + BASE_ERROR**2 * power(slice(len(design.visible)))
+    for place in design.places:
         result = result + FORMULA_ERROR**2 * power(place)
     return result

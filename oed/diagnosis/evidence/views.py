@@ -6,8 +6,8 @@ well is noise, such as that of a motion which noise of the torque has shaken.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -16,10 +16,10 @@ from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.criterion import Moments, log_score
+from oed.diagnosis.evidence.design import Design, lay
 from oed.diagnosis.evidence.model import Fitted, fit
 from oed.diagnosis.evidence.moments import columns_of, moments_of
 from oed.diagnosis.evidence.term import Term
-from oed.diagnosis.numbers import LEAST_LEFT
 from oed.diagnosis.problem import Problem
 
 Which = Literal["fitted", "held_out", "all"]
@@ -35,15 +35,23 @@ def chosen(problem: Problem, which: Which) -> Bool[ndarray, " rows"]:
 
 @dataclass(frozen=True, eq=False)
 class Views:
-    """One model fitted to all rows, and to the means of repetitions.
+    """One model fitted to the means of repetitions, and to all rows where that is asked for.
 
     Attributes:
-        every: On all rows.
-        means: On means; the same object where no motion was repeated.
+        problem: What is asked; its base model's signs turn as they fit best beside the terms.
+        means: On means; on all rows where no motion was repeated.
+        which: Rows that are fitted.
+        like: A model whose variance the rows are given; what is left decides if None.
+        known: Columns on all rows that may serve again; none if None.
+        first: The model from which a search started; None for that itself.
     """
 
-    every: Fitted
+    problem: Problem
     means: Fitted
+    which: Which
+    like: Views | None = None
+    known: Design | None = None
+    first: Views | None = None
 
     @classmethod
     def of(
@@ -54,7 +62,7 @@ class Views:
         before: Views | None = None,
         like: Views | None = None,
     ) -> Views:
-        """Fit a model on both.
+        """Fit a model.
 
         Args:
             problem: What is asked.
@@ -63,20 +71,44 @@ class Views:
             before: Fits to start from.
             like: A model whose variance the rows are given; what is left decides if None.
         """
+        sparse = problem.sparse
+        start, variance = before and before.means, like and like.means.variance
+        means = fit(sparse, terms, chosen(sparse, which), start, variance)
+        first = before and (before.first or before)
+        return cls(problem, means, which, like, before and before.laid, first)
 
-        def fitted(own: Problem, side: Callable[[Views], Fitted]) -> Fitted:
-            start, variance = before and side(before), like and side(like).variance
-            return fit(own, terms, chosen(own, which), start, variance)
-
-        every = fitted(problem, lambda views: views.every)
-        if problem.means is None:
-            return cls(every, every)
-        return cls(every, fitted(problem.means, lambda views: views.means))
+    @cached_property
+    def every(self) -> Fitted:
+        """On all rows."""
+        if self.problem.means is None:
+            return self.means
+        terms, context, used = (
+            self.means.terms,
+            self.means.context,
+            chosen(self.problem, self.which),
+        )
+        variance = self.like and self.like.every.variance
+        return fit(self.problem, terms, used, variance=variance, context=context, known=self.known)
 
     @property
-    def problem(self) -> Problem:
-        """What is asked; its base model's signs turn as they fit best beside these terms."""
-        return self.every.problem
+    def told(self) -> Fitted:
+        """The fit whose numbers are handed on: of the channel that shows all its terms.
+
+        Noise that moves the arm biases a fit of all rows; of it the mean of M repetitions has 1/M.
+        """
+        return self.every if self.changes else self.means
+
+    @cached_property
+    def _design(self) -> Design:
+        """Columns on all rows, of the terms as the told fit has them."""
+        if self.problem.means is None or self.changes:
+            return self.every.design
+        return lay(self.problem, self.means.terms, self.means.context, self.known)
+
+    @property
+    def laid(self) -> Design | None:
+        """Columns on all rows that were worked out last, of this model or one before."""
+        return self.__dict__.get("_design", self.known)
 
     def grown(self, terms: tuple[Term, ...], which: Which, like: Views | None = None) -> Views:
         """Other terms beside the same base model."""
@@ -85,7 +117,7 @@ class Views:
     @property
     def terms(self) -> tuple[Term, ...]:
         """Of the model."""
-        return self.every.terms
+        return self.told.terms
 
     @property
     def labels(self) -> frozenset[str]:
@@ -97,24 +129,35 @@ class Views:
         return self.every if candidate.changes else self.means
 
     def left(self, which: Which) -> Float[ndarray, " joints"]:
-        """(n,) mean square of what is left of the mean, less what is left of differences, plus 1.
+        """(n,) mean square of what is left of the mean, and of what is explained of differences.
 
-        Of rows that are held out it is what a prediction leaves, nuisances no part of it.
+        What the first model leaves of these is noise: what a term explains of it is no gain, and no
+        more is what it adds. Of rows that are held out it is what a prediction leaves, nuisances no
+        part of it.
         """
-        means, is_ahead = chosen(self.means.problem, which), which == "held_out"
-        squares = self.means.squares(means, is_ahead=is_ahead)
-        own = squares / self.means.rows(means)
-        if self.means is self.every:
+        means = chosen(self.means.problem, which)
+        own = self.means.squares(means, is_ahead=which == "held_out") / self.means.rows(means)
+        if self.problem.means is None:
             return own
-        every = chosen(self.every.problem, which)
-        apart = self.every.squares(every, is_ahead=is_ahead) - squares
-        count = np.maximum(self.every.rows(every) - self.means.rows(means), 1.0)
-        return np.maximum(own + (1 - apart / count), LEAST_LEFT)
+        first = self.first or self
+        return own + np.maximum(first.apart(which) - self.apart(which), 0.0)
+
+    def apart(self, which: Which) -> Float[ndarray, " joints"]:
+        """(n,) mean square of what the told fit leaves of differences between repetitions.
+
+        Nuisances are part of no prediction, and of no difference either.
+        """
+        told = self.told.projection.coefficients
+        left = self._design.left_by(told) + self._design.nuisances_of(told)
+        every, means = (chosen(p, which) for p in (self.problem, self.problem.sparse))
+        apart = np.sum(left[:, every] ** 2, axis=1) - self.means.squares(means, is_ahead=True)
+        counted = self.problem.rows.counts[:, every].sum(axis=1) - self.means.rows(means)
+        return apart / np.maximum(counted, 1.0)
 
     @property
     def changes(self) -> bool:
         """Whether a term of it makes repetitions differ, which their mean does not show."""
-        return any(term.candidate.changes for term in self.terms)
+        return any(term.candidate.changes for term in self.means.terms)
 
     def rise(self, before: Views, which: Which, *, on_all: bool | None = None) -> float:
         """Rise of the log score from another model to this one, on the same rows [nats].

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.estimates import Estimated, estimates
-from oed.diagnosis.numbers import ALIKE, NAMED
+from oed.diagnosis.numbers import NAMED
 from oed.diagnosis.selection.judge import Judged
 from oed.diagnosis.selection.search import Selected
 from oed.diagnosis.selection.substitutes import Substitute, ahead
@@ -107,7 +106,7 @@ class Answer:
 
 def answer(selected: Selected) -> Answer:
     """Name what may be named."""
-    whole = selected.views.every
+    whole = selected.views.told
     effects, unexplained = [], []
     for number, (own, substitutes) in enumerate(
         zip(selected.judged, selected.substitutes, strict=True)
@@ -128,7 +127,7 @@ def _named(
     views: Views, number: int, own: Judged, substitutes: Sequence[Substitute]
 ) -> FoundEffect | None:
     """The effect of a term, or None where its name is not certain enough."""
-    whole = views.every
+    whole = views.told
     term = own.term  # as it was judged: one that acts on the model is moved on in each refit
     candidate = term.candidate
     if not isinstance(candidate, NamedCandidate):
@@ -137,13 +136,11 @@ def _named(
     # That there is nothing is one of the alternatives.
     odds = np.exp(nats - max(float(nats.max()), 0.0))
     share = odds / (odds.sum() + np.exp(-max(float(nats.max()), 0.0)))
-    given = [r.given for r in substitutes]
-    mine = next(g for r, g in zip(substitutes, given, strict=True) if r.term is term)
     alternatives, probability, named = [], 0.0, 0.0
-    for substitute, p, torque in zip(substitutes, share.tolist(), given, strict=True):
+    for substitute, p in zip(substitutes, share.tolist(), strict=True):
         other = substitute.term.candidate
         # Other shapes of one name are that name.
-        same = other.label == candidate.label or _cosine(mine, torque) > ALIKE
+        same = other.label == candidate.label or substitute.is_same
         # A smooth term that gives the same torque says nothing against the name.
         if other.is_named or same:
             named += p
@@ -206,8 +203,3 @@ def _unnamed(whole: Fitted, number: int, substitutes: Sequence[Substitute]) -> U
 
 def _name(candidate: Candidate) -> str:
     return candidate.entry.name if isinstance(candidate, NamedCandidate) else "smooth term"
-
-
-def _cosine(one: ndarray, other: ndarray) -> float:
-    lengths = float(np.linalg.norm(one) * np.linalg.norm(other))
-    return float(np.sum(one * other)) / lengths if lengths > 0 else 0.0

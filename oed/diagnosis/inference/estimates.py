@@ -61,9 +61,7 @@ def estimates(whole: Fitted, number: int, dilution: float) -> tuple[Estimated, .
     scaled = information / np.outer(lengths, lengths)
     variance = np.diag(np.linalg.pinv(scaled, rcond=1e-10)) / lengths**2 * dilution
     std = np.sqrt(np.maximum(variance, 0.0))
-    total = sizes
-    if term.steps and count:
-        total = np.sum([s[:count] for s in term.steps], axis=0) + sizes
+    total = _whole_size(whole, term, sizes)
     effect = whole.effects[number]
     names = () if effect is None else effect.parameters
     found = [
@@ -75,6 +73,19 @@ def estimates(whole: Fitted, number: int, dilution: float) -> tuple[Estimated, .
     for k, (shape, value) in enumerate(zip(shapes, term.values, strict=True)):
         found.append(_shape(shape, value, deviations.get(k)))
     return tuple(found)
+
+
+def _whole_size(
+    whole: Fitted, term: Term, sizes: Float[ndarray, " columns"]
+) -> Float[ndarray, " columns"]:
+    """Size of a term: what of it is installed in the whole model, and what its columns still add."""
+    count = len(sizes)
+    if not term.steps or not count:
+        return sizes
+    installed = term.candidate.size_in(whole.problem.base, whole.installed)
+    if installed is None:
+        installed = np.sum([s[:count] for s in term.steps], axis=0)
+    return installed[:count] + sizes
 
 
 def _shape(shape: Shape, value: float, std: float | None) -> Estimated:
@@ -119,7 +130,7 @@ def _slopes(
     if term.steps:
         context = dataclasses.replace(context, model=whole.problem.base)
         if not term.candidate.unit_coefficient:
-            amount = np.sum([s[: len(sizes)] for s in term.steps], axis=0) + sizes
+            amount = _whole_size(whole, term, sizes)
 
     def torque(values: Values) -> dict[int, ndarray]:
         effect = term.candidate.effect(context, values)

@@ -40,10 +40,15 @@ def judge(whole: Views, number: int) -> Judged:
 def worth_of(whole: Views, number: int, told: Moments) -> Worth:
     """Worth of a term by what rows tell of it."""
     term = whole.terms[number]
-    fitted = whole.showing(term.candidate)
-    cost = price(term.candidate, term.values, fitted, told.rows / told.dilution)
+    cost = price_of(whole, term, told)
     fixed = term.candidate.unit_coefficient
     return worth(told, cost, term.precision, fixed=fixed, chosen=term.precision is not None)
+
+
+def price_of(whole: Views, term: Term, told: Moments) -> float:
+    """-log prior probability of a term by the rows that tell of it [nats]."""
+    fitted = whole.showing(term.candidate)
+    return price(term.candidate, term.values, fitted, told.rows / told.dilution)
 
 
 def resmoothed(whole: Views) -> Views:

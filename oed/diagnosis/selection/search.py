@@ -13,7 +13,13 @@ from oed.diagnosis.numbers import EXCHANGES, LOOKS, PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
 from oed.diagnosis.selection.judge import Judged, judge, prune
 from oed.diagnosis.selection.look_ahead import Over, Say, look_ahead, short
-from oed.diagnosis.selection.substitutes import Substitute, ahead, in_place, substitutes_of
+from oed.diagnosis.selection.substitutes import (
+    Substitute,
+    ahead,
+    in_place,
+    preferred,
+    substitutes_of,
+)
 from oed.diagnosis.selection.tables import Tables
 
 
@@ -156,14 +162,11 @@ def _predictive(views: Views, say: Say) -> Views:
 def _better(
     views: Views, judged: Sequence[Judged], substitutes: Sequence[Sequence[Substitute]]
 ) -> tuple[Judged, Substitute, Views] | None:
-    """The exchange that raises the evidence most and predicts held-out rows no worse, if one does.
-
-    What is less than a parameter costs tells no better from worse, here as where a term is added.
-    """
+    """The exchange that raises the evidence most and predicts held-out rows no worse, if one does."""
     pairs = [
         (own, best)
-        for own, (best, *_) in zip(judged, substitutes, strict=True)
-        if best.term is not own.term and best.nats > own.worth.nats + PREDICTION_GAIN
+        for own, others in zip(judged, substitutes, strict=True)
+        if (best := preferred(own, others)) is not None
     ]
     pairs.sort(key=lambda pair: pair[0].worth.nats - pair[1].nats)
     now = ahead(views, views.terms)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +12,8 @@ from numpy import ndarray
 from oed.diagnosis.evidence.moments import columns_of
 from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views, moments
-from oed.diagnosis.numbers import COMPARED, NAMED, PREDICTION_GAIN
-from oed.diagnosis.selection.judge import Judged, worth_of
+from oed.diagnosis.numbers import ALIKE, COMPARED, NAMED, PREDICTION_GAIN
+from oed.diagnosis.selection.judge import Judged, price_of, worth_of
 from oed.diagnosis.selection.screen import Scored, evaluate
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.table import Line
@@ -26,13 +27,15 @@ class Substitute:
     Attributes:
         term: It.
         nats: What it is worth there, at the term's own dilution and variance.
-        given: (n, R) white torque that it gives there. A model with it, which `in_place` makes, is not
-            kept: each holds columns of all rows.
+        is_same: Whether it gives the torque that the term gives: a model with it, which `in_place`
+            makes, is not kept, since each holds columns of all rows.
+        price: -log of its prior probability [nats].
     """
 
     term: Term
     nats: float
-    given: Float[ndarray, "joints rows"]
+    is_same: bool
+    price: float
 
 
 # Nats by which a substitute is excluded, however many there are of like worth.
@@ -55,13 +58,16 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         at = joint is None or candidate.joint in (joint, None) or candidate.is_named
         return at and not acting.isdisjoint(line.places)
 
-    found = [Substitute(own.term, own.worth.nats, _given(whole, own))]
+    mine = _given(whole, own)
+    found = [Substitute(own.term, own.worth.nats, True, price_of(whole, own.term, own.moments))]
     nothing = ahead(own.rest, own.rest.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
         grown = in_place(whole, own, as_term(_as_smooth(scored, own)))
         # Substitutes of one size are compared at the same, smaller dilution.
         nats = _nats_in_place(grown, whole, own)
-        substitute = Substitute(grown.terms[-1], nats, _given(grown, own))
+        is_same = _cosine(mine, _given(grown, own)) > ALIKE
+        cost = price_of(grown, grown.terms[-1], own.moments)
+        substitute = Substitute(grown.terms[-1], nats, is_same, cost)
         if substitute.term.label == own.term.label and nats <= own.worth.nats + PREDICTION_GAIN:
             continue
         if (
@@ -70,6 +76,24 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         ):
             found.append(substitute)
     return sorted(found, key=lambda r: -r.nats)
+
+
+def preferred(own: Judged, substitutes: Sequence[Substitute]) -> Substitute | None:
+    """What is better in a term's place than the term, if anything is.
+
+    What is less than a parameter costs tells no better from worse, here as where a term is added. Of
+    those that give the same torque and are worth as much, the most probable before data is better.
+    """
+    best, least = substitutes[0], own.worth.nats - PREDICTION_GAIN
+    if best.term is not own.term and best.nats > own.worth.nats + PREDICTION_GAIN:
+        return best
+    mine = next(s for s in substitutes if s.term is own.term)
+    plainest = min((s for s in substitutes if s.is_same and s.nats > least), key=_plainness)
+    return plainest if _plainness(plainest) < _plainness(mine) else None
+
+
+def _plainness(substitute: Substitute) -> tuple[float, int]:
+    return substitute.price, len(substitute.term.candidate.holds)
 
 
 def _as_smooth(scored: Scored, own: Judged) -> Scored:
@@ -90,6 +114,11 @@ def _given(whole: Views, own: Judged) -> Float[ndarray, "joints rows"]:
     """White torque that a model has beyond what is there without a term."""
     after, before = (v.showing(own.term.candidate).projection for v in (whole, own.rest))
     return (before.residual - after.residual) * before.weights[:, None]
+
+
+def _cosine(one: ndarray, other: ndarray) -> float:
+    lengths = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return float(np.sum(one * other)) / lengths if lengths > 0 else 0.0
 
 
 def _acts_on(whole: Views, own: Judged) -> set[int]:

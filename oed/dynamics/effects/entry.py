@@ -151,6 +151,7 @@ Build = Callable[[Context, Target, tuple[float, ...]], Effect]
 Narrow = Callable[[Context, Target, tuple[Shape, ...]], tuple[Shape, ...]]
 Further = Callable[[Context], Iterable[tuple[float, ...]]]
 Check = Callable[[Context, Target, tuple[float, ...], Float[ndarray, " columns"]], str | None]
+SizeIn = Callable[[TorqueModel, TorqueModel], Float[ndarray, " columns"]]
 Install = Callable[[Context, Target, tuple[float, ...], Float[ndarray, " columns"]], TorqueModel]
 
 
@@ -193,6 +194,8 @@ class CatalogueEntry:
         narrow: Ranges of the shapes for an arm and its data.
         beside_grid: Further shapes of a first scan; None for none.
         install: The model with the effect in its exact form; None if the columns are exact.
+        size_in: Of what was installed in a model in several steps, from a base model on; None where
+            steps add up.
         sets_apart: Whether an arm shows it as something of its own; None where any does.
     """
 
@@ -211,6 +214,7 @@ class CatalogueEntry:
     narrow: Narrow = _as_they_are
     beside_grid: Further | None = None
     install: Install | None = None
+    size_in: SizeIn | None = None
     sets_apart: Callable[[Context], bool] | None = None
 
     def targets(self, context: Context) -> tuple[Target, ...]:

@@ -79,8 +79,9 @@ def tilt_directions(
 ) -> tuple[tuple[tuple[float, float, float], ...], float]:
     """Directions in which a declared gravity can turn, and its magnitude [m/s^2].
 
-    Two, at right angles to it and as near to base axes as they can be; all three axes for an
-    arm declared weightless.
+    Two at right angles to it, the first along the base axis that comes first of those that make at
+    least 45 degrees with it: a gravity that is turned a little has nearly the same. All three axes
+    for an arm declared weightless.
     """
     magnitude = float(np.linalg.norm(gravity))
     if magnitude < LEVEL:
@@ -88,7 +89,7 @@ def tilt_directions(
         magnitude = STANDARD_GRAVITY
     else:
         down = gravity / magnitude
-        nearest = np.eye(3)[np.argsort(np.abs(down), kind="stable")[0]]
+        nearest = np.eye(3)[np.flatnonzero(np.abs(down) <= np.sqrt(0.5))[0]]
         first = nearest - (nearest @ down) * down
         first /= np.linalg.norm(first)
         axes = np.stack([first, np.cross(down, first)])

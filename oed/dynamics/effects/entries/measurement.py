@@ -17,6 +17,7 @@ from oed.dynamics.effects.gravity import (
     LEVEL,
     STANDARD_GRAVITY,
     GravityDirection,
+    tilt_between,
     tilt_directions,
     tilted,
 )
@@ -242,6 +243,11 @@ def _with_gravity(
     return context.model.with_robot(turned)
 
 
+def _tilt_in(base: TorqueModel, model: TorqueModel) -> Float[ndarray, " directions"]:
+    """Turns do not add up: the second is about axes that the first has turned."""
+    return tilt_between(base.robot.gravity, model.robot.gravity)
+
+
 def _has_turning_joints(context: Context) -> bool:
     """Whether gravity turns in some link: along sliding joints alone a tilt is an offset."""
     return any(joint.kind == "revolute" for joint in context.model.robot.joints)
@@ -255,6 +261,7 @@ GRAVITY_DIRECTION = CatalogueEntry(
     build=_gravity,
     plausible=_gravity_plausible,
     install=_with_gravity,
+    size_in=_tilt_in,
     sets_apart=_has_turning_joints,
     equivalent=("a tilt within the plane of a vertical two-joint arm: a shift of its first angle",),
     page=EffectPage(
