@@ -10,7 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.diagnosis.evidence.model import Fitted
-from oed.diagnosis.evidence.views import Views, Which
+from oed.diagnosis.evidence.views import Views, Which, chosen
 from oed.diagnosis.numbers import PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
 from oed.dynamics.effects import Coulomb
@@ -47,7 +47,8 @@ def with_refitted_sign(views: Views, which: Which, joints: Collection[int] | Non
     if problem.means is not None:
         again = dataclasses.replace(again, means=turned(problem.means))
     sharper = Views.of(again, views.terms, which, views)
-    return sharper if sharper.rise(views, which) > PREDICTION_GAIN else views
+    before, after = (v.means.score(chosen(v.means.problem, which)) for v in (views, sharper))
+    return sharper if after - before > PREDICTION_GAIN else views
 
 
 def _best_turn(fitted: Fitted, number: int, sign: Coulomb, sharpest: Coulomb) -> Coulomb:
