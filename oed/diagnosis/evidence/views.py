@@ -159,16 +159,13 @@ class Views:
         """Whether a term of it makes repetitions differ, which their mean does not show."""
         return any(term.candidate.changes for term in self.means.terms)
 
-    def rise(self, before: Views, which: Which, *, on_all: bool | None = None) -> float:
+    def rise(self, before: Views, which: Which) -> float:
         """Rise of the log score from another model to this one, on the same rows [nats].
 
-        Args:
-            before: The other.
-            which: Rows.
-            on_all: Whether repetitions count one by one, not by their mean; where either model has a
-                term that only this shows if None.
+        Repetitions count one by one, not by their mean, where either has a term that changes
+        between them.
         """
-        changing = self.changes or before.changes if on_all is None else on_all
+        changing = self.changes or before.changes
         return self._score(which, changing) - before._score(which, changing)
 
     def _score(self, which: Which, changing: bool) -> float:

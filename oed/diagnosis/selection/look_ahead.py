@@ -49,11 +49,11 @@ def _options(
     """Those that predict held-out rows better, each with what it is worth when all is refitted.
 
     All rows together, and those of the joint on which a term acts: it may mend others by what its
-    absence had spoiled, but not at the cost of its own. All are ranked on the same rows.
+    absence had spoiled, but not at the cost of its own. Each is ranked by the channel that shows it:
+    what is alike in all repetitions is worth as much in their mean as in all of them.
     """
     options: list[tuple[float, Scored]] = []
     best = None
-    on_all = current.changes or any(scored.candidate.changes for scored in tried)
     for scored in tried:
         if scored.nats <= 0:
             continue
@@ -65,7 +65,7 @@ def _options(
         if ahead <= PREDICTION_GAIN or gain <= occam:
             continue
         if _serves(scored.candidate, grown, current) and is_tested(grown):
-            worth = grown.rise(current, "fitted", on_all=on_all) - occam
+            worth = gain - occam
             # Of the others their worth alone is kept: each has as many columns as all rows.
             if all(worth > other for other, _ in options):
                 best = grown

@@ -20,6 +20,7 @@ from oed.diagnosis.problem import Problem
 
 NEW = 1e-6  # share of columns outside the model's, below which they add nothing
 EVALUATIONS = 25  # of a shape, and so many more for each further one
+ROUGH = 6  # of these, to tell which candidates are worth all of them
 AT_THE_END = 0.05  # of a step: the best that close to the end of a stretch lies beyond it
 
 
@@ -174,13 +175,18 @@ def evaluate(
     return Scored(candidate, values, own, columns)
 
 
-def polish(scored: Scored, fitted: Fitted) -> Scored:
+def polish(scored: Scored, fitted: Fitted, evaluations: int = EVALUATIONS) -> Scored:
     """A candidate with the shapes that are worth most near those given (variable projection).
 
     Of each formula that it has: where one of them is best, another need not be good.
+
+    Args:
+        scored: It, with the shapes to start from.
+        fitted: The model beside which it stands.
+        evaluations: Of a shape, and so many more for each further one.
     """
     shapes = scored.candidate.shapes(fitted.context)
-    best = _profiled(scored, fitted)
+    best = _profiled(scored, fitted, evaluations)
     for k, shape in enumerate(shapes):
         if shape.scale != "formula":
             continue
@@ -193,12 +199,12 @@ def polish(scored: Scored, fitted: Fitted) -> Scored:
             ]
             known = [start for start in starts if start is not None]
             if known:
-                other = _profiled(max(known, key=lambda s: s.nats), fitted)
+                other = _profiled(max(known, key=lambda s: s.nats), fitted, evaluations)
                 best = max(best, other, key=lambda s: s.nats)
     return best
 
 
-def _profiled(scored: Scored, fitted: Fitted) -> Scored:
+def _profiled(scored: Scored, fitted: Fitted, evaluations: int) -> Scored:
     """A candidate's formula with the shapes that are worth most near those given."""
     shapes = scored.candidate.shapes(fitted.context)
     best = scored
@@ -213,11 +219,11 @@ def _profiled(scored: Scored, fitted: Fitted) -> Scored:
     plain = [k for k in free if shapes[k].is_plain(best.values[k])]
     for moving in ([k for k in free if k not in plain], free if plain else []):
         if moving:
-            best = _climbed(best, moving, fitted)
+            best = _climbed(best, moving, fitted, evaluations)
     return best
 
 
-def _climbed(scored: Scored, moving: list[int], fitted: Fitted) -> Scored:
+def _climbed(scored: Scored, moving: list[int], fitted: Fitted, evaluations: int) -> Scored:
     shapes = scored.candidate.shapes(fitted.context)
     best = scored
 
@@ -243,7 +249,7 @@ def _climbed(scored: Scored, moving: list[int], fitted: Fitted) -> Scored:
                 lambda x: at(np.array([x])),
                 bounds=(low, high),
                 method="bounded",
-                options={"maxiter": EVALUATIONS, "xatol": 1e-3 * width},
+                options={"maxiter": evaluations, "xatol": 1e-3 * width},
             )
             beyond = (low > 0 and found.x - low < AT_THE_END * width) or (
                 high < 1 and high - found.x < AT_THE_END * width
@@ -265,7 +271,7 @@ def _climbed(scored: Scored, moving: list[int], fitted: Fitted) -> Scored:
         start,
         method="Nelder-Mead",
         options={
-            "maxfev": EVALUATIONS * len(moving),
+            "maxfev": evaluations * len(moving),
             "initial_simplex": np.clip(simplex, 0, 1),
             "xatol": 1e-3,
             "fatol": 0.05,

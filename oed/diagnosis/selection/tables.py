@@ -9,7 +9,7 @@ from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.numbers import COMPARED, POLISHED
-from oed.diagnosis.selection.screen import Scored, evaluate, polish
+from oed.diagnosis.selection.screen import ROUGH, Scored, evaluate, polish
 from oed.diagnosis.selection.table import Line, Table, lay_out, ranked
 
 
@@ -52,8 +52,11 @@ class Tables:
             starts = (evaluate(candidate, line.values, fitted) for _, line in own)
             start = next((s for s in starts if s is not None), None)
             if start is not None:
-                found.append(polish(start, fitted))
-        return sorted(found, key=lambda s: -s.nats)
+                found.append(polish(start, fitted, ROUGH))
+        found.sort(key=lambda s: -s.nats)
+        worthy = few(found)
+        polished = [polish(s, views.showing(s.candidate)) if s in worthy else s for s in found]
+        return sorted(polished, key=lambda s: -s.nats)
 
 
 def _spread(lines: list[list[tuple[float, Line]]]) -> list[list[tuple[float, Line]]]:
