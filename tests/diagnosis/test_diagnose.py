@@ -12,7 +12,7 @@ from oed.diagnosis.evidence.moments import correlated_rows
 from oed.diagnosis.inference.answer import answer
 from oed.diagnosis.inference.covariance import parameter_covariance
 from oed.diagnosis.selection.screen import evaluate
-from oed.diagnosis.selection.substitutes import Substitute
+from oed.diagnosis.selection.substitutes import Substitute, preferred
 from oed.diagnosis.selection.tables import as_term
 from oed.dynamics.effects import Effect, Parameter
 from oed.dynamics.effects.catalogue import (
@@ -102,6 +102,21 @@ def test_other_shapes_of_a_name_are_that_name_and_another_place_is_open(found_st
         (effect,) = found.effects
         assert effect.is_open is is_open
         assert (effect.probability > 0.95) is not is_open
+
+
+def test_of_what_gives_the_same_torque_the_more_probable_before_data_is_preferred(found_stribeck):
+    (own,), ((first, *_),) = found_stribeck.selected.judged, found_stribeck.selected.substitutes
+    term = dataclasses.replace(own.term)
+    plain = Substitute(term, first.nats - 0.5, is_same=True, price=first.price - 1.0)
+    assert preferred(own, (first, plain)) is plain
+    for changed in (
+        {"is_same": False},
+        {"nats": first.nats - 1.5},
+        {"price": first.price},
+    ):
+        assert preferred(own, (first, dataclasses.replace(plain, **changed))) is None
+    better = dataclasses.replace(plain, nats=first.nats + 1.5, price=first.price + 9.0)
+    assert preferred(own, (better, first)) is better
 
 
 def test_is_handed_on_as_a_model_that_predicts_the_same(found_stribeck, tmp_path):

@@ -14,6 +14,7 @@ from oed.dynamics.effects.gravity import (
 )
 from oed.dynamics.newton_euler import rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
+from oed.robot.builtin import imi_scara
 from tests.dynamics.effects.arms import context_of, panda, parameters_of, scara, smooth_motion
 
 
@@ -118,3 +119,27 @@ def test_a_weightless_arm_with_upright_axes_stands_under_gravity() -> None:
     # Whose joints gravity would move floats, as it is declared to.
     afloat = TorqueModel.standard(panda().with_gravity(np.zeros(3)))
     assert standing(afloat) is afloat
+
+
+@pytest.mark.parametrize("declared", [(0, 0, -9.81), (9.81, 0, 0), (0, 9.81, 0), (0, 6.9, -6.9)])
+def test_a_turned_gravity_has_nearly_the_same_directions(declared) -> None:
+    g = np.array(declared, dtype=float)
+    first, _ = tilt_directions(g)
+    for tilt in ((0.03, 0.05), (-0.05, 0.02), (0.01, -0.06)):
+        second, _ = tilt_directions(tilted(g, np.array(tilt)))
+        assert np.sum(np.array(first) * np.array(second), axis=1) == pytest.approx(1, abs=0.01)
+
+
+def test_the_size_of_two_turns_is_that_of_the_whole_turn() -> None:
+    robot = imi_scara().with_gravity(np.array([0.0, 0.0, -9.81]))
+    base = TorqueModel.standard(robot)
+    once = base.with_robot(robot.with_gravity(tilted(robot.gravity, np.array([0.4, 0.1]))))
+    twice = once.with_robot(
+        robot.with_gravity(tilted(once.robot.gravity, np.array([-0.1, 0.5])))
+    )
+    read = CATALOGUE["gravity_direction"].size_in
+    assert read is not None
+    size = read(base, twice)
+    # Not the sum of both: the second is about axes that the first has turned.
+    assert tilted(robot.gravity, size) == pytest.approx(twice.robot.gravity)
+    assert np.abs(size - [0.3, 0.6]).max() > 0.01

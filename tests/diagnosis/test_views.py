@@ -1,0 +1,56 @@
+"""Which rows tell of a model: the mean of repetitions, and what differs between them."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.evidence.views import Views
+from oed.diagnosis.selection.screen import evaluate
+from oed.diagnosis.selection.tables import as_term
+from oed.diagnosis.setup import pose
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import INERTIA, data_set
+
+BASE = [9, 11, 12, 19]  # columns of the arm's four base inertias in the standard model
+
+
+def _posed(dataset, *names):
+    return pose(dataset, TorqueModel.standard(dataset.robot), names=names or ("stribeck",))[0]
+
+
+def test_numbers_are_those_of_the_mean_which_noise_of_the_motion_hardly_biases():
+    problem = _posed(data_set(7, repetitions=6, wander=0.3))
+    views = Views.of(problem, (), "all")
+    off = [
+        np.abs(fitted.parameters[BASE] / INERTIA - 1).max() for fitted in (views.told, views.every)
+    ]
+    assert off[0] < 0.01
+    assert off[1] > 0.3
+
+
+def test_a_term_that_changes_between_repetitions_is_told_by_all_of_them():
+    problem = _posed(data_set(7, repetitions=3), "thermal_drift", "stribeck")
+    start = Views.of(problem, (), "fitted")
+    for name, told in (("thermal_drift@1", "every"), ("stribeck@1", "means")):
+        candidate = next(c for c in problem.names if c.label == name)
+        tried = (
+            evaluate(candidate, values, start.showing(candidate))
+            for values in candidate.grid(problem.context)
+        )
+        grown = start.grown((as_term(next(s for s in tried if s is not None)),), "fitted")
+        assert grown.told is getattr(grown, told)
+
+
+def test_what_is_explained_of_differences_is_no_gain_and_what_is_added_to_them_neither():
+    problem = _posed(data_set(7, repetitions=4, wander=0.3))
+    first = Views.of(problem, (), "fitted")
+    # Means as before beside twice the torque of each repetition: more of differences is left.
+    rows = dataclasses.replace(problem.rows, torque=2 * problem.rows.torque)
+    louder = Views.of(dataclasses.replace(problem, rows=rows), (), "fitted")
+    worse = dataclasses.replace(louder, first=first)
+    assert (louder.apart("fitted") > first.apart("fitted")).all()
+    assert worse.left("fitted") == pytest.approx(first.left("fitted"))
+    better = dataclasses.replace(first, first=louder)
+    fallen = louder.apart("fitted") - first.apart("fitted")
+    assert better.left("fitted") == pytest.approx(first.left("fitted") + fallen)
