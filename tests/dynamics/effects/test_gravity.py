@@ -134,9 +134,7 @@ def test_the_size_of_two_turns_is_that_of_the_whole_turn() -> None:
     robot = imi_scara().with_gravity(np.array([0.0, 0.0, -9.81]))
     base = TorqueModel.standard(robot)
     once = base.with_robot(robot.with_gravity(tilted(robot.gravity, np.array([0.4, 0.1]))))
-    twice = once.with_robot(
-        robot.with_gravity(tilted(once.robot.gravity, np.array([-0.1, 0.5])))
-    )
+    twice = once.with_robot(robot.with_gravity(tilted(once.robot.gravity, np.array([-0.1, 0.5]))))
     read = CATALOGUE["gravity_direction"].size_in
     assert read is not None
     size = read(base, twice)
