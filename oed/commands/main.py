@@ -76,7 +76,7 @@ def configuration_of(arguments: Sequence[str]) -> configurations.Command:
         SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
     """
     named = bool(arguments) and arguments[0] in COMMANDS
-    with refused_in_one_line(f"oed {arguments[0]}" if named else "oed"):
+    with refused_in_one_line(f"oed {arguments[0]}" if named else "oed", arguments):
         return tyro.extras.subcommand_cli_from_dict(
             {name: configuration for name, (configuration, _) in COMMANDS.items()},
             prog="oed",

@@ -8,10 +8,11 @@ refused by `__post_init__`, with a ValueError that names the option.
 from __future__ import annotations
 
 import io
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, redirect_stderr
+from contextlib import contextmanager, nullcontext, redirect_stderr
 from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -28,6 +29,9 @@ STYLE = (
     tyro.conf.FlagCreatePairsOff,
     tyro.conf.DisallowNone,
 )
+
+HELP = {"-h", "--help"}
+WIDE = "10000"  # [letters] more than a refused command line has
 
 
 def parse(
@@ -49,38 +53,74 @@ def parse(
         SystemExit: With 0 after `--help`; with 2 for options that cannot be used, which are told
             in one line.
     """
-    with refused_in_one_line(prog):
+    with refused_in_one_line(prog, arguments):
         return tyro.cli(
             configuration, prog=prog, args=arguments, description=description, config=STYLE
         )
 
 
 @contextmanager
-def refused_in_one_line(prog: str) -> Iterator[None]:
+def refused_in_one_line(prog: str, arguments: Sequence[str] | None = None) -> Iterator[None]:
     """What tyro says of options that cannot be used in a box is said in one line, as all errors.
 
     Args:
         prog: How the command is called.
+        arguments: What follows it; `sys.argv` if None.
     """
     told = io.StringIO()
+    is_help = not HELP.isdisjoint(sys.argv[1:] if arguments is None else arguments)
     try:
-        with redirect_stderr(told):
+        with redirect_stderr(told), nullcontext() if is_help else _on_wide_terminal():
             yield
     except SystemExit as end:
         if end.code:
-            sys.stderr.write(f"{prog}: {_unboxed(told.getvalue())}; see {prog} --help\n")
+            from oed.errors import one_line  # noqa: PLC0415  # with numerical libraries
+
+            sys.stderr.write(f"{prog}: {one_line(_unboxed(told.getvalue()))}; see {prog} --help\n")
         raise
 
 
+@contextmanager
+def _on_wide_terminal() -> Iterator[None]:
+    """A box as wide as its text, in which no path is broken."""
+    before = os.environ.get("COLUMNS")
+    os.environ["COLUMNS"] = WIDE
+    try:
+        yield
+    finally:
+        os.environ.pop("COLUMNS")
+        if before is not None:
+            os.environ["COLUMNS"] = before
+
+
 def _unboxed(text: str) -> str:
-    lines = [re.sub("[\u2500-\u257f]", " ", line).strip() for line in text.splitlines()]
+    """What is said in a frame of lines, or of hyphens where the terminal has no letters for lines."""
+    frame = r"[\u2500-\u257f]|^\s*-+\s*$"
+    lines = [re.sub(frame, " ", line).strip() for line in text.splitlines()]
     told = " ".join(line for line in lines[1:] if line)
     told = re.split("For full helptext|Argument helptext", told)[0].strip()
-    return re.sub(r"^Error parsing (?=--)|^Error parsing \w+: ", "", told)
+    told, _, advice = told.partition(" Perhaps you meant: ")
+    told = re.sub(r" or misplaced(?= options)| \(applied to [^)]*\)", "", told)
+    told = told.partition(" Arguments are applied to")[0]
+    told = re.sub(r"^Error parsing (?=--)|^Error parsing \w+: ", "", told)
+    return f"{told}{_advised(told, advice)}"
+
+
+def _advised(told: str, advice: str) -> str:
+    """In a few words what tyro shows the help of: options of similar names, of other commands too."""
+    # Each entry is an option, what it is for, and where.
+    names = dict.fromkeys(re.findall(r"(?:^|--help )(--[\w-]+)", advice))
+    if similar := [name for name in names if name not in told.split()]:
+        return f"; perhaps you meant {' or '.join(similar)}"
+    places = dict.fromkeys(re.findall(r"in (\w+ [\w-]+) --help", advice))
+    return f"; an option of {', '.join(places)}" if places else ""
 
 
 def _whole_number(text: Sequence[str], *, least: int) -> int:
-    value = int(text[0])
+    try:
+        value = int(text[0])
+    except ValueError:
+        raise ValueError(f"{text[0]!r} is no whole number") from None
     if value < least:
         raise ValueError(f"{value} is no whole number from {least} on")
     return value
