@@ -30,7 +30,7 @@ from oed.export.model_record import (
     ShapeRecord,
 )
 from oed.export.robot_record import bounds_of, pairs_of, robot_of, robot_record
-from oed.input_file import JSON_FILE, UnreadableFile, read_file
+from oed.input_file import UnreadableFile, read_json
 from oed.report.json_file import write_atomically
 
 NAME = "model.json"
@@ -73,22 +73,20 @@ def load_model(path: str | Path) -> Model:
     """
     path = Path(path)
     try:
-        content = read_file(path, JSON_FILE)
+        plain = read_json(path)
     except FileNotFoundError as error:
         raise ModelFileError(f"{path}: no such file; give a model.json") from error
     except UnreadableFile as error:
         raise ModelFileError(str(error)) from error
     try:
-        return model_of(_record(content), path.parent)
+        return model_of(_record(plain), path.parent)
     except ModelFileError as error:
         raise ModelFileError(f"{path}: {error}") from error
+    except RecursionError as error:
+        raise ModelFileError(f"{path}: is damaged: it is nested too deeply") from error
 
 
-def _record(content: bytes) -> ModelRecord:
-    try:
-        plain = msgspec.json.decode(content)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise ModelFileError(f"is no JSON: {error}") from error
+def _record(plain: object) -> ModelRecord:
     if not isinstance(plain, dict) or plain.get("format") != FORMAT:
         raise ModelFileError(
             "is no model.json: oed identify, diagnose and feasible each leave one beside their page"
