@@ -13,9 +13,10 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stderr
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, TypeVar, get_args, get_type_hints
 
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
@@ -30,7 +31,17 @@ STYLE = (
     tyro.conf.DisallowNone,
 )
 
+# What tyro and Python say of what cannot be read, and what is said of it here.
+IN_WORDS = (
+    (r"^Error parsing (?=--)|^Error parsing \w+: ", ""),
+    (r"invalid literal for int\(\) with base 10: (.+)", r"\1 is no whole number"),
+    (r"no type matching .* from \[(.*?)\]\. Got errors: .*", r"cannot be read: \1"),
+    (r"Could not find valid parse for arguments: \[(.*)\]", r"cannot be read: \1"),
+    (r"could not convert string to float: (.+)", r"\1 is no number"),
+)
 HELP = {"-h", "--help"}
+# As of the numbers in dataset.toml: nothing of an arm is larger in SI units.
+LARGEST = 1e10
 WIDE = "10000"  # [letters] more than a refused command line has
 
 
@@ -102,7 +113,8 @@ def _unboxed(text: str) -> str:
     told, _, advice = told.partition(" Perhaps you meant: ")
     told = re.sub(r" or misplaced(?= options)| \(applied to [^)]*\)", "", told)
     told = told.partition(" Arguments are applied to")[0]
-    told = re.sub(r"^Error parsing (?=--)|^Error parsing \w+: ", "", told)
+    for words, plain in IN_WORDS:
+        told = re.sub(words, plain, told)
     return f"{told}{_advised(told, advice)}"
 
 
@@ -117,10 +129,7 @@ def _advised(told: str, advice: str) -> str:
 
 
 def _whole_number(text: Sequence[str], *, least: int) -> int:
-    try:
-        value = int(text[0])
-    except ValueError:
-        raise ValueError(f"{text[0]!r} is no whole number") from None
+    value = int(text[0])
     if value < least:
         raise ValueError(f"{value} is no whole number from {least} on")
     return value
@@ -134,6 +143,55 @@ def _number_type(least: int) -> PrimitiveConstructorSpec[int]:
         is_instance=lambda value: isinstance(value, int),
         str_from_instance=lambda value: [str(value)],
     )
+
+
+@dataclass(frozen=True)
+class Range:
+    """Which numbers an option can mean, for `check_ranges`.
+
+    Attributes:
+        least: In the option's unit.
+        most: Likewise.
+        is_open: Whether `least` is too little itself.
+    """
+
+    least: float = -LARGEST
+    most: float = LARGEST
+    is_open: bool = False
+
+    def __contains__(self, value: int | float) -> bool:
+        return self.least <= value <= self.most and not (self.is_open and value == self.least)
+
+    def __str__(self) -> str:
+        start = f"above {self.least:g}, up" if self.is_open else f"from {self.least:g}"
+        return f"{start} to {self.most:g}"
+
+
+def check_ranges(configuration: object) -> None:
+    """Refuse numbers that a field's type, such as `Positive`, does not hold.
+
+    tyro would say what is wrong with one of several values in its own terms.
+
+    Args:
+        configuration: A dataclass.
+
+    Raises:
+        ValueError: Naming the option.
+    """
+    for name, hint in get_type_hints(type(configuration), include_extras=True).items():
+        given = getattr(configuration, name)
+        for value in given if isinstance(given, tuple) else (given,):
+            for allowed in _ranges(hint):
+                if isinstance(value, (int, float)) and value not in allowed:
+                    option = name.replace("_", "-")
+                    shown = f"{value:g}" if isinstance(value, float) else str(value)
+                    raise ValueError(f"--{option} {shown} is no number {allowed}")
+
+
+def _ranges(hint: object) -> set[Range]:
+    """All in a type, within a union or tuple too."""
+    own = {x for x in getattr(hint, "__metadata__", ()) if isinstance(x, Range)}
+    return own.union(*(_ranges(inner) for inner in get_args(hint)))
 
 
 def _existing_folder(text: Sequence[str]) -> Path:
@@ -164,6 +222,13 @@ def _folder_type(read: Callable[[Sequence[str]], Path]) -> PrimitiveConstructorS
 Count = Annotated[int, _number_type(1)]
 # Of random draws.
 Seed = Annotated[int, _number_type(0)]
+Whole = Annotated[int, Range(0.0)]
+Real = Annotated[float, Range()]
+Positive = Annotated[float, Range(0.0, is_open=True)]
+NotNegative = Annotated[float, Range(0.0)]
+# At which a controller or a simulation asks for torque [Hz]: from what a hand can follow to ten
+# times a drive's own current loop.
+Rate = Annotated[float, Range(1.0, 1e6)]
 # A folder that is there.
 Folder = Annotated[Path, _folder_type(_existing_folder)]
 # A folder for results, which `oed.report.result_folder` judges.

@@ -98,7 +98,7 @@ def test_measured_torques_have_no_gains(tmp_path, capsys):
         (("--bare", "a", "--loaded", "b", "--com", "0", "0", "0"), "without --mass"),
         (("--bare", "a", "--loaded", "b", "--mass", "1", "--com", "0", "0"), "2 numbers"),
         (("--bare", "a", "--mass", "1"), "no data set with a load"),
-        (("--bare", "a", "--loaded", "b", "--mass", "-1"), "not a positive number"),
+        (("--bare", "a", "--loaded", "b", "--mass", "-1"), "--mass -1 is no number above 0"),
         (("--bare", "a", "--loaded", "b", "./a", "--mass", "1"), "both are a"),
     ],
 )

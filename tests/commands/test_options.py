@@ -91,16 +91,19 @@ def test_what_cannot_be_meant_ends_with_two_and_says_why(
     assert reason in " ".join(capsys.readouterr().err.split())
 
 
-LONG = "/" + "/".join(c * 40 for c in "abcdef")
+LONG = "/" + "/".join(c * 25 for c in "abcdef")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
 @pytest.mark.parametrize(
     ("options", "line"),
     [
-        (("--rate", "0"), "--rate 0 is not a positive number"),
+        (("--rate", "0"), "--rate 0 is no number from 1 to 1e+06"),
         (("--rat", "5"), "Unrecognized options: --rat, 5; perhaps you meant --rate"),
         (("--loaded", LONG), f"Unrecognized options: --loaded {LONG}; an option of oed payload, oed gains"),
+        (("--rate", "1e308"), "--rate 1e+308 is no number from 1 to 1e+06"),
+        (("--rate", "fast"), "--rate: 'fast' is no number"),
+        (("--samples", "1e3"), "--samples: '1e3' is no whole number"),
         (("--seed", LONG), f"--seed: '{LONG}' is no whole number"),
     ],
 )  # fmt: skip
