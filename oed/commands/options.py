@@ -34,6 +34,7 @@ STYLE = (
 # What tyro and Python say of what cannot be read, and what is said of it here.
 IN_WORDS = (
     (r"^Error parsing (?=--)|^Error parsing \w+: ", ""),
+    (r"'None', |, 'None'", ""),
     (r"invalid literal for int\(\) with base 10: (.+)", r"\1 is no whole number"),
     (r"no type matching .* from \[(.*?)\]\. Got errors: .*", r"cannot be read: \1"),
     (r"Could not find valid parse for arguments: \[(.*)\]", r"cannot be read: \1"),

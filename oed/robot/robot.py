@@ -127,6 +127,9 @@ class Robot:
             if (given := len(getattr(self.limits, kind))) != self.n:
                 raise ValueError(f"{kind} limits of {given} joints, robot has {self.n}")
         names = self.joint_names
+        for name in names:
+            if not name.strip() or not name.isprintable():
+                raise ValueError(f"a joint is called {name!r}: give it a name in letters")
         if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
             raise ValueError(f"two joints are called {twice[0]!r}")
         self._check_tree()

@@ -177,6 +177,25 @@ SPOILED = {
         _change("effects", 1, "form", "spin", to=json.loads("[" * 900 + "]" * 900)),
         "nested too deeply",
     ),
+    "a joint that the arm lacks": (
+        _change("effects", -1, "form", "joint", to=7),
+        "cannot be evaluated",
+    ),
+    "a word for a joint": (
+        _change("effects", -1, "form", "joint", to="first"),
+        r"effects\[\d\]: stribeck cannot be evaluated",
+    ),
+    "a kind that is no word": (_change("effects", -1, "form", "type", to=[]), "there is no effect"),
+    "a joint without a name": (_change("robot", "joints", 0, "name", to=" "), "give it a name"),
+    "a joint of two lines": (_change("robot", "joints", 0, "name", to="a\nb"), "give it a name"),
+    "a negative variance": (
+        _change("covariance", "matrix", 0, 0, to=-1.0),
+        "covariance is damaged: no errors",
+    ),
+    "a covariance that is not symmetric": (
+        _change("covariance", "matrix", 0, 1, to=1e9),
+        "covariance is damaged: no errors",
+    ),
     "covariance of another size": (_change("covariance", "matrix", to=[[1.0]]), "covariance"),
 }
 
