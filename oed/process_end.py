@@ -60,6 +60,9 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"{name}: {one_line(error)}\n")
         code = NO_USABLE_RESULT if isinstance(error, NoUsableResult) else BAD_INPUT
+    except MemoryError as error:
+        sys.stderr.write(f"{name}: not enough memory: {one_line(error) or 'ask for less'}\n")
+        code = NO_USABLE_RESULT
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

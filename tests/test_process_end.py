@@ -12,7 +12,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from oed.errors import LONGEST_MESSAGE
-from oed.process_end import BAD_INPUT, exit_status, leave
+from oed.process_end import BAD_INPUT, NO_USABLE_RESULT, exit_status, leave
 from studies.case_runner import CaseRunner, RowFile
 from tests.paths import REPO
 
@@ -49,6 +49,16 @@ def test_another_error_of_the_system_is_raised() -> None:
 
     with pytest.raises(SystemError, match="broken"):
         leave(broken, "studies.test")
+
+
+def test_what_the_memory_does_not_hold_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    def large() -> int:
+        return len(np.empty(2**50))
+
+    assert exit_status(large, "oed test") == NO_USABLE_RESULT
+    said = capsys.readouterr().err
+    assert said.startswith("oed test: not enough memory: Unable to allocate 8.00 PiB")
+    assert said.count("\n") == 1
 
 
 class Only:

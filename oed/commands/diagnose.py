@@ -110,7 +110,7 @@ def _started(config: Diagnose, dataset: DataSet) -> Model | None:
 
 def diagnose_into(config: Diagnose) -> Outcome:
     """Diagnose into a folder, which is refused before the work if results cannot go there."""
-    with CLOSE_LOOP.in_folder(config.out, [config.data]) as results:
+    with CLOSE_LOOP.in_folder(config.out, config.inputs) as results:
         outcome = find(config, read_dataset(config.data))
         provenance = Provenance.collect(config, seed=config.seed)
         with results.replaced() as new:

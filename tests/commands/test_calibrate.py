@@ -92,10 +92,19 @@ def test_a_refined_model_is_kept_only_if_nothing_held_out_gets_worse(calibrated)
     assert ('href="refined/model.json"' in page) == better
 
 
-def test_an_unknown_form_is_refused_before_the_work(calibrated, tmp_path, capsys):
-    given = (calibrated.parent / "data", "--out", tmp_path / "o", "--to", "plan9")
-    assert oed("calibrate", *given) == 2
-    assert "no form 'plan9'" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (("--to", "plan9"), "no form 'plan9'"),
+        (("--to",), "--to: name at least one form"),
+        (("--candidates", "gremlins"), "no effect 'gremlins'"),
+        (("--rate", "0"), "--rate 0 is no number from 1"),
+        (("--budget", "-1"), "--budget -1 is no number from 0"),
+    ],
+)
+def test_what_a_later_step_cannot_do_is_refused_before_the_work(tmp_path, capsys, options, line):
+    assert oed("calibrate", tmp_path, "--out", tmp_path / "o", *options) == 2
+    assert line in capsys.readouterr().err
     assert not (tmp_path / "o").exists()
 
 

@@ -48,6 +48,11 @@ class Calibrate(Command):
     smoke: bool = False
     seed: Seed = 0
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.to:
+            raise ValueError("--to: name at least one form, such as mujoco")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Demo(Command):

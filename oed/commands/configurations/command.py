@@ -49,3 +49,8 @@ class DataSetCommand(Command):
     cutoff: Positive | None = None
     model: ModelName | None = None
     sign_width: NotNegative | None = None
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """What is read."""
+        return (self.data, *([self.model] if isinstance(self.model, Path) else []))

@@ -97,3 +97,8 @@ class Diagnose(Command):
     smoke: bool = False
     seed: Seed = 0
     budget: NotNegative | None = None
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """What is read."""
+        return (self.data, *([self.model] if isinstance(self.model, Path) else []))
