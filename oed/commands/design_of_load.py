@@ -21,7 +21,7 @@ from oed.design.still_joints import hold_still_joints
 from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError
 from oed.estimation.load.same_arm import check_same_robot
-from oed.export.model_file import load_model
+from oed.export.model_file import load_model, model_file_at
 from oed.report.page import Page, Section, Table, Text, Verdict, write_page
 from oed.report.provenance import Provenance
 from oed.report.study_files import DESIGN
@@ -68,7 +68,7 @@ def _frame_and_model(robot: Robot, config: Design) -> tuple[AttachedFrame, Known
     frame = find_frame(robot, config.frame)
     if not config.arm:
         return frame, None
-    known = load_model(config.arm)
+    known = load_model(model_file_at(Path(config.arm)))
     if known.covariance is None:
         raise NoUsableResult(
             f"--arm {config.arm}: this model has no covariance; give that of oed identify"

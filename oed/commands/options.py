@@ -227,6 +227,10 @@ Whole = Annotated[int, Range(0.0)]
 Real = Annotated[float, Range()]
 Positive = Annotated[float, Range(0.0, is_open=True)]
 NotNegative = Annotated[float, Range(0.0)]
+# Of an arm or what it holds [kg]: from a gram on.
+Mass = Annotated[float, Range(1e-3, 1e6)]
+# Of a place on an arm or near it [m].
+Place = Annotated[float, Range(-100.0, 100.0)]
 # At which a controller or a simulation asks for torque [Hz]: from what a hand can follow to ten
 # times a drive's own current loop.
 Rate = Annotated[float, Range(1.0, 1e6)]

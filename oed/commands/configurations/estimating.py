@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from oed.commands.configurations.command import Command, DataSetCommand, ModelName, Prior
-from oed.commands.options import NotNegative, OutFolder, Positive, Seed, Whole
+from oed.commands.options import Mass, NotNegative, OutFolder, Seed, Whole
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +62,7 @@ class Feasible(DataSetCommand):
     prior: Prior = "auto"
     kind: Literal["entropic", "quadratic"] = "entropic"
     weight: NotNegative | None = None
-    total_mass: Positive | None = None
+    total_mass: Mass | None = None
     collision: bool = False
     smoke: bool = False
     seed: Seed = 0

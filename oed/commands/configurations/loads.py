@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from oed.commands.configurations.command import Command, ModelName
-from oed.commands.options import OutFolder, Positive, Real
+from oed.commands.options import Mass, OutFolder, Place, Positive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,13 +69,15 @@ class Gains(LoadCommand):
 
     loaded: tuple[Path, ...] = ()
     bare: Path | None = None
-    mass: tuple[Positive, ...] = ()
-    com: tuple[Real, ...] = ()
+    mass: tuple[Mass, ...] = ()
+    com: tuple[Place, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _require_two_folders(self.bare, self.loaded)
         count = len(self.loaded)
+        if len({folder.resolve() for folder in self.loaded}) < count:
+            raise ValueError("--loaded: names a data set twice; its rows would count twice")
         if self.bare is None and count < 2:
             raise ValueError(
                 "--bare: name a recording of the bare arm, or two with different loads"
