@@ -231,8 +231,8 @@ NotNegative = Annotated[float, Range(0.0)]
 Mass = Annotated[float, Range(1e-3, 1e6)]
 # Of a place on an arm or near it [m].
 Place = Annotated[float, Range(-100.0, 100.0)]
-# At which a controller or a simulation asks for torque [Hz]: from what a hand can follow to ten
-# times a drive's own current loop.
+# Of rows of a log, or at which a controller or a simulation asks for torque [Hz]: from what a hand
+# can follow to ten times a drive's own current loop.
 Rate = Annotated[float, Range(1.0, 1e6)]
 # A folder that is there.
 Folder = Annotated[Path, _folder_type(_existing_folder)]

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from oed.commands.configurations.command import Command
-from oed.commands.options import OutFolder, Positive, Real
+from oed.commands.options import OutFolder, Positive, Rate, Real
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ class ImportLog(Command):
     sign: tuple[Real, ...] = ()
     zero: tuple[Real, ...] = ()
     ticks_per_turn: Positive | None = None
-    rate: Positive | None = None
+    rate: Rate | None = None
     fixed: tuple[str, ...] = ()
     torque: Literal["measured", "current", "commanded"] | None = None
     current_to_torque: tuple[Real, ...] = ()
