@@ -45,6 +45,7 @@ def test_a_robot_that_is_not_there_is_one_line(
         (("--rate", "0"), "--rate 0"),
         (("--rate", "nan"), "--rate nan"),
         (("--rate", "1e9"), "set points"),
+        (("--scale", "1e-3"), "at --scale 0.001 is more than 200000 set points"),
         (("--budget", "inf"), "--budget inf"),
         (("--seed", "-1"), "--seed: -1 "),
         (("--margin", "1.1"), "--margin 1.1"),

@@ -9,7 +9,8 @@ from typing import Literal
 from oed.commands.configurations.command import Command, ModelName
 from oed.commands.options import Count, OutFolder, Positive, Real, Seed
 
-MOST_POINTS = 1_000_000  # that a motion is written with
+# That a motion is written with: the messages for ROS 2 then take 120 MB, and half a minute.
+MOST_POINTS = 200_000
 # Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
 CLEARANCE = 0.01
 MOST_CLEARANCE = 0.15
@@ -128,15 +129,16 @@ class Design(Command):
             raise ValueError("--model: with --payload, a file is given as --arm")
 
     def _check_numbers(self) -> None:
-        if self.rate * self.horizon > MOST_POINTS:
-            raise ValueError(
-                f"--rate {self.rate:g} for --horizon {self.horizon:g} is more than "
-                f"{MOST_POINTS} set points"
-            )
         for name in ("margin", "scale"):
             share = getattr(self, name)
             if not 0.0 < share <= 1.0:
                 raise ValueError(f"--{name} {share:g} is not a share above 0 and up to 1")
+        if self.rate * self.horizon / self.scale > MOST_POINTS:
+            slowed = f" at --scale {self.scale:g}" if self.scale < 1.0 else ""
+            raise ValueError(
+                f"--rate {self.rate:g} for --horizon {self.horizon:g}{slowed} is more than "
+                f"{MOST_POINTS} set points"
+            )
         if not 0.0 <= self.clearance < MOST_CLEARANCE:
             raise ValueError(
                 f"--clearance {self.clearance:g} is not between 0 and {MOST_CLEARANCE:g} m"
