@@ -155,6 +155,7 @@ def _record(config: Calibrate) -> dict:
         "verdict": diagnosis["verdict"],
         "effects": [{k: e[k] for k in ("name", "joint")} for e in diagnosis["effects"]],
         "unexplained": len(diagnosis["unexplained"]),
+        "without_name": [u["words"] for u in diagnosis["unexplained"]],
         "rms": diagnosis["rms"],
         "links": bodies["links"],
         "changes_from_file": bodies["changes_from_file"],

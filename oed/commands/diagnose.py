@@ -157,7 +157,7 @@ def _summarise(outcome: Outcome, config: Diagnose) -> None:
     for item in unnamed_terms(found):
         carries = "" if item.carried is None else f"carries {item.carried:.3g} noise floors; "
         print(
-            f"  without a name (joint {item.joint + 1}): {item.words}; {carries}"
+            f"  without a name (joint {item.joint + 1}): {item.what}; in the model: {item.model_has}; {carries}"
             f"{found.budget.role} error there {item.before:.3g} -> {item.after:.3g} noise floors"
         )
     for text in found.contradicted:

@@ -79,7 +79,7 @@ def _without_name(unnamed: Sequence[Unnamed]) -> str:
     if len(unnamed) <= LISTED:
         return "; ".join(f"at joint {u.joint + 1} {u.what}" for u in unnamed)
     joints = dict.fromkeys(str(u.joint + 1) for u in unnamed)
-    return f"{len(unnamed)} terms at joint{'s' if len(joints) > 1 else ''} {', '.join(joints)}"
+    return f"torque at joint{'s' if len(joints) > 1 else ''} {', '.join(joints)}"
 
 
 def _verdict(

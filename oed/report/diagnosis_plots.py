@@ -17,7 +17,7 @@ from oed.report.panels import COLUMNS, legend_above, titled_panels
 from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
 FLOOR = "noise floor"
-TITLE = 26  # characters across a third of the page
+TITLE = 32  # characters across a third of the page
 NARROW_TITLE = 44  # characters across a column
 PROOF = "Error of the base model and with what was added, 95 % block bootstrap."
 ADDITIONS = (

@@ -11,9 +11,10 @@ from oed.report.table import Row
 from oed.report.unnamed_terms import Unnamed
 
 STAND_IN = (
-    "The model lacks torque for which no effect of the catalogue has a probability of {named:g} or more. Free "
-    "curves stand in for it in model.json: they claim no physics, predict torque where the recordings were, "
-    "and keep their value at the edge beyond. One noise floor is the standard deviation of the joint's noise."
+    "An effect is named where its probability is {named:g} or more, its size is told, and held-out recordings "
+    "are predicted better with it; here none meets all three. What model.json has instead predicts torque "
+    "where the recordings were. A free curve claims no physics, and beyond what was seen it keeps the value of "
+    "the edge. One noise floor is the standard deviation of the joint's noise."
 )
 UNTOLD = (
     "Error is left that is clearly larger than noise, and no effect of the catalogue and no curve that was "
@@ -38,12 +39,12 @@ def unnamed_sections(unnamed: Sequence[Unnamed], labels: Sequence[str], role: st
     rows: list[Row] = [
         {
             "joint": labels[u.joint],
-            "what is there": u.words,
+            "what is there": u.what,
+            "the model has": u.model_has,
             "carries [noise floors]": u.carried,
             "error before": u.before,
             "error after": u.after,
             "nearest name": _nearest(u),
-            "recordings cover": u.covered or "–",
         }
         for u in unnamed
     ]
@@ -52,7 +53,7 @@ def unnamed_sections(unnamed: Sequence[Unnamed], labels: Sequence[str], role: st
     )
     said = (STAND_IN if any(u.carried is not None for u in unnamed) else UNTOLD).format(named=NAMED)
     blocks = [Text(said), Table(rows, caption, digits=3)]
-    if any(u.nearest is not None for u in unnamed):
+    if any(u.nearest is not None and u.nearest.behind > 0 for u in unnamed):
         blocks.append(Text(NEAREST))
     return [Section("There, but without a name", blocks)]
 
@@ -71,5 +72,5 @@ def steps_sections(steps: Sequence[Step]) -> list[Section]:
     blocks: list[Text | Command] = []
     for number, step in enumerate(steps, start=1):
         blocks.append(Text(f"{number}. {step.text}"))
-        blocks += [Command(line) for line in step.commands]
+        blocks += [Command("\n".join(step.commands))] if step.commands else []
     return [Section("What to do next", blocks)] if steps else []

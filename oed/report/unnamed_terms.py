@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from oed.diagnosis.candidates.candidate import NamedCandidate, SmoothCandidate
 from oed.diagnosis.diagnose import Diagnosis
+from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.inference.answer import Unexplained
 from oed.diagnosis.selection.substitutes import Substitute
 from oed.dynamics.effects.catalogue import CatalogueEntry
 from oed.dynamics.effects.coordinates import Coordinate
 from oed.report.joint_words import COORDINATES, place_words
-from oed.report.term_words import TermWords, words_of_terms
+from oed.report.term_words import TermWords, term_words, words_of_terms
 from oed.robot.robot import Joint
 
 
@@ -37,25 +38,23 @@ class Unnamed:
 
     Attributes:
         joint: From 0.
-        words: What it is, such as "torque that depends on its position (a free curve over q_2, ...)".
-        what: The same without how the curve is made.
+        what: What it is, such as "torque that depends on its position", the joint's.
+        model_has: What stands for it in the model, and where a curve was seen; "nothing" where none does.
         depends_on: Coordinates such as "q_2"; none where no term describes it.
-        carried: Root mean square of the term that describes it, at the joint [noise floors]; None
-            where none does.
+        carried: Root mean square of what the model has for it, at the joint [noise floors]; None of
+            nothing.
         before: Error of the base model at the joint [noise floors].
         after: Error with all that was found [noise floors].
-        covered: Of each coordinate, where the recordings were and the curve holds.
         nearest: None where no effect of the catalogue comes near.
     """
 
     joint: int
-    words: str
     what: str
+    model_has: str
     depends_on: tuple[str, ...]
     carried: float | None
     before: float
     after: float
-    covered: str
     nearest: NearestName | None
 
 
@@ -85,28 +84,45 @@ def _unnamed(found: Diagnosis, item: Unexplained, words: Mapping[str, TermWords]
     own = unexplained_words(item, words)
     held = next(e for e in found.errors if e.role == found.budget.role)
     substitutes = [] if item.number is None else found.selected.substitutes[item.number]
-    shown = next((s.term.candidate for s in substitutes if s.term.label == item.label), None)
-    joints = found.before.model.robot.joints
     return Unnamed(
         joint=j,
-        words=own.at(j),
-        what=own.what,
+        what=own.what_at(j),
+        model_has=_model_has(found, item),
         depends_on=item.depends_on,
         carried=_carried(found, item),
         before=float(held.before[j] / floor[j]),
         after=float(held.after[j] / floor[j]),
-        covered=_covered(shown, joints) if isinstance(shown, SmoothCandidate) else "",
-        nearest=_nearest(substitutes, words, j),
+        nearest=_nearest(substitutes, words, j, _others(found, item)),
     )
 
 
 def _carried(found: Diagnosis, item: Unexplained) -> float | None:
     """What the model's own term carries, which may be another than the one that is shown."""
-    if item.number is None:
+    term = _own_term(found, item)
+    if term is None:
         return None
-    label = found.selected.views.every.terms[item.number].label
-    share = next(s for s in found.budget.shares if s.label == label)
+    share = next(s for s in found.budget.shares if s.label == term.label)
     return float(share.rms[item.joint] / found.budget.floor[item.joint])
+
+
+def _own_term(found: Diagnosis, item: Unexplained) -> Term | None:
+    return None if item.number is None else found.selected.views.every.terms[item.number]
+
+
+def _others(found: Diagnosis, item: Unexplained) -> set[str]:
+    """Labels of what the model has besides: these are there already."""
+    terms = found.selected.views.every.terms
+    return {t.label for k, t in enumerate(terms) if k != item.number}
+
+
+def _model_has(found: Diagnosis, item: Unexplained) -> str:
+    term = _own_term(found, item)
+    if term is None:
+        return "nothing"
+    own = term_words(term.candidate)
+    if not isinstance(term.candidate, SmoothCandidate):
+        return f"{own.what}, not certain"
+    return f"{own.curve}; seen {_covered(term.candidate, found.before.model.robot.joints)}"
 
 
 def _covered(shown: SmoothCandidate, joints: Sequence[Joint]) -> str:
@@ -120,11 +136,14 @@ def _covered(shown: SmoothCandidate, joints: Sequence[Joint]) -> str:
 
 
 def _nearest(
-    substitutes: Sequence[Substitute], words: Mapping[str, TermWords], joint: int
+    substitutes: Sequence[Substitute],
+    words: Mapping[str, TermWords],
+    joint: int,
+    others: Container[str],
 ) -> NearestName | None:
-    """Of what was weighed in a term's place, which is best first, the first name."""
+    """Of what was weighed in a term's place, which is best first, the first name that is not elsewhere."""
     for s in substitutes:
-        if isinstance(s.term.candidate, NamedCandidate):
+        if isinstance(s.term.candidate, NamedCandidate) and s.term.label not in others:
             behind = substitutes[0].nats - s.nats
             return NearestName(s.term.candidate.entry, words[s.term.label].at(joint), behind)
     return None
