@@ -8,7 +8,11 @@ import pytest
 from oed.commands.rollouts import BASE_OF_BODIES
 from oed.experiment.write_dataset import write_dataset
 from oed.export.model_file import load_model, write_model
+from oed.report.calibrate_page import calibrate_page
 from oed.report.json_file import read_json
+from oed.report.page import render_page
+from oed.report.provenance import Provenance
+from oed.report.study_files import CALIBRATE
 from oed.robot import imi_scara
 from tests.diagnosis.arm import NOISE, data_set
 from tests.dynamics.effects.arms import panda, smooth_motion
@@ -54,6 +58,16 @@ def test_bodies_are_estimated_beside_what_was_found(calibrated):
     truth = dict(zip(imi_scara().parameter_names, imi_scara().parameters, strict=True))
     for name in ("Izz_2", "mx_2", "my_2"):
         assert values[name] == pytest.approx(truth[name], rel=0.05)
+
+
+def test_what_has_no_name_is_said_in_words(calibrated):
+    record = read_json(calibrated / "calibration.json")
+    told = read_json(calibrated / "diagnosis" / "diagnosis.json")["unexplained"]
+    assert record["without_name"] == [item["words"] for item in told]
+    left = {**record, "unexplained": 1, "without_name": ["joint 1: friction that depends on time"]}
+    provenance = Provenance.collect(CALIBRATE, seed=0)
+    page = render_page(calibrate_page(left, provenance))
+    assert "Without a name: joint 1: friction that depends on time." in page
 
 
 def test_the_record_says_what_came_out(calibrated):
