@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Literal
 
 from oed.commands.configurations.command import Command, ModelName
-from oed.commands.options import Count, OutFolder, Positive, Real, Seed
+from oed.commands.options import Count, OutFolder, Positive, Rate, Real, Seed
 
 # That a motion is written with: the messages for ROS 2 then take 120 MB, and half a minute.
 MOST_POINTS = 200_000
+LEAST_POINTS = 50  # ten a period of the fifth harmonic, the highest of most classes
 # Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
 CLEARANCE = 0.01
 MOST_CLEARANCE = 0.15
@@ -87,7 +88,7 @@ class Design(Command):
     avoid_collision: bool = False
     package: tuple[str, ...] = ()
     box: tuple[Real, Real, Real, Real, Real, Real] | None = None
-    rate: Positive = 100.0
+    rate: Rate = 100.0
     evaluations: Count = 1000
     budget: Positive = 60.0
     trajectory: str = "fourier"
@@ -133,6 +134,11 @@ class Design(Command):
             share = getattr(self, name)
             if not 0.0 < share <= 1.0:
                 raise ValueError(f"--{name} {share:g} is not a share above 0 and up to 1")
+        if self.rate * self.horizon / self.scale < LEAST_POINTS:
+            raise ValueError(
+                f"--rate {self.rate:g} for --horizon {self.horizon:g} is fewer than {LEAST_POINTS} set "
+                "points, which a controller would join by another motion"
+            )
         if self.rate * self.horizon / self.scale > MOST_POINTS:
             slowed = f" at --scale {self.scale:g}" if self.scale < 1.0 else ""
             raise ValueError(
