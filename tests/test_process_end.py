@@ -35,7 +35,23 @@ def interrupted_in_compiled_code() -> int:
     return 0
 
 
-@pytest.mark.parametrize("main", [interrupted, terminated, interrupted_in_compiled_code])
+def interrupted_while_a_library_loads() -> int:
+    try:
+        interrupted()
+    except KeyboardInterrupt as error:
+        raise ImportError("initialization failed") from error
+    return 0
+
+
+@pytest.mark.parametrize(
+    "main",
+    [
+        interrupted,
+        terminated,
+        interrupted_in_compiled_code,
+        interrupted_while_a_library_loads,
+    ],
+)
 def test_an_interrupt_is_one_line_and_status_130(main, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         leave(main, "studies.test")

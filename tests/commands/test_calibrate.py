@@ -1,5 +1,6 @@
 """`oed calibrate`: what the model lacks does not end up in masses, and one page links everything."""
 
+import importlib
 import re
 
 import numpy as np
@@ -166,3 +167,17 @@ def test_a_model_of_another_arm_is_refused(calibrated, tmp_path, capsys):
         oed("identify", calibrated.parent / "data", "--out", tmp_path / "o", "--model", "rotr") == 2
     )
     assert "rotr: no such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [("calibrate", "the steps that were done are kept"), ("identify", "nothing was written")],
+)
+def test_an_interrupt_says_what_is_left(tmp_path, capsys, monkeypatch, command, told):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    module = importlib.import_module(f"oed.commands.{command}")
+    monkeypatch.setattr(module, "run", interrupted)
+    assert oed(command, tmp_path, "--out", tmp_path / "o") == 130
+    assert capsys.readouterr().err == f"\noed {command}: interrupted: {told}\n"
