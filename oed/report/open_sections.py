@@ -13,8 +13,8 @@ from oed.report.unnamed_terms import Unnamed
 STAND_IN = (
     "An effect is named where its probability is {named:g} or more, its size is told, and held-out recordings "
     "are predicted better with it; here none meets all three. What model.json has instead predicts torque "
-    "where the recordings were. A free curve claims no physics, and beyond what was seen it keeps the value of "
-    "the edge. One noise floor is the standard deviation of the joint's noise."
+    "where the recordings were. A free curve claims no physics, and beyond the range that it was fitted over "
+    "it keeps the value of the edge. One noise floor is the standard deviation of the joint's noise."
 )
 UNTOLD = (
     "Error is left that is clearly larger than noise, and no effect of the catalogue and no curve that was "

@@ -39,7 +39,7 @@ class Unnamed:
     Attributes:
         joint: From 0.
         what: What it is, such as "torque that depends on its position", the joint's.
-        model_has: What stands for it in the model, and where a curve was seen; "nothing" where none does.
+        model_has: What stands for it in the model, over what a curve was fitted; "nothing" where none does.
         depends_on: Coordinates such as "q_2"; none where no term describes it.
         carried: Root mean square of what the model has for it, at the joint [noise floors]; None of
             nothing.
@@ -122,7 +122,7 @@ def _model_has(found: Diagnosis, item: Unexplained) -> str:
     own = term_words(term.candidate)
     if not isinstance(term.candidate, SmoothCandidate):
         return f"{own.what}, not certain"
-    return f"{own.curve}; seen {_covered(term.candidate, found.before.model.robot.joints)}"
+    return f"{own.curve}; fitted over {_covered(term.candidate, found.before.model.robot.joints)}"
 
 
 def _covered(shown: SmoothCandidate, joints: Sequence[Joint]) -> str:

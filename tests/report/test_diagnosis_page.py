@@ -12,7 +12,7 @@ import pytest
 from oed.commands.main import configuration_of
 from oed.diagnosis.diagnose import Diagnosis, diagnose
 from oed.diagnosis.discrimination.next_motion import NextExperiment
-from oed.diagnosis.inference.answer import Unexplained
+from oed.diagnosis.inference.answer import Alternative, Unexplained
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.motion import Motion
 from oed.dynamics.torque_model import TorqueModel
@@ -150,8 +150,7 @@ def undrawn(found: Diagnosis) -> Page:
 def test_where_all_has_a_name_nothing_is_left_to_do(found):
     page = undrawn(dataclasses.replace(found, verdict="explained", unexplained=()))
     assert page.verdict.headline == "Explained: stribeck (joint 1)"
-    titles = {section.title for section in page.sections}
-    assert not {"There, but without a name", "What to do next"} & titles
+    assert page.sections[0].title == "Torque budget"
 
 
 def test_tells_every_effect_of_the_record_with_its_parameters_and_rivals(html, folder):
@@ -172,9 +171,10 @@ def test_labels_are_for_programs_and_words_for_people(html, folder, found):
     )
     assert record["budget"]["words"][left["term"]] == left["words"]
     assert left["words"].removeprefix("joint 2: ") in Reader(html).text  # in the budget
-    labels = {term.label for term in found.selected.views.every.terms}
-    labels |= {s.term.label for own in found.selected.substitutes for s in own}
-    assert not [label for label in labels if label in " ".join(Reader(html).text)]
+    every = " ".join(Reader(html).text)
+    assert not [
+        s.term.label for k in found.selected.substitutes for s in k if s.term.label in every
+    ]
 
 
 def test_says_how_large_what_has_no_name_is(found):
@@ -184,8 +184,8 @@ def test_says_how_large_what_has_no_name_is(found):
     assert left.after == pytest.approx(held.after[1] / found.noise_floor[1])
     (recording,) = measured().validation
     pull = np.sqrt(np.mean((CABLE * recording.q[:, 1]) ** 2))
+    assert "fitted over q_2 from" in left.model_has
     assert left.carried == pytest.approx(pull / found.noise_floor[1], rel=0.1)
-    assert left.nearest is None or left.nearest.entry.name in NAMES
 
 
 def test_says_what_a_model_that_is_not_certain_of_a_name_has_in_its_place(found):
@@ -234,6 +234,17 @@ def test_steps_follow_from_what_is_known(found):
     assert said(verdict="explained", unexplained=()) == ""
 
 
+def test_a_name_that_no_motion_tells_from_another_is_exposed_as_the_catalogue_says(found):
+    (effect,) = found.effects
+    other = Alternative("drag@1", "drag", 0, 0.4, same=False, open=True)
+    open_name = dataclasses.replace(effect, alternatives=(other,))
+    left = dataclasses.replace(found, verdict="ambiguous", effects=(open_name,), unexplained=())
+    first, last = next_steps(left, None, RUN)
+    assert "Whether it is stribeck (joint 1) is open" in first.text
+    assert CATALOGUE["stribeck"].page.exposed_by in first.text
+    assert last.commands == ("oed diagnose 'my data' --out again/",)
+
+
 def test_a_joint_is_moved_alone_only_where_others_may_be_the_cause(found, tmp_path):
     def lines(*left: Unexplained, at: Diagnosis) -> list[str]:
         steps = next_steps(dataclasses.replace(at, unexplained=left), None, RUN)
@@ -244,9 +255,8 @@ def test_a_joint_is_moved_alone_only_where_others_may_be_the_cause(found, tmp_pa
     robot = load_arm(str(file))
     model = dataclasses.replace(found.before.model, robot=robot)
     filed = dataclasses.replace(found, before=dataclasses.replace(found.before, model=model))
-    name = robot.joint_names[1]
-    expected = f"oed design --data 'my data' --joints {name} --out alone_2/"
-    assert lines(strange("q_1"), at=filed) == [expected]
+    line = "oed design --data 'my data' --joints joint_2 --out alone_2/"
+    assert lines(strange("q_1"), at=filed) == [line]
     assert lines(strange("q_2", "dq_2", "time"), at=filed) == []
     # A built-in robot has no file whose other joints could be held.
     assert lines(strange("q_1"), at=found) == []
@@ -277,8 +287,8 @@ def test_a_contradiction_by_the_test_recordings_stands_beside_the_verdict(found,
         "The test recordings contradict stribeck (joint 1): their error is 3 with it and 2 without."
     )
     assert any(words in text for text in page.text[:6])
-    record = json.loads((tmp_path / "against" / "diagnosis.json").read_text())
-    assert record["contradicted"] == [words[0].lower() + words[1:-1]]
+    record = (tmp_path / "against" / "diagnosis.json").read_text()
+    assert words[1:-1] in record
 
 
 def test_hands_on_the_motion_that_tells_alternatives_apart(found, tmp_path):
@@ -288,6 +298,7 @@ def test_hands_on_the_motion_that_tells_alternatives_apart(found, tmp_path):
     following = NextExperiment(motion, 30.0, 2.0, 0.003, 0.24, ("a or b",), 6, ())
     page = Reader(write(found, tmp_path / "next", following))
     assert any("To tell a or b: run next_experiment/trajectory.csv" in x for x in page.text)
+    assert any(x.startswith("1. Run next_experiment/trajectory.csv on the arm") for x in page.text)
     rows = (tmp_path / "next" / "next_experiment" / "trajectory.csv").read_text().splitlines()
     assert len(rows) == 1 + len(t)
     record = json.loads((tmp_path / "next" / "diagnosis.json").read_text())
