@@ -21,6 +21,7 @@ INTERRUPTED = 130  # 128 and the number of SIGINT
 BAD_INPUT = 2  # as for options that cannot be used
 NO_USABLE_RESULT = 3  # the input is in order, and what was asked for cannot be had
 NOTHING = "nothing was written"
+STEPS = "the steps that were done are kept"
 RESUMES = "what was done is kept; the same command goes on from there"
 PR_SET_PDEATHSIG = 1  # prctl(2): the signal that a process gets when its parent ends
 PARENT = "OED_PARENT"  # environment variable: the process that a command must not outlive
@@ -52,7 +53,7 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
     }
     try:
         code = on_one_thread(main)()
-    except (KeyboardInterrupt, SystemError) as error:
+    except (KeyboardInterrupt, SystemError, ImportError) as error:
         if not is_interrupt(error):
             raise
         sys.stderr.write(f"\n{name}: interrupted: {told}\n")
@@ -60,6 +61,9 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
     except (OedError, ValueError, OSError) as error:
         sys.stderr.write(f"{name}: {one_line(error)}\n")
         code = NO_USABLE_RESULT if isinstance(error, NoUsableResult) else BAD_INPUT
+    except MemoryError as error:
+        sys.stderr.write(f"{name}: not enough memory: {one_line(error) or 'ask for less'}\n")
+        code = NO_USABLE_RESULT
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
@@ -67,7 +71,7 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
 
 
 def is_interrupt(error: BaseException | None) -> bool:
-    """Whether it is Ctrl-C, or what compiled code makes of it: a SystemError caused by one."""
+    """Whether it is Ctrl-C, or what compiled code, or its loading, makes of it: an error caused by one."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None

@@ -24,12 +24,14 @@ class Seen:
         requests: Addresses that it asked for, besides the page itself and what stands in it.
         width: Of the page with all that sticks out [px].
         drawn: Lines and sets of points of interactive figures.
+        pictures: Width of each picture's own file, of those that it has for several windows [px].
     """
 
     errors: tuple[str, ...]
     requests: tuple[str, ...]
     width: int
     drawn: int
+    pictures: tuple[int, ...]
 
 
 class Browser:
@@ -90,6 +92,7 @@ class Browser:
             tuple(r for r in requests if r != address and not r.startswith(("data:", "blob:"))),
             page.evaluate("document.documentElement.scrollWidth"),
             page.locator(".chart .scatterlayer .trace").count(),
+            tuple(page.locator("figure img").evaluate_all("all => all.map(i => i.naturalWidth)")),
         )
         page.close()
         return seen

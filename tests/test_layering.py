@@ -21,6 +21,7 @@ ORDER = (
 )
 SHARED_BY_ALL = (
     "counted",
+    "in_comment",
     "errors",
     "input_file",
     "one_thread",

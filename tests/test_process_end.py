@@ -12,7 +12,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from oed.errors import LONGEST_MESSAGE
-from oed.process_end import BAD_INPUT, exit_status, leave
+from oed.process_end import BAD_INPUT, NO_USABLE_RESULT, exit_status, leave
 from studies.case_runner import CaseRunner, RowFile
 from tests.paths import REPO
 
@@ -35,7 +35,23 @@ def interrupted_in_compiled_code() -> int:
     return 0
 
 
-@pytest.mark.parametrize("main", [interrupted, terminated, interrupted_in_compiled_code])
+def interrupted_while_a_library_loads() -> int:
+    try:
+        interrupted()
+    except KeyboardInterrupt as error:
+        raise ImportError("initialization failed") from error
+    return 0
+
+
+@pytest.mark.parametrize(
+    "main",
+    [
+        interrupted,
+        terminated,
+        interrupted_in_compiled_code,
+        interrupted_while_a_library_loads,
+    ],
+)
 def test_an_interrupt_is_one_line_and_status_130(main, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         leave(main, "studies.test")
@@ -49,6 +65,16 @@ def test_another_error_of_the_system_is_raised() -> None:
 
     with pytest.raises(SystemError, match="broken"):
         leave(broken, "studies.test")
+
+
+def test_what_the_memory_does_not_hold_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    def large() -> int:
+        return len(np.empty(2**50))
+
+    assert exit_status(large, "oed test") == NO_USABLE_RESULT
+    said = capsys.readouterr().err
+    assert said.startswith("oed test: not enough memory: Unable to allocate 8.00 PiB")
+    assert said.count("\n") == 1
 
 
 class Only:

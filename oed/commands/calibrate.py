@@ -11,6 +11,7 @@ from oed.commands.configurations import Calibrate, Diagnose, Export, Feasible, I
 from oed.commands.refine import refine
 from oed.commands.rollouts import BASE_OF_BODIES, base_of_bodies, models_in, rollouts
 from oed.commands.telling import say, speak
+from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.estimation.rollout import WINDOWS
 from oed.experiment.read_dataset import read_dataset
 from oed.export.model_file import NAME, load_model, write_model
@@ -30,6 +31,9 @@ def run(config: Calibrate) -> int:
     start = time.perf_counter()
     for form in config.to:
         find_exporter(form)  # refused before the work
+    for name in config.candidates:
+        if name not in CATALOGUE:
+            raise ValueError(f"--candidates: no effect {name!r}; there are {', '.join(CATALOGUE)}")
     with CALIBRATE.in_folder(config.out, [config.data]) as results:
         read_dataset(config.data).robot.require_newton_metres(str(config.data))
         steps = _steps(config)
@@ -151,6 +155,7 @@ def _record(config: Calibrate) -> dict:
         "verdict": diagnosis["verdict"],
         "effects": [{k: e[k] for k in ("name", "joint")} for e in diagnosis["effects"]],
         "unexplained": len(diagnosis["unexplained"]),
+        "without_name": [u["words"] for u in diagnosis["unexplained"]],
         "rms": diagnosis["rms"],
         "links": bodies["links"],
         "changes_from_file": bodies["changes_from_file"],

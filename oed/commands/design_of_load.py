@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from oed.design.still_joints import hold_still_joints
 from oed.dynamics.models import build_model
 from oed.errors import NoUsableResult, OedError
 from oed.estimation.load.same_arm import check_same_robot
-from oed.export.model_file import load_model
+from oed.export.model_file import load_model, model_file_at
 from oed.report.page import Page, Section, Table, Text, Verdict, write_page
 from oed.report.provenance import Provenance
 from oed.report.study_files import DESIGN
@@ -68,7 +69,7 @@ def _frame_and_model(robot: Robot, config: Design) -> tuple[AttachedFrame, Known
     frame = find_frame(robot, config.frame)
     if not config.arm:
         return frame, None
-    known = load_model(config.arm)
+    known = load_model(model_file_at(Path(config.arm)))
     if known.covariance is None:
         raise NoUsableResult(
             f"--arm {config.arm}: this model has no covariance; give that of oed identify"
@@ -86,38 +87,65 @@ def run_static(config: Design, robot: Robot) -> int:
         arm = default_problem(build_model(str(config.model), robot), settings).problem
         problem, told = of_load(arm, config)
         frame, _ = _frame_and_model(robot, config)
+        checked = _clearance(robot, config)
         q = static_poses(
             robot,
             frame.joint,
             config.poses,
             problem.covariance if problem.covariance is not None else np.ones(robot.n),
             np.random.default_rng(config.seed),
-            is_clear=_clearance(robot, config),
+            is_clear=checked.holds,
         )
-        rows = _rows(robot, q)
+        rows, told = _rows(robot, q), (told[0], *filter(None, [checked.note]))
         with results.replaced() as new:
             write_csv(new / "poses.csv", rows)
             provenance = Provenance.collect(config, seed=config.seed)
             write_page(
                 new / "report.html",
-                _page(robot, rows, (*robot.notes, *held, *assumed, told[0]), provenance),
+                _page(robot, rows, checked, (*robot.notes, *held, *assumed, *told), provenance),
             )
             provenance.write(new / "provenance.json")
     print(text_table(rows))
+    print(f"{counted(len(rows), 'posture')}, {checked.words}")
+    if checked.note:
+        print(f"note: {checked.note}")
     print(STATIC)
     print(f"open {config.out / 'report.html'}")
     return 0
 
 
-def _clearance(robot: Robot, config: Design) -> Callable[[Float[ndarray, " joints"]], bool]:
-    """Whether a posture is clear; all are, where shapes are not known or may touch."""
-    if config.no_clearance:
-        return lambda _: True
+@dataclass(frozen=True)
+class _Checked:
+    """What is looked at of a posture.
+
+    Attributes:
+        holds: Whether it may be taken.
+        words: What is known of those that are.
+        note: What is not; empty where nothing is left to say.
+    """
+
+    holds: Callable[[Float[ndarray, " joints"]], bool]
+    words: str
+    note: str
+
+
+def _clearance(robot: Robot, config: Design) -> _Checked:
+    """Whether a posture is clear, as far as shapes are known and may not touch.
+
+    Raises:
+        RobotError: If a box is to be kept, and the robot has no file.
+    """
     walls = None if config.box is None else np.array(config.box).reshape(-1, 2)
+    within = "each within its limits" if walls is None else "each within its limits and the box"
     try:
-        return Surroundings(robot, walls, config.clearance).is_clear
-    except OedError:
-        return lambda _: True
+        around = Surroundings(robot, walls, config.clearance, walls_only=config.no_clearance)
+    except OedError as error:
+        if walls is not None:
+            raise
+        return _Checked(lambda _: True, within, f"not checked: clear of itself: {error}")
+    words = f"{within}, and clear of itself" if around.has_shapes else within
+    note = "not checked: clear of itself: --no-clearance" if config.no_clearance else around.note
+    return _Checked(around.is_clear, words, note)
 
 
 def _rows(robot: Robot, q: Float[ndarray, "poses joints"]) -> list[Row]:
@@ -129,11 +157,19 @@ def _rows(robot: Robot, q: Float[ndarray, "poses joints"]) -> list[Row]:
     ]
 
 
-def _page(robot: Robot, rows: list[Row], notes: tuple[str, ...], provenance: Provenance) -> Page:
+def _page(
+    robot: Robot,
+    rows: list[Row],
+    checked: _Checked,
+    notes: tuple[str, ...],
+    provenance: Provenance,
+) -> Page:
     return Page(
         title=f"Postures that tell what {robot.name} holds",
         verdict=Verdict(
-            "good", f"{counted(len(rows), 'posture')}, each clear and within its limits.", STATIC
+            "warning" if checked.note else "good",
+            f"{counted(len(rows), 'posture')}, {checked.words}.",
+            f"{f'{checked.note[0].upper()}{checked.note[1:]}. ' if checked.note else ''}{STATIC}",
         ),
         sections=(
             Section("The postures", (Table(rows),)),

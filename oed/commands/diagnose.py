@@ -25,8 +25,11 @@ from oed.export.model_file import write_model
 from oed.one_thread import on_one_thread
 from oed.report.diagnosis_report import write_diagnosis
 from oed.report.joint_words import over_floor, place_words
+from oed.report.next_steps import Run, next_steps
 from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
+from oed.report.term_words import in_words, words_of_terms
+from oed.report.unnamed_terms import unnamed_terms
 
 MOTIONS = 48  # random motions of which the most discriminating is proposed
 FEW_TERMS, FEW_MOTIONS = 1, 6  # of a diagnosis that is made smaller
@@ -110,7 +113,7 @@ def _started(config: Diagnose, dataset: DataSet) -> Model | None:
 
 def diagnose_into(config: Diagnose) -> Outcome:
     """Diagnose into a folder, which is refused before the work if results cannot go there."""
-    with CLOSE_LOOP.in_folder(config.out, [config.data]) as results:
+    with CLOSE_LOOP.in_folder(config.out, config.inputs) as results:
         outcome = find(config, read_dataset(config.data))
         provenance = Provenance.collect(config, seed=config.seed)
         with results.replaced() as new:
@@ -122,6 +125,7 @@ def diagnose_into(config: Diagnose) -> Outcome:
                 data=outcome.dataset.name,
                 joints=outcome.dataset.robot.joint_names,
                 notes=outcome.notes,
+                run=_where(config),
                 provenance=provenance,
                 out=new,
             )
@@ -131,11 +135,16 @@ def diagnose_into(config: Diagnose) -> Outcome:
 def run(config: Diagnose) -> int:
     """Diagnose, and leave diagnosis.json, report.html, model.json and figures."""
     speak(quiet=config.quiet)
-    _summarise(diagnose_into(config).found, config)
+    _summarise(diagnose_into(config), config)
     return 0
 
 
-def _summarise(found: Diagnosis, config: Diagnose) -> None:
+def _where(config: Diagnose) -> Run:
+    return Run(config.data, config.out, config.budget)
+
+
+def _summarise(outcome: Outcome, config: Diagnose) -> None:
+    found, words = outcome.found, words_of_terms(outcome.found)
     print(f"verdict: {found.verdict}")
     for effect in found.effects:
         values = ", ".join(
@@ -145,11 +154,19 @@ def _summarise(found: Diagnosis, config: Diagnose) -> None:
         )
         where = place_words(effect.joint)
         print(f"  {effect.name} ({where}), probability {effect.probability:.3f}: {values}")
-    for item in found.unexplained:
-        print(f"  unexplained on joint {item.joint + 1}: {item.label}")
-    for words in found.contradicted:
-        print(f"  {words}")
+    for item in unnamed_terms(found):
+        carries = "" if item.carried is None else f"carries {item.carried:.3g} noise floors; "
+        print(
+            f"  without a name (joint {item.joint + 1}): {item.what}; in the model: {item.model_has}; {carries}"
+            f"{found.budget.role} error there {item.before:.3g} -> {item.after:.3g} noise floors"
+        )
+    for text in found.contradicted:
+        print(f"  {in_words(text, words)}")
     for errors in found.errors:
         old, new = (over_floor(x, found.noise_floor) for x in (errors.before, errors.after))
         print(f"  {errors.role} error: {old:.3g} -> {new:.3g} times the noise floor")
+    for step in next_steps(found, outcome.following, _where(config)):
+        print(f"next: {step.text}")
+        for line in step.commands:
+            print(f"    {line}")
     print(f"open {config.out / 'report.html'}")

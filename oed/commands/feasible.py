@@ -146,7 +146,7 @@ def run(config: Feasible) -> int:
     """Estimate, and leave model.json, estimate.json, the robot's files, figures and report.html."""
     speak(quiet=config.quiet)
     start = time.perf_counter()
-    with FEASIBLE.in_folder(config.out, [config.data]) as results:
+    with FEASIBLE.in_folder(config.out, config.inputs) as results:
         prepared = prepare_for(config)
         result = estimate(prepared, settings_of(config, prepared.model))
         checkup = check_calibration(result.plain)

@@ -67,7 +67,7 @@ def run(config: Identify) -> int:
     """Estimate, and leave model.json, estimate.json, parameters.csv, figures and report.html."""
     speak(quiet=config.quiet)
     start = time.perf_counter()
-    with IDENTIFY.in_folder(config.out, [config.data]) as results:
+    with IDENTIFY.in_folder(config.out, config.inputs) as results:
         prepared = prepare_for(config)
         calibration = estimate(prepared, robust=config.robust)
         checkup = check_calibration(calibration)

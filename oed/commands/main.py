@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Never
 
@@ -12,7 +12,7 @@ import tyro
 
 from oed.commands import configurations
 from oed.commands.options import STYLE, refused_in_one_line
-from oed.process_end import end_quietly_while_loading, exit_status
+from oed.process_end import NOTHING, STEPS, end_quietly_while_loading, exit_status
 
 # Name: configuration, and the module whose `run` takes it, loaded when it is asked for.
 COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
@@ -29,6 +29,7 @@ COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
     "demo": (configurations.Demo, "demo"),
     "cross-check": (configurations.CrossCheck, "cross_check"),
 }
+IN_STEPS = ("calibrate", "demo")  # each step leaves a folder of its own
 DESCRIPTION = """From a robot file and a log to a dynamic model that you can trust.
 
 Exit status: 0 done; 1 something disagrees; 2 the input cannot be used; 3 the input is in order, and
@@ -52,16 +53,19 @@ def run(arguments: Sequence[str]) -> int:
     """
     config = configuration_of(arguments)
     name, module = next((n, m) for n, (kind, m) in COMMANDS.items() if type(config) is kind)
-    return exit_status(partial(_run, module, config), f"oed {name}")
+    # Before `exit_status` turns an interrupt into an error, which compiled modules that are being
+    # loaded turn into others.
+    command = importlib.import_module(f"oed.commands.{module}").run
+    told = STEPS if name in IN_STEPS else NOTHING
+    return exit_status(partial(_run, command, config), f"oed {name}", told)
 
 
-def _run(module: str, config: configurations.Command) -> int:
+def _run(command: Callable[[configurations.Command], int], config: configurations.Command) -> int:
     # `--help` has nothing to show, and no use for numerical libraries.
     from oed.one_thread import on_one_thread  # noqa: PLC0415
     from oed.report.progress import shown  # noqa: PLC0415
 
     with shown(quiet=config.quiet):
-        command = importlib.import_module(f"oed.commands.{module}").run
         # Only now are all libraries loaded of which each has threads of its own.
         return on_one_thread(command)(config)
 
@@ -76,7 +80,7 @@ def configuration_of(arguments: Sequence[str]) -> configurations.Command:
         SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
     """
     named = bool(arguments) and arguments[0] in COMMANDS
-    with refused_in_one_line(f"oed {arguments[0]}" if named else "oed"):
+    with refused_in_one_line(f"oed {arguments[0]}" if named else "oed", arguments):
         return tyro.extras.subcommand_cli_from_dict(
             {name: configuration for name, (configuration, _) in COMMANDS.items()},
             prog="oed",

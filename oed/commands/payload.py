@@ -25,7 +25,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.preparation.settings import ProcessingSettings
 from oed.export.load_files import write_load
-from oed.export.model_file import load_model
+from oed.export.model_file import load_model, model_file_at
 from oed.report.payload_page import PayloadReport, write_payload
 from oed.report.payload_rows import load_rows, residual_rows
 from oed.report.provenance import Provenance
@@ -122,7 +122,7 @@ def _estimation(prepared: Prepared) -> tuple[ProcessedRecording, ...]:
 
 
 def _found(path: Path) -> FoundArm:
-    model = load_model(path)
+    model = load_model(model_file_at(path))
     if model.covariance is None:
         raise NoUsableResult(
             f"{path}: this model has no covariance, so that nothing can be said of the load's error; "

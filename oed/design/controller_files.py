@@ -20,6 +20,7 @@ from oed.design.export import (
     write_joint_trajectory_json,
     write_joint_trajectory_yaml,
 )
+from oed.in_comment import in_comment
 from oed.robot import Robot
 
 UR_JOINTS, FRANKA_JOINTS = 6, 7
@@ -64,7 +65,7 @@ def write_urscript(points: SetPoints, path: str | Path) -> None:
     motion = points.motion
     first, *rest = ([f"{x:.{UR_DIGITS}f}" for x in q] for q in motion.q)
     lines = [
-        f"# {', '.join(points.joint_names)}: {motion.t[-1]:g} s, radians and seconds",
+        f"# {in_comment(', '.join(points.joint_names))}: {motion.t[-1]:g} s, radians and seconds",
         "# A step shorter than the control cycle, or no multiple of it, runs too slowly: 2 ms, or 8 ms for CB3.",
         "def oed_motion():",
         f"  start = [{', '.join(first)}]",

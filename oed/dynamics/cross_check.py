@@ -22,6 +22,7 @@ from oed.dynamics.effects import RigidBody
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.newton_euler import rigid_body_regressor, rigid_body_torque
 from oed.dynamics.torque_model import TorqueModel
+from oed.errors import RobotError
 from oed.robot import Robot, described
 from oed.robot.pinocchio_pose import held_displacement, pinocchio_model
 from oed.robot.robot_file import load_plant
@@ -77,6 +78,10 @@ def cross_check(robot: Robot, *, states: int = 200, seed: int = 0) -> CrossCheck
     reference = drake_torque(robot, motion) if file is None else file_torque(robot, motion)
     is_urdf = file is not None and file.format == "urdf"
     largest = np.abs(reference).max()
+    if largest == 0:
+        raise RobotError(
+            f"{robot.source}: all torques are 0: its bodies have no mass to compare by"
+        )
 
     def disagreement(torque: Float[ndarray, "samples joints"]) -> float:
         return float(np.abs(torque - reference).max() / largest)

@@ -113,6 +113,12 @@ def _as_logged(table: Table, names: tuple[str, ...], quantity: Quantity) -> tupl
 def _elements(table: Table, names: tuple[str, ...], robot: Robot) -> tuple[str, ...]:
     """The names as they are, or the n elements of the one column of lists that is named."""
     name, *more = names
+    if not more and name in table.columns and robot.n > 1:
+        raise DataSetError(
+            f"is one joint's: [columns] of dataset.toml must name {robot.n} such, one a joint",
+            file=table.file,
+            column=name,
+        )
     if more or name in table.columns:
         return names
     elements = table.elements(name)

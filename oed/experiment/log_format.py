@@ -121,13 +121,25 @@ def read_log_format(table: TomlTable, joints: int) -> LogFormat:
         if not (ticks > 0).all():
             units.fail("ticks_per_turn", "must be positive")
     return LogFormat(
-        columns={key: _names(columns, key, joints) for key in COLUMN_KEYS if columns.has(key)},
+        columns=_columns(columns, joints),
         units={key: _units(units, key, joints) for key in SI if units.has(key)},
         ticks_per_turn=ticks,
         sign=_signs(table, joints),
         zero=table.numbers("zero", joints) if table.has("zero") else None,
         rate=rate,
     )
+
+
+def _columns(table: TomlTable, joints: int) -> dict[str, tuple[str, ...]]:
+    """Names of columns by what they hold; no column holds two quantities."""
+    columns = {key: _names(table, key, joints) for key in COLUMN_KEYS if table.has(key)}
+    holds: dict[str, str] = {}
+    for key, names in columns.items():
+        for name in names:
+            if name in holds:
+                table.fail(key, f"names {name!r}, which is named for {holds[name]} already")
+            holds[name] = key
+    return columns
 
 
 def _names(table: TomlTable, key: str, joints: int) -> tuple[str, ...]:

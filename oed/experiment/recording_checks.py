@@ -19,6 +19,7 @@ PARAMETERS_PER_JOINT = 12  # ten inertial parameters, Coulomb and viscous fricti
 # A joint cannot be this far beyond its limits; degrees taken for radians are 57 times too large,
 # and even a motion over a tenth of the range shows.
 BEYOND_LIMITS = 5.0
+LEAST_TORQUE = 1e-9  # [N m, N or A] that no sensor of a drive resolves
 # [s] Between rows: at 5 Hz no motion of an arm can be followed, and a log of 5 kHz whose time is in
 # milliseconds has this step.
 LARGEST_STEP = 0.2
@@ -142,9 +143,11 @@ def check_signals(
         columns: Index of each kept joint in the file.
     """
     for j, column in enumerate(columns):
-        if np.ptp(tau[:, j]) == 0:
+        spread = float(np.ptp(tau[:, j]))
+        if spread < LEAST_TORQUE:
+            all_rows = f"is {tau[0, j]:g} in" if spread == 0 else f"varies by {spread:.2g} over"
             message = (
-                f"is {tau[0, j]:g} in every row: the torque of this joint was not logged; log it, "
+                f"{all_rows} every row: the torque of this joint was not logged; log it, "
                 "or name the other joints with --joints where a study takes it"
             )
             raise DataSetError(message, file=file, column=f"tau_{column + 1}")

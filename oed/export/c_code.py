@@ -9,6 +9,7 @@ from pathlib import Path
 import casadi
 
 from oed.export.predictor import Predictor
+from oed.in_comment import in_comment
 from oed.report.json_file import write_atomically
 
 FUNCTIONS = {
@@ -92,11 +93,13 @@ def _wrappers(predictor: Predictor, name: str) -> str:
 
 def _header(predictor: Predictor, name: str) -> str:
     guard = f"{name.upper()}_H"
-    left_out = [f"   Left out: {o.name}: {o.reason}." for o in predictor.left_out]
+    left_out = [
+        f"   Left out: {in_comment(o.name)}: {in_comment(o.reason)}." for o in predictor.left_out
+    ]
     kept = {"torque": predictor.recorded.keeps, "arm": predictor.arm.keeps}
     lines = [
-        f"/* Torque model of {predictor.model.robot.name}, written by oed. C99, needs -lm alone.",
-        f"   Joints: {', '.join(predictor.model.robot.joint_names)}. SI units.",
+        f"/* Torque model of {in_comment(predictor.model.robot.name)}, written by oed. C99, needs -lm alone.",
+        f"   Joints: {in_comment(', '.join(predictor.model.robot.joint_names))}. SI units.",
         f"   One call every {predictor.step!r} s. Memory comes from {name}_torque_begin, then from what",
         "   the last call left in next, which must be another array than memory.",
         *left_out,
@@ -111,7 +114,7 @@ def _header(predictor: Predictor, name: str) -> str:
     ]
     for which, names in kept.items():
         lines.append(f"#define {name.upper()}_{which.upper()}_MEMORY {len(names)}")
-        lines += [f"/*   {k}: {each} */" for k, each in enumerate(names[:MOST_NAMES])]
+        lines += [f"/*   {k}: {in_comment(each)} */" for k, each in enumerate(names[:MOST_NAMES])]
     for function in predictor.functions:
         lines += [f"/* {FUNCTIONS[function]} */", f"{_signature(predictor, name, function)};"]
     return "\n".join([*lines, "#ifdef __cplusplus", "}", "#endif", "#endif", ""])

@@ -163,7 +163,7 @@ class FormReader:
     def _dataclass(self, plain: dict[str, Any], place: str) -> Any:
         name = plain[KIND]
         kinds = known_kinds()
-        if name not in kinds:
+        if not isinstance(name, str) or name not in kinds:
             raise ModelFileError(
                 f"{place}: there is no effect {name!r} here; if it is your own, import the module "
                 "that defines it first"

@@ -6,6 +6,7 @@ and inertia about that centre in the frame's axes [kg m^2].
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -90,7 +91,7 @@ def _message(body: Inertial, frame: str) -> str:
     return (
         "# geometry_msgs/msg/InertiaStamped. For a UR driver, ur_msgs/srv/SetPayload takes m as mass\n"
         "# and com as center_of_gravity.\n"
-        f"header:\n  frame_id: {frame}\n"
+        f"header:\n  frame_id: {json.dumps(frame)}\n"
         f"inertia:\n  m: {body.mass:.9g}\n  com: {{x: {x:.9g}, y: {y:.9g}, z: {z:.9g}}}\n" + inertia
     )
 

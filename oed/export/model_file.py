@@ -13,6 +13,7 @@ from oed.dynamics.effects import Effect, MeasurementEffect, with_columns
 from oed.dynamics.effects import catalogue as _catalogue  # noqa: F401  and these
 from oed.dynamics.effects import smooth_term as _smooth_term  # noqa: F401  a file may hold one
 from oed.dynamics.torque_model import TorqueModel
+from oed.export.effect_check import check_effects
 from oed.export.effect_form import FormReader, FormWriter
 from oed.export.model import Model, Origin, Ranges, ShapeEstimate
 from oed.export.model_record import (
@@ -30,10 +31,11 @@ from oed.export.model_record import (
     ShapeRecord,
 )
 from oed.export.robot_record import bounds_of, pairs_of, robot_of, robot_record
-from oed.input_file import JSON_FILE, UnreadableFile, read_file
+from oed.input_file import UnreadableFile, read_json
 from oed.report.json_file import write_atomically
 
 NAME = "model.json"
+ROUNDING = 1e-6  # of correlations that went through a solver and a file
 RANGES = ("q", "dq", "ddq", "tau")
 
 
@@ -73,22 +75,20 @@ def load_model(path: str | Path) -> Model:
     """
     path = Path(path)
     try:
-        content = read_file(path, JSON_FILE)
+        plain = read_json(path)
     except FileNotFoundError as error:
         raise ModelFileError(f"{path}: no such file; give a model.json") from error
     except UnreadableFile as error:
         raise ModelFileError(str(error)) from error
     try:
-        return model_of(_record(content), path.parent)
+        return model_of(_record(plain), path.parent)
     except ModelFileError as error:
         raise ModelFileError(f"{path}: {error}") from error
+    except RecursionError as error:
+        raise ModelFileError(f"{path}: is damaged: it is nested too deeply") from error
 
 
-def _record(content: bytes) -> ModelRecord:
-    try:
-        plain = msgspec.json.decode(content)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise ModelFileError(f"is no JSON: {error}") from error
+def _record(plain: object) -> ModelRecord:
     if not isinstance(plain, dict) or plain.get("format") != FORMAT:
         raise ModelFileError(
             "is no model.json: oed identify, diagnose and feasible each leave one beside their page"
@@ -162,6 +162,7 @@ def model_of(record: ModelRecord, folder: Path) -> Model:
         for k, m in enumerate(record.measurement)
     )
     torque_model = TorqueModel(robot, effects, measurement)
+    check_effects(torque_model)
     _check_parameters(record, effects)
     rows = [row for effect in record.effects for row in effect.parameters]
     every = (*record.effects, *record.measurement)
@@ -228,5 +229,16 @@ def _covariance_of(record: ModelRecord, count: int) -> ndarray | None:
         raise ModelFileError(
             f"covariance is damaged: {len(columns)} of {count} parameters, rows of {sorted(shape)}"
         )
-    whole[np.ix_(columns, columns)] = record.covariance.matrix
+    matrix = np.array(record.covariance.matrix)
+    if len(set(columns)) < len(columns) or not _is_covariance(matrix):
+        raise ModelFileError("covariance is damaged: no errors of different parameters vary so")
+    whole[np.ix_(columns, columns)] = matrix
     return whole
+
+
+def _is_covariance(matrix: ndarray) -> bool:
+    """Whether a matrix is symmetric and without a negative variance in any direction."""
+    std = np.sqrt(np.diag(matrix).clip(min=np.finfo(float).tiny))
+    correlations = matrix / np.outer(std, std)
+    is_symmetric = np.allclose(correlations, correlations.T, rtol=0.0, atol=ROUNDING)
+    return bool(is_symmetric and np.linalg.eigvalsh(correlations).min(initial=0.0) > -ROUNDING)

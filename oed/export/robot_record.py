@@ -59,15 +59,15 @@ def robot_of(record: ModelRecord, folder: Path) -> Robot:
         ModelFileError: If its parts contradict each other.
     """
     own = record.robot
-    joints = [
-        Joint(**{x: _array(getattr(joint, x)) for x in JointRecord.__struct_fields__})
-        for joint in own.joints
-    ]
-    limits: dict[str, Any] = {x: bounds_of(getattr(own.limits, x)) for x in LIMITED}
     try:
+        joints = tuple(
+            Joint(**{x: _array(getattr(joint, x)) for x in JointRecord.__struct_fields__})
+            for joint in own.joints
+        )
+        limits: dict[str, Any] = {x: bounds_of(getattr(own.limits, x)) for x in LIMITED}
         return Robot(
             name=own.name,
-            joints=tuple(joints),
+            joints=joints,
             parameters=np.array(own.inertials),
             gravity=np.array(record.gravity),
             limits=JointLimits(**limits),

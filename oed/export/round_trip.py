@@ -45,8 +45,8 @@ def require_round_trip(calibrated: CalibratedRobot, path: str | Path, motion: Mo
     disagreement = float(np.abs(found - expected).max() / np.abs(expected).max())
     if not disagreement < AGREEMENT:
         raise ExportMismatch(
-            f"{path}: torques from the file differ from the estimate's by {disagreement:.1e} of "
-            "the largest",
+            f"{Path(path).name}, as it would be written: torques from the file differ from the "
+            f"model's by {disagreement:.1e} of the largest; nothing was written",
             disagreement,
         )
     return disagreement

@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from oed.errors import RobotError
 from oed.export.calibrated_robot import CalibratedRobot, link_inertial
 from oed.export.own_name import own_name
 from oed.export.shapes import MESHES, Shapes
@@ -206,7 +207,9 @@ def _add_inertial(
 def _set_joints(calibrated: CalibratedRobot, root: ElementTree.Element) -> None:
     elements = {joint.get("name"): joint for joint in root.findall("joint")}
     for i, name in enumerate(calibrated.robot.joint_names):
-        joint = elements[name]
+        joint = elements.get(name)
+        if joint is None:
+            raise RobotError(f"{calibrated.robot.source}: no joint {name!r}, which the model has")
         for old in joint.findall("dynamics"):
             joint.remove(old)
         ElementTree.SubElement(

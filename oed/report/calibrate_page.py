@@ -69,7 +69,7 @@ def _verdict(record: Mapping[str, Any]) -> Verdict:
 
 
 def _errors(record: Mapping[str, Any]) -> tuple[Text | Table, ...]:
-    """Errors before and after, in noise floors; the bodies' are on their page."""
+    """What has no name; errors before and after, in noise floors; the bodies' are on their page."""
     rms = record["rms"]
     rows = [
         {
@@ -82,7 +82,19 @@ def _errors(record: Mapping[str, Any]) -> tuple[Text | Table, ...]:
             for role in rms["before"]
         )
     ]
-    return (Table(rows, "Torque error, root mean square over the joints"),)
+    return (*_unnamed(record), Table(rows, "Torque error, root mean square over the joints"))
+
+
+def _unnamed(record: Mapping[str, Any]) -> tuple[Text, ...]:
+    """What was found without a name, in words."""
+    if not record["without_name"]:
+        return ()
+    each = "; ".join(record["without_name"])
+    return (
+        Text(
+            f"Without a name: {each}. The diagnosis page says how large it is, and what to do next."
+        ),
+    )
 
 
 def _exports(exports: Mapping[str, Sequence[str]]) -> tuple[tuple[str, str, str], ...]:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-
-import numpy as np
 
 from oed.diagnosis.diagnose import Diagnosis
 from oed.diagnosis.discrimination.next_motion import NextExperiment
 from oed.diagnosis.inference.answer import FoundEffect
 from oed.report.diagnosis_record import NEXT
 from oed.report.joint_words import joint_labels, over_floor, place_words, torque_units
+from oed.report.next_steps import Run, next_steps
+from oed.report.open_sections import steps_sections, unnamed_sections
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
 from oed.report.table import Row
+from oed.report.term_words import TermWords, in_words, words_of_terms
+from oed.report.unnamed_terms import Unnamed, unnamed_terms
 
 
 def diagnosis_page(
@@ -24,7 +25,8 @@ def diagnosis_page(
     data: str,
     joints: Sequence[str],
     notes: Sequence[str],
-    pictures: Mapping[str, Path],
+    pictures: Mapping[str, Picture],
+    run: Run,
     provenance: Provenance,
 ) -> Page:
     """The page with its sections.
@@ -36,21 +38,26 @@ def diagnosis_page(
         joints: (n,) names.
         notes: What is doubtful about its numbers.
         pictures: Of the errors before and after, and of what each addition gives if anything was added.
+        run: Where it was made.
         provenance: Of the run.
     """
     labels = joint_labels(joints)
+    words = words_of_terms(found)
+    unnamed = unnamed_terms(found)
+    additions = [pictures["additions"]] if "additions" in pictures else []
     sections = [
-        _budget_section(found, labels),
-        *_additions_section(pictures),
+        *unnamed_sections(unnamed, labels, found.budget.role),
+        *steps_sections(next_steps(found, following, run)),
+        _budget_section(found, labels, words),
+        *(Section("What each addition does", [picture]) for picture in additions),
         _error_section(found, labels, pictures["proof"]),
-        *(_effect_section(effect, labels) for effect in found.effects),
-        _unnamed_section(found, labels),
-        *([] if following is None else [_next_section(following)]),
+        *(_effect_section(effect, labels, words) for effect in found.effects),
+        *([] if following is None else [_next_section(following, words)]),
         *([Section("Notes on the data", [Text(f"{n}.") for n in notes])] if notes else []),
     ]
     return Page(
         title=f"What the model lacks: {data}",
-        verdict=_verdict(found),
+        verdict=_verdict(found, unnamed, words),
         sections=sections,
         subtitle=f"{provenance.date[:16].replace('T', ' ')} UTC",
         footer=f"commit {provenance.commit}; "
@@ -58,39 +65,54 @@ def diagnosis_page(
     )
 
 
-def _left(found: Diagnosis) -> str:
-    """What has no name, in words: at which joints, and what it goes with."""
-    over: dict[int, dict[str, None]] = {}
-    for u in sorted(found.unexplained, key=lambda u: u.joint):
-        over.setdefault(u.joint + 1, {}).update(dict.fromkeys(u.depends_on))
-    if not over:
-        return ""
-    places = [
-        f"joint {joint}" + (f" (goes with {', '.join(names)})" if names else "")
-        for joint, names in over.items()
-    ]
-    return f"; something without a name at {', '.join(places)}"
+SAYS = {
+    "nothing found": "Nothing beyond noise is missing from the model, or these motions do not show it.",
+    "explained": "All that was found has a name.",
+    "ambiguous": "More than one name explains these recordings.",
+    "unexplained": "The model lacks torque for which no effect of the catalogue is certain enough.",
+}
+LISTED = 3  # things without a name that a headline can hold
 
 
-def _verdict(found: Diagnosis) -> Verdict:
+def _without_name(unnamed: Sequence[Unnamed]) -> str:
+    """What has no name, for a headline: what it is, or at which joints where it is much."""
+    if len(unnamed) <= LISTED:
+        return "; ".join(f"at joint {u.joint + 1} {u.what}" for u in unnamed)
+    joints = dict.fromkeys(str(u.joint + 1) for u in unnamed)
+    return f"torque at joint{'s' if len(joints) > 1 else ''} {', '.join(joints)}"
+
+
+def _verdict(
+    found: Diagnosis, unnamed: Sequence[Unnamed], words: Mapping[str, TermWords]
+) -> Verdict:
     names = ", ".join(f"{e.name} ({place_words(e.joint)})" for e in found.effects)
-    headline = found.verdict.capitalize() + (f": {names}" if names else "") + _left(found)
+    headline = found.verdict.capitalize() + (f": {names}" if names else "")
+    if unnamed:
+        headline += f"{';' if names else ','} without a name: {_without_name(unnamed)}"
     sentences = [
         f"{e.role.capitalize()} error: {over_floor(e.before, found.noise_floor):.2f} → "
         f"{over_floor(e.after, found.noise_floor):.2f} noise floors."
         for e in found.errors
         if e.role != "estimation"
     ]
-    contradicted = [f"{words[0].upper()}{words[1:]}." for words in found.contradicted]
+    told = [in_words(text, words) for text in found.contradicted]
+    contradicted = [f"{text[0].upper()}{text[1:]}." for text in told]
     good = found.verdict in ("nothing found", "explained") and not contradicted
-    return Verdict("good" if good else "warning", headline, " ".join([*sentences, *contradicted]))
+    text = " ".join([SAYS[found.verdict], *sentences, *contradicted])
+    return Verdict("good" if good else "warning", headline, text)
 
 
-def _budget_section(found: Diagnosis, labels: Sequence[str]) -> Section:
+def _budget_section(
+    found: Diagnosis, labels: Sequence[str], words: Mapping[str, TermWords]
+) -> Section:
     units = torque_units(found.before.model.robot.joints)
     rows: list[Row] = []
     for j, label in enumerate(labels):
-        parts = [(s.label, float(s.rms[j])) for s in found.budget.shares if s.rms[j] > 0]
+        parts = [
+            (words[s.label].at(j) if s.label in words else s.label, float(s.rms[j]))
+            for s in found.budget.shares
+            if s.rms[j] > 0
+        ]
         parts += [
             ("left", float(found.budget.left[j])),
             ("noise floor", float(found.budget.floor[j])),
@@ -112,17 +134,7 @@ def _budget_section(found: Diagnosis, labels: Sequence[str]) -> Section:
     return Section("Torque budget", [Table(rows, caption, digits=3)])
 
 
-def _additions_section(pictures: Mapping[str, Path]) -> list[Section]:
-    if "additions" not in pictures:
-        return []
-    caption = (
-        "Each over the coordinate that tells most of it. Dots: mean of what is left without it, with two "
-        "standard errors. Line: what it gives of that."
-    )
-    return [Section("What each addition does", [Picture(pictures["additions"], caption)])]
-
-
-def _error_section(found: Diagnosis, labels: Sequence[str], proof: Path) -> Section:
+def _error_section(found: Diagnosis, labels: Sequence[str], picture: Picture) -> Section:
     units = torque_units(found.before.model.robot.joints)
     rows: list[Row] = [
         {
@@ -140,9 +152,6 @@ def _error_section(found: Diagnosis, labels: Sequence[str], proof: Path) -> Sect
     caption = (
         "Root mean square errors. Linear parameters are fitted to the estimation recordings; the "
         "validation recordings had a part in choosing terms and shapes; the test recordings had none."
-    )
-    picture = Picture(
-        proof, "Error of the base model and with what was added, 95 % block bootstrap."
     )
     noise = Text(
         f"The noise floor was read off the {found.noise_source}, in the band up to {found.cutoff:.3g} Hz."
@@ -170,7 +179,9 @@ def _below_floor(found: Diagnosis, labels: Sequence[str]) -> str:
     )
 
 
-def _effect_section(effect: FoundEffect, labels: Sequence[str]) -> Section:
+def _effect_section(
+    effect: FoundEffect, labels: Sequence[str], words: Mapping[str, TermWords]
+) -> Section:
     place = "the whole arm" if effect.joint is None else labels[effect.joint]
     parameters: list[Row] = [
         {
@@ -183,7 +194,7 @@ def _effect_section(effect: FoundEffect, labels: Sequence[str]) -> Section:
     ]
     others: list[Row] = [
         {
-            "instead": a.label,
+            "instead": words[a.label].whole,
             "probability": f"{a.probability:.3f}",
             "": "the same on these recordings" if a.same else "open" if a.open else "excluded",
         }
@@ -204,32 +215,13 @@ def _effect_section(effect: FoundEffect, labels: Sequence[str]) -> Section:
     return Section(f"{effect.name}, {place}", blocks)
 
 
-def _next_section(following: NextExperiment) -> Section:
+def _next_section(following: NextExperiment, words: Mapping[str, TermWords]) -> Section:
+    pairs = "; ".join(in_words(pair, words) for pair in following.pairs)
     said = (
-        f"To tell {'; '.join(following.pairs)}: run {NEXT}/trajectory.csv. On it their predictions differ "
+        f"To tell {pairs}: run {NEXT}/trajectory.csv. On it their predictions differ "
         f"by λ = {following.separation:.3g}, the squared distance in variances of the noise (on the "
         f"recordings at hand {following.separation_now:.3g}); the chance of naming the wrong one is "
         f"{following.error_rate:.2%} (now {following.error_rate_now:.2%}). Best of {following.tried} "
         "motions within the limits."
     )
     return Section("The next experiment", [Text(said), *(Text(f"{n}.") for n in following.notes)])
-
-
-def _unnamed_section(found: Diagnosis, labels: Sequence[str]) -> Section:
-    if not found.unexplained:
-        return Section("There, but without a name", [Text("Nothing.")])
-    rows: list[Row] = [
-        {
-            "joint": labels[u.joint],
-            "described by": u.label,
-            "depends on": ", ".join(u.depends_on) or "unknown",
-            "error after, floors": _after(found, u.joint),
-        }
-        for u in found.unexplained
-    ]
-    return Section("There, but without a name", [Table(rows, "", digits=3)])
-
-
-def _after(found: Diagnosis, joint: int) -> float:
-    held = next((e for e in found.errors if e.role == found.budget.role), found.errors[0])
-    return float(np.round(held.after[joint] / found.noise_floor[joint], 2))

@@ -13,11 +13,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy import ndarray
 
-from oed.report.panels import legend_above, titled_panels
+from oed.report.panels import COLUMNS, legend_above, titled_panels
 from oed.report.style import BLUE, GREY, STYLE, VERMILION
 
 FLOOR = "noise floor"
-TITLE = 26  # characters across a third of the page
+TITLE = 32  # characters across a third of the page
+NARROW_TITLE = 44  # characters across a column
+PROOF = "Error of the base model and with what was added, 95 % block bootstrap."
+ADDITIONS = (
+    "Each over the coordinate that tells most of it. Dots: mean of what is left without it, with two "
+    "standard errors. Line: what it gives of that."
+)
 SINCE = (("before", VERMILION), ("after", BLUE))
 
 
@@ -58,14 +64,19 @@ class CurvePanel:
 
 
 @mpl.rc_context(STYLE)
-def plot_contributions(shown: Sequence[CurvePanel]) -> Figure:
+def plot_contributions(shown: Sequence[CurvePanel], *, narrow: bool = False) -> Figure:
     """What each addition gives, over the coordinates on which it depends.
+
+    Args:
+        shown: A panel each.
+        narrow: Whether it is for a narrow screen, one panel below the other.
 
     Raises:
         ValueError: If there is none.
     """
-    titles = [fill(s.title, TITLE, break_long_words=False) for s in shown]
-    figure, panels = titled_panels(titles, "")
+    across = NARROW_TITLE if narrow else TITLE * COLUMNS // min(COLUMNS, max(1, len(shown)))
+    titles = [fill(s.title, across, break_long_words=False) for s in shown]
+    figure, panels = titled_panels(titles, "", narrow=narrow)
     for panel, s in zip(panels, shown, strict=True):
         panel.title.set_fontsize(7.5)
         _draw_curve(panel, s)
@@ -98,6 +109,8 @@ def plot_proof(
     floor: Float[ndarray, " joints"],
     joint_names: Sequence[str],
     units: Sequence[str],
+    *,
+    narrow: bool = False,
 ) -> Figure:
     """Error before and after on each kind of recording, with intervals and the noise floor.
 
@@ -106,9 +119,10 @@ def plot_proof(
         floor: (n,) noise floor [unit].
         joint_names: (n,) names.
         units: (n,) unit of each joint's error, "N m" or "N".
+        narrow: Whether it is for a narrow screen, one panel below the other.
     """
     titles = [f"{name} [{unit}]" for name, unit in zip(joint_names, units, strict=True)]
-    figure, panels = titled_panels(titles, "rms error")
+    figure, panels = titled_panels(titles, "rms error", narrow=narrow)
     places = np.arange(len(roles))
     for j, panel in enumerate(panels):
         panel.axhline(floor[j], color=GREY, linestyle="--", label=FLOOR)

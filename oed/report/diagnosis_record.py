@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from oed.diagnosis.diagnose import Diagnosis
 from oed.diagnosis.discrimination.next_motion import NextExperiment
 from oed.diagnosis.inference.answer import FoundEffect
 from oed.report.provenance import Provenance
+from oed.report.term_words import TermWords, in_words, words_of_terms
+from oed.report.unnamed_terms import unexplained_words
 
 FORMAT = 1
 NEXT = "next_experiment"  # folder of the motion that tells alternatives apart
@@ -22,19 +24,25 @@ def diagnosis_record(
     notes: Sequence[str],
     provenance: Provenance,
 ) -> dict[str, object]:
-    """The content of diagnosis.json."""
+    """The content of diagnosis.json; `words` say in plain words what a term is."""
+    words = words_of_terms(found)
     return {
         "format": FORMAT,
         "data": data,
         "joints": list(joints),
         "data_notes": list(notes),
         "verdict": found.verdict,
-        "effects": [_effect(effect) for effect in found.effects],
+        "effects": [_effect(effect, words) for effect in found.effects],
         "unexplained": [
-            {"joint": u.joint, "depends_on": list(u.depends_on), "term": u.label}
+            {
+                "joint": u.joint,
+                "depends_on": list(u.depends_on),
+                "term": u.label,
+                "words": unexplained_words(u, words).whole,
+            }
             for u in found.unexplained
         ],
-        "contradicted": list(found.contradicted),
+        "contradicted": [in_words(text, words) for text in found.contradicted],
         "rms": {
             "before": {e.role: e.before for e in found.errors},
             "after": {e.role: e.after for e in found.errors},
@@ -52,6 +60,11 @@ def diagnosis_record(
         "budget": {
             "recordings": found.budget.role,
             "rms": {share.label: share.rms for share in found.budget.shares},
+            "words": {
+                share.label: words[share.label].whole
+                for share in found.budget.shares
+                if share.label in words
+            },
             "left": found.budget.left,
             "noise_floor": found.budget.floor,
         },
@@ -64,7 +77,7 @@ def diagnosis_record(
     }
 
 
-def _effect(effect: FoundEffect) -> dict[str, object]:
+def _effect(effect: FoundEffect, words: Mapping[str, TermWords]) -> dict[str, object]:
     return {
         "name": effect.name,
         "joint": effect.joint,
@@ -82,6 +95,7 @@ def _effect(effect: FoundEffect) -> dict[str, object]:
                 "name": a.name,
                 "joint": a.joint,
                 "term": a.label,
+                "words": words[a.label].whole,
                 "probability": a.probability,
                 "contender": a.open,
             }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +11,22 @@ from oed.design.export import SetPoints, write_csv
 from oed.diagnosis.diagnose import Diagnosis
 from oed.diagnosis.discrimination.next_motion import NextExperiment
 from oed.report.diagnosis_page import diagnosis_page
-from oed.report.diagnosis_plots import Curve, CurvePanel, plot_contributions, plot_proof
+from oed.report.diagnosis_plots import (
+    ADDITIONS,
+    PROOF,
+    Curve,
+    CurvePanel,
+    plot_contributions,
+    plot_proof,
+)
 from oed.report.diagnosis_record import FORMAT, NEXT, diagnosis_record
 from oed.report.joint_words import coordinate_label, joint_labels, torque_units
 from oed.report.json_file import plain_value, write_json
-from oed.report.page import write_page
+from oed.report.next_steps import Run
+from oed.report.page import Picture, write_page
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
+from oed.report.term_words import TermWords, in_words, words_of_terms
 
 
 def write_diagnosis(
@@ -27,6 +36,7 @@ def write_diagnosis(
     data: str,
     joints: Sequence[str],
     notes: Sequence[str] = (),
+    run: Run,
     provenance: Provenance,
     out: Path,
 ) -> None:
@@ -38,6 +48,7 @@ def write_diagnosis(
         data: Name of the data set.
         joints: Names of its joints.
         notes: What is doubtful about its numbers.
+        run: Where it was made, for the commands of what to do next.
         provenance: Of the run.
         out: Folder, made if absent.
     """
@@ -48,21 +59,14 @@ def write_diagnosis(
         )
     )
     out.mkdir(parents=True, exist_ok=True)
-    roles = {
-        e.role: (
-            np.column_stack([e.before, e.before_interval]),
-            np.column_stack([e.after, e.after_interval]),
-        )
-        for e in found.errors
-    }
-    units = torque_units(found.before.model.robot.joints)
-    figure = plot_proof(roles, found.noise_floor, joint_labels(joints), units)
-    pictures = {"proof": save_figure(figure, out / "proof", ("png",))[0]}
+    pictures = {"proof": _proof(found, joints, out)}
     if found.curves:
-        drawn = plot_contributions(_panels(found))
-        pictures["additions"] = save_figure(drawn, out / "additions", ("png",))[0]
+        shown = _panels(found)
+        files = save_figure(plot_contributions(shown), out / "additions", ("png",))
+        narrow = plot_contributions(shown, narrow=True)
+        pictures["additions"] = Picture(files[0], ADDITIONS, narrow=narrow)
     if following is not None:
-        write_next(following, joints, out / NEXT)
+        write_next(following, joints, out / NEXT, words_of_terms(found))
     page = diagnosis_page(
         found,
         following,
@@ -70,6 +74,7 @@ def write_diagnosis(
         joints=joints,
         notes=notes,
         pictures=pictures,
+        run=run,
         provenance=provenance,
     )
     write_page(out / "report.html", page)
@@ -77,13 +82,37 @@ def write_diagnosis(
     write_json(out / "diagnosis.json", record)
 
 
-def write_next(following: NextExperiment, joints: Sequence[str], folder: Path) -> None:
+def _proof(found: Diagnosis, joints: Sequence[str], out: Path) -> Picture:
+    """Errors before and after, as a file and as a picture of the page."""
+    roles = {
+        e.role: (
+            np.column_stack([e.before, e.before_interval]),
+            np.column_stack([e.after, e.after_interval]),
+        )
+        for e in found.errors
+    }
+    told = (
+        roles,
+        found.noise_floor,
+        joint_labels(joints),
+        torque_units(found.before.model.robot.joints),
+    )
+    files = save_figure(plot_proof(*told), out / "proof", ("png",))
+    return Picture(files[0], PROOF, narrow=plot_proof(*told, narrow=True))
+
+
+def write_next(
+    following: NextExperiment,
+    joints: Sequence[str],
+    folder: Path,
+    words: Mapping[str, TermWords],
+) -> None:
     """The discriminating motion as set points, and what it promises."""
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(SetPoints(tuple(joints), following.motion), folder / "trajectory.csv")
     record = {
         "format": FORMAT,
-        "pairs": list(following.pairs),
+        "pairs": [in_words(pair, words) for pair in following.pairs],
         "separation": following.separation,
         "separation_now": following.separation_now,
         "predicted_error_rate": following.error_rate,
@@ -97,9 +126,10 @@ def write_next(following: NextExperiment, joints: Sequence[str], folder: Path) -
 def _panels(found: Diagnosis) -> list[CurvePanel]:
     joints = found.before.model.robot.joints
     units = torque_units(joints)
+    words = words_of_terms(found)
     return [
         CurvePanel(
-            f"joint {c.joint + 1}: {c.label}",
+            f"joint {c.joint + 1}: {words[c.label].what_at(c.joint)}",
             units[c.joint],
             coordinate_label(c.coordinate, joints),
             c.is_along,

@@ -62,9 +62,13 @@ def read_json(path: str | Path) -> Any:
     """The value that a JSON file holds.
 
     Raises:
-        ValueError: If the file is not JSON, or holds NaN or an infinity.
+        ValueError: If the file is not JSON, is nested too deeply, or holds NaN or an infinity.
     """
-    return json.loads(Path(path).read_text(encoding="utf-8"), parse_constant=_refuse_constant)
+    text = Path(path).read_text(encoding="utf-8")
+    try:
+        return json.loads(text, parse_constant=_refuse_constant)
+    except RecursionError as error:
+        raise ValueError(f"{path}: is nested too deeply") from error
 
 
 def write_atomically(path: str | Path, text: str) -> None:

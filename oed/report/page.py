@@ -100,11 +100,13 @@ class Picture:
         caption: What it shows; also read out in its place.
         file_format: How a figure is embedded: "svg" is sharp at any size, "png" is
             smaller where there are many points.
+        narrow: The same for a narrow screen, on which letters of the other would be too small.
     """
 
     figure: Figure | Path
     caption: str
     file_format: Literal["svg", "png"] = "svg"
+    narrow: Figure | None = None
     kind: ClassVar[str] = "picture"
 
     @property
@@ -113,6 +115,11 @@ class Picture:
         if isinstance(self.figure, Path):
             return _file_data_uri(self.figure)
         return figure_data_uri(self.figure, self.file_format)
+
+    @property
+    def narrow_data_uri(self) -> str:
+        """The picture for a narrow screen, as a data URI; empty where there is none."""
+        return "" if self.narrow is None else figure_data_uri(self.narrow, "png")
 
 
 @dataclass(frozen=True)

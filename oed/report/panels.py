@@ -8,7 +8,7 @@ from typing import Literal
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from oed.report.style import PAGE, PAGE_HEIGHT, new_figure
+from oed.report.style import COLUMN, PAGE, PAGE_HEIGHT, new_figure
 
 ROW = 1.6  # [in] height of titled panels with their labels
 COLUMNS = 3
@@ -38,18 +38,40 @@ def page_panels(
     return figure, grid[:count]
 
 
-def titled_panels(titles: Sequence[str], ylabel: str) -> tuple[Figure, list[Axes]]:
+def screen_panels(count: int, *, row: float) -> tuple[Figure, list[Axes]]:
+    """A figure as wide as a column, its panels one below the other, as many as there are.
+
+    Args:
+        count: Of panels.
+        row: Height of each [in].
+
+    Raises:
+        ValueError: If there is no panel to draw.
+    """
+    if count == 0:
+        raise ValueError("no panel to draw")
+    figure = new_figure(COLUMN, 0.4 + row * count)
+    return figure, list(figure.subplots(count, 1, squeeze=False).ravel())
+
+
+def titled_panels(
+    titles: Sequence[str], ylabel: str, *, narrow: bool = False
+) -> tuple[Figure, list[Axes]]:
     """A titled panel each, at most three in a row.
 
     Args:
         titles: Of the panels.
         ylabel: Of the whole figure.
+        narrow: Whether panels stand one below the other, for a screen as wide as a telephone.
 
     Raises:
         ValueError: If there is no panel to draw.
     """
-    columns = max(1, min(COLUMNS, len(titles)))
-    figure, panels = page_panels(len(titles), columns=columns, row=ROW)
+    if narrow:
+        figure, panels = screen_panels(len(titles), row=ROW)
+    else:
+        columns = max(1, min(COLUMNS, len(titles)))
+        figure, panels = page_panels(len(titles), columns=columns, row=ROW)
     for panel, title in zip(panels, titles, strict=True):
         panel.set_title(title, parse_math=False)
     figure.supylabel(ylabel, fontsize=8.0)

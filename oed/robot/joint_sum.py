@@ -105,4 +105,6 @@ def read_sum(text: str, names: Sequence[str]) -> tuple[dict[str, float], tuple[f
         if name in factors:
             raise ValueError(f"{text!r} names {name!r} twice")
         factors[name] = float(sign + (size or "1"))
+        if factors[name] == 0:
+            raise ValueError(f"{text!r} counts {name!r} by 0; leave it out")
     return factors, (lower, upper)

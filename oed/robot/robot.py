@@ -16,7 +16,7 @@ from numpy import ndarray
 from oed.errors import NoUsableResult
 from oed.robot.description import RobotDescription
 from oed.robot.inertia import PARAMETER_SYMBOLS, PARAMETER_UNITS
-from oed.robot.limits import JointLimits
+from oed.robot.limits import LIMITED, JointLimits
 from oed.robot.possible_inertia import InertiaFault
 
 # Of the ten parameters of a link, where a current stands for torque: kg m^2 are N m s^2.
@@ -25,6 +25,8 @@ CONSTANTS = "current_to_torque: N m (N at a slide) at the joint per A of the mot
 # Radius at which a turning drive's velocity is that of a slide: pinions, pulleys and the leads of
 # fast screws lie within a factor of a few.
 PINION_RADIUS = 0.05  # [m]
+# What unit vectors and rotations written with seven digits are off by at most.
+ROUNDED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,14 @@ class Joint:
     R_LJ: Float[ndarray, "3 3"]
     p_LJ: Float[ndarray, "3"]
     effort: Literal["N m", "A"] = "N m"
+
+    def __post_init__(self) -> None:
+        length = np.linalg.norm(self.axis)
+        if not abs(length - 1) < ROUNDED:
+            raise ValueError(f"joint {self.name}: its axis has length {length:.4g}, not 1")
+        for name, R in (("R_PJ", self.R_PJ), ("R_LJ", self.R_LJ)):
+            if not (np.abs(R @ R.T - np.eye(3)).max() < ROUNDED and np.linalg.det(R) > 0):
+                raise ValueError(f"joint {self.name}: its {name} is no rotation")
 
     def unit(self, rotary: str) -> str:
         """The unit at this joint of what has the unit `rotary` at a revolute one.
@@ -113,8 +123,27 @@ class Robot:
     def __post_init__(self) -> None:
         if len(self.parameters) != 10 * self.n:
             raise ValueError(f"{len(self.parameters)} parameters for {self.n} joints of ten each")
-        if len(self.limits.position) != self.n:
-            raise ValueError(f"limits of {len(self.limits.position)} joints, robot has {self.n}")
+        for kind in LIMITED:
+            if (given := len(getattr(self.limits, kind))) != self.n:
+                raise ValueError(f"{kind} limits of {given} joints, robot has {self.n}")
+        names = self.joint_names
+        for name in names:
+            if not name.strip() or not name.isprintable():
+                raise ValueError(f"a joint is called {name!r}: give it a name in letters")
+        if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
+            raise ValueError(f"two joints are called {twice[0]!r}")
+        self._check_tree()
+
+    def _check_tree(self) -> None:
+        """Refuse joints from which no way leads to the base."""
+        for start, joint in enumerate(self.joints):
+            at, steps = start, 0
+            while at != -1:
+                if not 0 <= at < self.n or steps > self.n:
+                    raise ValueError(
+                        f"joint {joint.name}: no way leads from it to the base, whose index is -1"
+                    )
+                at, steps = self.joints[at].parent, steps + 1
 
     @property
     def n(self) -> int:

@@ -1,5 +1,6 @@
 """`oed calibrate`: what the model lacks does not end up in masses, and one page links everything."""
 
+import importlib
 import re
 
 import numpy as np
@@ -8,7 +9,11 @@ import pytest
 from oed.commands.rollouts import BASE_OF_BODIES
 from oed.experiment.write_dataset import write_dataset
 from oed.export.model_file import load_model, write_model
+from oed.report.calibrate_page import calibrate_page
 from oed.report.json_file import read_json
+from oed.report.page import render_page
+from oed.report.provenance import Provenance
+from oed.report.study_files import CALIBRATE
 from oed.robot import imi_scara
 from tests.diagnosis.arm import NOISE, data_set
 from tests.dynamics.effects.arms import panda, smooth_motion
@@ -56,6 +61,16 @@ def test_bodies_are_estimated_beside_what_was_found(calibrated):
         assert values[name] == pytest.approx(truth[name], rel=0.05)
 
 
+def test_what_has_no_name_is_said_in_words(calibrated):
+    record = read_json(calibrated / "calibration.json")
+    told = read_json(calibrated / "diagnosis" / "diagnosis.json")["unexplained"]
+    assert record["without_name"] == [item["words"] for item in told]
+    left = {**record, "unexplained": 1, "without_name": ["joint 1: friction that depends on time"]}
+    provenance = Provenance.collect(CALIBRATE, seed=0)
+    page = render_page(calibrate_page(left, provenance))
+    assert "Without a name: joint 1: friction that depends on time." in page
+
+
 def test_the_record_says_what_came_out(calibrated):
     record = read_json(calibrated / "calibration.json")
     assert record["effects"] == [{"name": "joint_spring", "joint": 1}]
@@ -92,10 +107,19 @@ def test_a_refined_model_is_kept_only_if_nothing_held_out_gets_worse(calibrated)
     assert ('href="refined/model.json"' in page) == better
 
 
-def test_an_unknown_form_is_refused_before_the_work(calibrated, tmp_path, capsys):
-    given = (calibrated.parent / "data", "--out", tmp_path / "o", "--to", "plan9")
-    assert oed("calibrate", *given) == 2
-    assert "no form 'plan9'" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (("--to", "plan9"), "no form 'plan9'"),
+        (("--to",), "--to: name at least one form"),
+        (("--candidates", "gremlins"), "no effect 'gremlins'"),
+        (("--rate", "0"), "--rate 0 is no number from 1"),
+        (("--budget", "-1"), "--budget -1 is no number from 0"),
+    ],
+)
+def test_what_a_later_step_cannot_do_is_refused_before_the_work(tmp_path, capsys, options, line):
+    assert oed("calibrate", tmp_path, "--out", tmp_path / "o", *options) == 2
+    assert line in capsys.readouterr().err
     assert not (tmp_path / "o").exists()
 
 
@@ -143,3 +167,17 @@ def test_a_model_of_another_arm_is_refused(calibrated, tmp_path, capsys):
         oed("identify", calibrated.parent / "data", "--out", tmp_path / "o", "--model", "rotr") == 2
     )
     assert "rotr: no such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [("calibrate", "the steps that were done are kept"), ("identify", "nothing was written")],
+)
+def test_an_interrupt_says_what_is_left(tmp_path, capsys, monkeypatch, command, told):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    module = importlib.import_module(f"oed.commands.{command}")
+    monkeypatch.setattr(module, "run", interrupted)
+    assert oed(command, tmp_path, "--out", tmp_path / "o") == 130
+    assert capsys.readouterr().err == f"\noed {command}: interrupted: {told}\n"

@@ -37,6 +37,41 @@ def test_postures_are_left_where_no_motion_is_allowed(tmp_path):
     assert not (tmp_path / "out" / "motion.csv").exists()
 
 
+STATIC = (
+    "--robot",
+    "builtin:imi_scara",
+    "--gravity",
+    "0",
+    "-9.81",
+    "0",
+    "--payload",
+    "--static",
+    "--poses",
+    "2",
+)
+
+
+def test_postures_that_nobody_checked_are_not_called_clear(tmp_path, capsys):
+    assert oed("design", *STATIC, "--out", tmp_path / "out") == 0
+    said = capsys.readouterr().out
+    assert "2 postures, each within its limits\n" in said
+    assert "not checked: clear of itself" in said
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "each within its limits." in page
+    assert "Not checked: clear of itself" in page
+
+
+def test_postures_leave_no_box_that_cannot_be_kept(tmp_path, capsys):
+    """With or without shapes that may touch."""
+    box = ("--box", "5", "6", "5", "6", "5", "6")
+    for robot, why in ((), "has no geometry"), (("--robot", UR5, "--no-clearance"), "is clear"):
+        assert oed("design", *STATIC, *robot, *box, "--out", tmp_path / "out") in {2, 3}
+        said = capsys.readouterr().err
+        assert why in said
+        assert said.count("\n") == 1
+        assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("option", [("--static",), ("--frame", "tool0"), ("--arm", "model.json")])
 def test_what_means_nothing_without_payload_is_refused(option, tmp_path, capsys):
     status = oed("design", "--robot", "builtin:imi_scara", *option, "--out", tmp_path / "out")

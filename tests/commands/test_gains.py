@@ -90,6 +90,19 @@ def test_measured_torques_have_no_gains(tmp_path, capsys):
     assert said.count("\n") == 1
 
 
+def test_a_load_that_makes_no_difference_tells_no_gain(folders, tmp_path, capsys):
+    """The recording with the load is that without: a copy under the wrong name."""
+    shutil.copytree(folders / "loaded", tmp_path / "copy")
+    shutil.copy(folders / "bare" / "bare.csv", tmp_path / "copy" / "loaded.csv")
+    status = oed(
+        "gains", "--bare", folders / "bare", "--loaded", tmp_path / "copy", "--mass", MASS,
+        "--quiet", "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert status == 3
+    assert "the currents do not differ between the data sets" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize(
     ("options", "line"),
     [
@@ -97,8 +110,9 @@ def test_measured_torques_have_no_gains(tmp_path, capsys):
         (("--bare", "a", "--loaded", "b", "--mass", "1", "2"), "2 masses for 1 data sets"),
         (("--bare", "a", "--loaded", "b", "--com", "0", "0", "0"), "without --mass"),
         (("--bare", "a", "--loaded", "b", "--mass", "1", "--com", "0", "0"), "2 numbers"),
+        (("--loaded", "a", "b/../a", "--mass", "1"), "names a data set twice"),
         (("--bare", "a", "--mass", "1"), "no data set with a load"),
-        (("--bare", "a", "--loaded", "b", "--mass", "-1"), "not a positive number"),
+        (("--bare", "a", "--loaded", "b", "--mass", "-1"), "--mass -1 is no number from 0.001"),
         (("--bare", "a", "--loaded", "b", "./a", "--mass", "1"), "both are a"),
     ],
 )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
@@ -86,6 +89,37 @@ def test_what_cannot_be_meant_ends_with_two_and_says_why(
     with pytest.raises(SystemExit, match="2"):
         told(["--data", str(tmp_path), option, value])
     assert reason in " ".join(capsys.readouterr().err.split())
+
+
+LONG = "/" + "/".join(c * 25 for c in "abcdef")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (("--rate", "0"), "--rate 0 is no number from 1 to 1e+06"),
+        (("--rat", "5"), "Unrecognized options: --rat, 5; perhaps you meant --rate"),
+        (("--loaded", LONG), f"Unrecognized options: --loaded {LONG}; an option of oed payload, oed gains"),
+        (("--rate", "1e308"), "--rate 1e+308 is no number from 1 to 1e+06"),
+        (("--rate", "fast"), "--rate: 'fast' is no number"),
+        (("--samples", "1e3"), "--samples: '1e3' is no whole number"),
+        (("--seed", LONG), f"--seed: '{LONG}' is no whole number"),
+    ],
+)  # fmt: skip
+def test_a_line_is_whole_and_short_whatever_the_terminal(
+    encoding: str, options: tuple[str, str], line: str
+) -> None:
+    """Where a terminal has no lines to draw with, a frame is of hyphens."""
+    done = subprocess.run(
+        [sys.executable, "-m", "oed", "export", "model.json", "--to", "c", "--out", "x", *options],
+        env={**os.environ, "PYTHONIOENCODING": encoding, "COLUMNS": "60"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr == f"oed export: {line}; see oed export --help\n"
 
 
 def test_a_try_does_not_replace_what_is_kept(tmp_path: Path) -> None:

@@ -108,10 +108,10 @@ def test_sums_are_read(text: str, factors: dict[str, float]) -> None:
 
 @pytest.mark.parametrize(
     "text", ["", "joint_2", "joint_2:1", "joint_2:a:b", "wrist:0:1", "joint_2joint_2:0:1",
-             "joint_2+joint_2:0:1"],
+             "joint_2+joint_2:0:1", "0*joint_2:0:1"],
 )  # fmt: skip
 def test_what_is_no_sum_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match=r"is not|twice"):
+    with pytest.raises(ValueError, match=r"is not|twice|by 0"):
         read_sum(text, ["joint_2"])
 
 

@@ -215,6 +215,12 @@ def test_cuts_that_cannot_be(tmp_path, first, last, why):
         ("rate = 0", "rate", "positive"),
         ('rate = 10\n[columns]\nt = "t"', "rate", "leave one of them out"),
         ('[columns]\nq = ["q_1", "q_1"]', "columns.q", "twice"),
+        (
+            '[columns]\nq = ["q_1", "q_2"]\ntau = ["q_1", "q_2"]',
+            "columns.tau",
+            "named for q already",
+        ),
+        ('[columns]\nq = "q_1"\ntau = ["tau_1", "tau_2"]', "q_1", "must name 2 such"),
         ('[columns]\nspeed = ["q_1", "q_2"]', "columns.speed", "unknown key"),
     ],
 )

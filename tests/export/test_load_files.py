@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
@@ -58,8 +59,15 @@ def test_urscript_has_moments_before_products(folder):
     ) or line.startswith("set_target_payload(2, [0.02, -0.01, 0.06], [0.006, 0.005, 0.004, 0.001, ")
 
 
+def test_a_frame_of_any_name_leaves_the_message_readable(tmp_path):
+    frame = 'tool: [0] # "x"'
+    write_load(BODY, frame, tmp_path)
+    message = yaml.safe_load((tmp_path / "load_message.yaml").read_text(encoding="utf-8"))
+    assert message["header"]["frame_id"] == frame
+
+
 def test_the_message_names_the_frame(folder):
     text = (folder / "load_message.yaml").read_text(encoding="utf-8")
-    assert "frame_id: tool0" in text
+    assert 'frame_id: "tool0"' in text
     assert "m: 2\n" in text
     assert "ixy: 0.001" in text

@@ -155,6 +155,47 @@ SPOILED = {
     ),
     "an impossible shape": (_change("effects", -1, "form", "speed", to=-1.0), "positive"),
     "a field of no effect": (_change("effects", -1, "form", "spin", to=1.0), "spin"),
+    "a joint that carries itself": (_change("robot", "joints", 0, "parent", to=0), "no way leads"),
+    "a joint on nothing": (_change("robot", "joints", 1, "parent", to=7), "no way leads"),
+    "two joints of one name": (
+        _change("robot", "joints", 1, "name", to="joint_1"),
+        "two joints are called 'joint_1'",
+    ),
+    "an axis without a direction": (
+        _change("robot", "joints", 0, "axis", to=[0.0, 0.0, 0.0]),
+        "joint joint_1: its axis has length 0",
+    ),
+    "a mirror for a rotation": (
+        _change("robot", "joints", 0, "R_PJ", to=np.diag([1.0, 1.0, -1.0]).tolist()),
+        "R_PJ is no rotation",
+    ),
+    "limits of one joint": (
+        _change("robot", "limits", "torque", to=[[-1.0, 1.0]]),
+        "torque limits of 1 joints",
+    ),
+    "nested without end": (
+        _change("effects", 1, "form", "spin", to=json.loads("[" * 900 + "]" * 900)),
+        "nested too deeply",
+    ),
+    "a joint that the arm lacks": (
+        _change("effects", -1, "form", "joint", to=7),
+        "cannot be evaluated",
+    ),
+    "a word for a joint": (
+        _change("effects", -1, "form", "joint", to="first"),
+        r"effects\[\d\]: stribeck cannot be evaluated",
+    ),
+    "a kind that is no word": (_change("effects", -1, "form", "type", to=[]), "there is no effect"),
+    "a joint without a name": (_change("robot", "joints", 0, "name", to=" "), "give it a name"),
+    "a joint of two lines": (_change("robot", "joints", 0, "name", to="a\nb"), "give it a name"),
+    "a negative variance": (
+        _change("covariance", "matrix", 0, 0, to=-1.0),
+        "covariance is damaged: no errors",
+    ),
+    "a covariance that is not symmetric": (
+        _change("covariance", "matrix", 0, 1, to=1e9),
+        "covariance is damaged: no errors",
+    ),
     "covariance of another size": (_change("covariance", "matrix", to=[[1.0]]), "covariance"),
 }
 
@@ -170,11 +211,11 @@ def test_a_spoiled_file_is_refused_in_one_line(tmp_path, how):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("content", [b"", b"{", b"[1, 2]", b"\xff\xfe", b"null"])
+@pytest.mark.parametrize("content", [b"", b"{", b"[1, 2]", b"\xff\xfe", b"null", b"[" * 100_000])
 def test_what_is_no_model_is_refused(tmp_path, content):
     path = tmp_path / "model.json"
     path.write_bytes(content)
-    with pytest.raises(ModelFileError, match=r"model\.json: is no"):
+    with pytest.raises(ModelFileError, match=r"model\.json: (is no model|not JSON)"):
         load_model(path)
     with pytest.raises(ModelFileError, match="no such file"):
         load_model(tmp_path / "absent.json")

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from oed.report.page import Page, Section, Table, Text, Verdict, write_page
+from oed.report.page import Page, Picture, Section, Table, Text, Verdict, write_page
+from oed.report.style import new_figure
 from tests.browser import Browser
 from tests.report.chart_examples import charts
 
@@ -55,3 +56,13 @@ def test_opens_offline_without_an_error_and_within_the_window(
     assert seen.requests == ()
     assert seen.width <= width
     assert seen.drawn == sum(len(chart.traces) for chart in charts(100))
+
+
+@pytest.mark.parametrize(("width", "shown"), [(1280, 1400), (400, 680)])
+def test_a_narrow_screen_shows_the_figure_that_was_made_for_it(
+    tmp_path: Path, browser: Browser, width: int, shown: int
+) -> None:
+    picture = Picture(new_figure(7.0, 2.0), "wide", "png", narrow=new_figure(3.4, 2.0))
+    page = Page("A", Verdict("good", "B"), [Section("C", [picture])])
+    write_page(tmp_path / "a.html", page)
+    assert browser.look(tmp_path / "a.html", width).pictures == (shown,)

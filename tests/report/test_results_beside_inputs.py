@@ -7,6 +7,7 @@ import pytest
 from oed.report.result_folder import ResultFiles
 from oed.report.study_files import CLOSE_LOOP, DESIGN, FEASIBLE, IDENTIFY
 from tests.report.tried_folder import FILES, fill, listing
+from tests.running import oed
 
 
 def data_set(folder: Path) -> Path:
@@ -71,3 +72,17 @@ def test_no_result_has_a_name_that_a_data_set_has_for_its_own() -> None:
     taken |= {f"robot.{s}" for s in ("urdf", "sdf", "xml", "xacro")}
     for command in (IDENTIFY, FEASIBLE, CLOSE_LOOP, DESIGN):
         assert not taken & set(command.names)
+
+
+@pytest.mark.parametrize("command", ["identify", "feasible", "diagnose"])
+def test_a_model_that_is_read_is_not_replaced(
+    tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Not by the next round of the command that left it, either."""
+    data, found = data_set(tmp_path / "data"), tmp_path / "found"
+    found.mkdir()
+    (found / "model.json").write_text("{}")
+    for model in (found, found / "model.json"):
+        assert oed(command, data, "--model", model, "--out", found) == 2
+        assert "choose another folder" in capsys.readouterr().err
+    assert listing(found) == {"model.json": "{}"}

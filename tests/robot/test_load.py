@@ -9,6 +9,7 @@ from oed.dynamics.cross_check import cross_check
 from oed.errors import RobotError
 from oed.robot import arm_joints, load_robot
 from tests.paths import example_robot
+from tests.studies.sound_inputs import URDF
 
 MJCF = """
 <mujoco model="arm">
@@ -151,6 +152,8 @@ def test_bad_files_are_refused_in_one_line(tmp_path: Path) -> None:
     for name, text, why in (
         ("no.urdf", "this is no xml", "cannot read"),
         ("robot.txt", "", "unknown kind"),
+        ("far.urdf", URDF.replace('"0.4 0 0"', '"1e150 0 0"'), "'joint_2' lies 1e\\+150 m off"),
+        ("heavy.urdf", URDF.replace('mass value="3"', 'mass value="1e20"'), "link 'link_1' has a"),
         ("still.urdf", '<robot name="s"><link name="a"/></robot>', "no revolute"),
     ):
         with pytest.raises(RobotError, match=why):

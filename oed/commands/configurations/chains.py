@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from oed.commands.configurations.command import Command, ModelName, Prior
-from oed.commands.options import OutFolder, Seed
+from oed.commands.options import NotNegative, OutFolder, Rate, Seed, Whole
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,14 +39,19 @@ class Calibrate(Command):
     out: OutFolder
     model: ModelName | None = None
     to: tuple[str, ...] = ("c", "mujoco")
-    rate: float = 1000.0
+    rate: Rate = 1000.0
     prior: Prior = "auto"
-    max_effects: int | None = None
+    max_effects: Whole | None = None
     candidates: tuple[str, ...] = ()
-    budget: float | None = None
+    budget: NotNegative | None = None
     refine: Literal["rollout"] | None = None
     smoke: bool = False
     seed: Seed = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.to:
+            raise ValueError("--to: name at least one form, such as mujoco")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from oed.commands.options import OutFolder
+from oed.commands.options import NotNegative, OutFolder, Positive, check_ranges
 
 ModelName = Literal["standard", "offset", "rotor"]
 Prior = Literal["auto", "file", "neutral"]
@@ -23,6 +23,9 @@ class Command:
     """
 
     quiet: bool = False
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +46,11 @@ class DataSetCommand(Command):
     data: Annotated[Path, tyro.conf.Positional]
     out: OutFolder
     joints: tuple[str, ...] = ()
-    cutoff: float | None = None
+    cutoff: Positive | None = None
     model: ModelName | None = None
-    sign_width: float | None = None
+    sign_width: NotNegative | None = None
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """What is read."""
+        return (self.data, *([self.model] if isinstance(self.model, Path) else []))

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Literal
 
 from oed.commands.configurations.command import Command, ModelName
-from oed.commands.options import Count, OutFolder, Seed
+from oed.commands.options import Count, OutFolder, Positive, Rate, Real, Seed
 
-MOST_POINTS = 1_000_000  # that a motion is written with
+# That a motion is written with: the messages for ROS 2 then take 120 MB, and half a minute.
+MOST_POINTS = 200_000
+LEAST_POINTS = 50  # ten a period of the fifth harmonic, the highest of most classes
 # Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
 CLEARANCE = 0.01
 MOST_CLEARANCE = 0.15
@@ -72,13 +73,13 @@ class Design(Command):
     out: OutFolder
     joints: tuple[str, ...] = ()
     model: ModelName | Path = "standard"
-    horizon: float = 10.0
+    horizon: Positive = 10.0
     criterion: Literal["J_k", "J_d", "A", "E"] = "J_d"
     scaled_columns: bool = False
     periodic: bool = False
     margin: float = 0.9
     scale: float = 1.0
-    gravity: tuple[float, float, float] | None = None
+    gravity: tuple[Real, Real, Real] | None = None
     sum: tuple[str, ...] = ()
     no_torque: bool = False
     prior: tuple[str, ...] = ()
@@ -86,10 +87,10 @@ class Design(Command):
     no_clearance: bool = False
     avoid_collision: bool = False
     package: tuple[str, ...] = ()
-    box: tuple[float, float, float, float, float, float] | None = None
-    rate: float = 100.0
+    box: tuple[Real, Real, Real, Real, Real, Real] | None = None
+    rate: Rate = 100.0
     evaluations: Count = 1000
-    budget: float = 60.0
+    budget: Positive = 60.0
     trajectory: str = "fourier"
     optimiser: str = "interior_point"
     payload: bool = False
@@ -101,6 +102,7 @@ class Design(Command):
     seed: Seed = 0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self._check_arm()
         self._check_numbers()
         for option in ("arm", "frame", "static"):
@@ -108,10 +110,6 @@ class Design(Command):
                 raise ValueError(f"--{option}: only with --payload")
         if self.avoid_collision and self.no_clearance:
             raise ValueError("--avoid-collision and --no-clearance contradict each other")
-        if self.gravity is not None and not all(map(isfinite, self.gravity)):
-            raise ValueError("--gravity: a component is not a finite number")
-        if self.box is not None and not all(map(isfinite, self.box)):
-            raise ValueError("--box: a bound is not a finite number")
         if self.box is not None and any(
             a >= b for a, b in zip(self.box[::2], self.box[1::2], strict=True)
         ):
@@ -132,19 +130,21 @@ class Design(Command):
             raise ValueError("--model: with --payload, a file is given as --arm")
 
     def _check_numbers(self) -> None:
-        for name in ("rate", "budget", "horizon"):
-            value = getattr(self, name)
-            if not (value > 0 and isfinite(value)):
-                raise ValueError(f"--{name} {value:g} is not a positive number")
-        if self.rate * self.horizon > MOST_POINTS:
-            raise ValueError(
-                f"--rate {self.rate:g} for --horizon {self.horizon:g} is more than "
-                f"{MOST_POINTS} set points"
-            )
         for name in ("margin", "scale"):
             share = getattr(self, name)
             if not 0.0 < share <= 1.0:
                 raise ValueError(f"--{name} {share:g} is not a share above 0 and up to 1")
+        if self.rate * self.horizon / self.scale < LEAST_POINTS:
+            raise ValueError(
+                f"--rate {self.rate:g} for --horizon {self.horizon:g} is fewer than {LEAST_POINTS} set "
+                "points, which a controller would join by another motion"
+            )
+        if self.rate * self.horizon / self.scale > MOST_POINTS:
+            slowed = f" at --scale {self.scale:g}" if self.scale < 1.0 else ""
+            raise ValueError(
+                f"--rate {self.rate:g} for --horizon {self.horizon:g}{slowed} is more than "
+                f"{MOST_POINTS} set points"
+            )
         if not 0.0 <= self.clearance < MOST_CLEARANCE:
             raise ValueError(
                 f"--clearance {self.clearance:g} is not between 0 and {MOST_CLEARANCE:g} m"

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from oed.commands.configurations.command import Command, DataSetCommand, ModelName, Prior
-from oed.commands.options import OutFolder, Seed
+from oed.commands.options import Mass, NotNegative, OutFolder, Seed, Whole
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,8 +61,8 @@ class Feasible(DataSetCommand):
     model: ModelName | Path | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
     prior: Prior = "auto"
     kind: Literal["entropic", "quadratic"] = "entropic"
-    weight: float | None = None
-    total_mass: float | None = None
+    weight: NotNegative | None = None
+    total_mass: Mass | None = None
     collision: bool = False
     smoke: bool = False
     seed: Seed = 0
@@ -81,7 +81,8 @@ class Diagnose(Command):
         out: Folder for the results.
         model: Base model; as of oed identify if not given. Or a model.json: a second round, which looks
             for what that lacks.
-        max_effects: Most effects to add; three a joint if not given, at least six.
+        max_effects: Most effects to add; three a joint if not given, at least six;
+            0 only tests the model.
         candidates: Effects that may be named; the whole catalogue if not given.
         smoke: Do less, to see that it works.
         seed: Of everything random.
@@ -91,16 +92,13 @@ class Diagnose(Command):
     data: Annotated[Path, tyro.conf.Positional]
     out: OutFolder
     model: ModelName | Path | None = None
-    max_effects: int | None = None
+    max_effects: Whole | None = None
     candidates: tuple[str, ...] = ()
     smoke: bool = False
     seed: Seed = 0
-    budget: float | None = None
+    budget: NotNegative | None = None
 
-    def __post_init__(self) -> None:
-        if self.max_effects is not None and self.max_effects < 0:
-            raise ValueError(
-                f"--max-effects {self.max_effects} must not be negative; 0 only tests the model"
-            )
-        if self.budget is not None and not self.budget >= 0:
-            raise ValueError(f"--budget {self.budget:g} must not be negative: seconds of CPU time")
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """What is read."""
+        return (self.data, *([self.model] if isinstance(self.model, Path) else []))

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from oed.commands.configurations.command import Command
-from oed.commands.options import OutFolder
+from oed.commands.options import OutFolder, Positive, Rate, Real
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,17 +44,18 @@ class ImportLog(Command):
     joints: tuple[str, ...] = ()
     columns: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
-    sign: tuple[float, ...] = ()
-    zero: tuple[float, ...] = ()
-    ticks_per_turn: float | None = None
-    rate: float | None = None
+    sign: tuple[Real, ...] = ()
+    zero: tuple[Real, ...] = ()
+    ticks_per_turn: Positive | None = None
+    rate: Rate | None = None
     fixed: tuple[str, ...] = ()
     torque: Literal["measured", "current", "commanded"] | None = None
-    current_to_torque: tuple[float, ...] = ()
-    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    current_to_torque: tuple[Real, ...] = ()
+    gravity: tuple[Real, Real, Real] = (0.0, 0.0, -9.81)
     roles: tuple[Literal["estimation", "validation", "test"], ...] = ()
     reference: bool = False
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not self.logs:
             raise ValueError("name at least one log file")

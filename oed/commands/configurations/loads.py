@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 
 from oed.commands.configurations.command import Command, ModelName
-from oed.commands.options import OutFolder
+from oed.commands.options import Mass, OutFolder, Place, Positive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +25,7 @@ class LoadCommand(Command):
     out: OutFolder
     frame: str = ""
     joints: tuple[str, ...] = ()
-    cutoff: float | None = None
+    cutoff: Positive | None = None
     torque_model: ModelName | None = None
 
 
@@ -49,6 +48,7 @@ class Payload(LoadCommand):
     model: Path | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _require_two_folders(self.bare, (self.loaded,))
 
 
@@ -69,12 +69,15 @@ class Gains(LoadCommand):
 
     loaded: tuple[Path, ...] = ()
     bare: Path | None = None
-    mass: tuple[float, ...] = ()
-    com: tuple[float, ...] = ()
+    mass: tuple[Mass, ...] = ()
+    com: tuple[Place, ...] = ()
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _require_two_folders(self.bare, self.loaded)
         count = len(self.loaded)
+        if len({folder.resolve() for folder in self.loaded}) < count:
+            raise ValueError("--loaded: names a data set twice; its rows would count twice")
         if self.bare is None and count < 2:
             raise ValueError(
                 "--bare: name a recording of the bare arm, or two with different loads"
@@ -83,14 +86,10 @@ class Gains(LoadCommand):
             raise ValueError(f"--mass: {len(self.mass)} masses for {count} data sets with a load")
         if self.mass and not count:
             raise ValueError("--mass: no data set with a load is named by --loaded")
-        if not all(mass > 0 and isfinite(mass) for mass in self.mass):
-            raise ValueError("--mass: a mass is not a positive number of kg")
         if self.com and not self.mass:
             raise ValueError("--com: a centre of mass says nothing without --mass")
         if self.com and len(self.com) not in (3, 3 * count):
             raise ValueError(f"--com: {len(self.com)} numbers are not x y z of {count} loads")
-        if not all(map(isfinite, self.com)):
-            raise ValueError("--com: a number is not finite")
 
 
 def _require_two_folders(bare: Path | None, loaded: tuple[Path, ...]) -> None:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from oed.commands.configurations.command import Command
-from oed.commands.options import OutFolder, Seed
+from oed.commands.options import OutFolder, Range, Rate, Seed
+
+# With the hundred parameters of seven joints, samples.json then takes half of what is read as JSON.
+MOST_SAMPLES = 1e4
+MOST_STATES = 1e5  # random states a robot; seven joints take a minute and a gigabyte
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,17 +37,14 @@ class Export(Command):
     model: Annotated[Path, tyro.conf.Positional]
     to: tuple[str, ...] = ()
     out: OutFolder
-    rate: float = 1000.0
-    samples: int = 0
+    rate: Rate = 1000.0
+    samples: Annotated[int, Range(0.0, MOST_SAMPLES)] = 0
     seed: Seed = 0
 
     def __post_init__(self) -> None:
-        if self.samples < 0:
-            raise ValueError(f"--samples {self.samples} must not be negative")
+        super().__post_init__()
         if not self.to and not self.samples:
             raise ValueError("--to: name at least one form, such as mujoco")
-        if not (self.rate > 0 and isfinite(self.rate)):
-            raise ValueError(f"--rate {self.rate:g} is not a positive number")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,9 +60,10 @@ class CrossCheck(Command):
 
     robots: Annotated[tuple[str, ...], tyro.conf.Positional]
     out: OutFolder | None = None
-    states: int = 1000
+    states: Annotated[int, Range(1.0, MOST_STATES)] = 1000
     seed: Seed = 0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not self.robots:
             raise ValueError("name at least one robot file")

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.errors import NoUsableResult
 from oed.progress import tell
 
 
@@ -117,10 +118,12 @@ class EvaluationLog:
         """The best point so far, as a result.
 
         Raises:
-            ValueError: If none was offered.
+            NoUsableResult: If none was offered.
         """
         if self.best_z is None:
-            raise ValueError("no point was offered")
+            raise NoUsableResult(
+                "the optimiser came to no motion: raise --budget or --evaluations, or lengthen --horizon"
+            )
         return OptimiserResult(
             self.best_z, self.best_cost, tuple(self.history), self.evaluations, self.cpu_s, status
         )

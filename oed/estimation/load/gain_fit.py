@@ -9,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import block_diag
 
+from oed.errors import NoUsableResult
 from oed.estimation.covariance import estimate_covariance
 from oed.estimation.feasible.data_factor import JointFactors
 from oed.estimation.load.current_equations import CurrentEquations
@@ -47,7 +48,11 @@ class GainFit:
 
 
 def fit_gains(equations: CurrentEquations) -> GainFit:
-    """Estimate gains, arm and loads from currents."""
+    """Estimate gains, arm and loads from currents.
+
+    Raises:
+        NoUsableResult: If no gains come near to explaining them, and so the search does not settle.
+    """
     at = _start(equations)
     start = at[equations.places["log_u"]].copy()
     variances = np.mean(equations.current**2, axis=0)
@@ -56,6 +61,11 @@ def fit_gains(equations: CurrentEquations) -> GainFit:
         if np.all(np.abs(factor @ (at - before)) <= SETTLED):
             break
         before, (at, variances, factor) = at, _step(equations, at, start, variances)
+    else:
+        raise NoUsableResult(
+            f"no gains are found in {STEPS} steps: the currents do not differ between the data sets as "
+            "the stated loads would make them; correct --mass and --com, or which folder holds which load"
+        )
     rows, _ = equations.linearised(at)
     residual = equations.current - equations.modelled(at)
     joints = residual.shape[1]

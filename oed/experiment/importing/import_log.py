@@ -21,6 +21,7 @@ from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints
 from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
 from oed.experiment.importing.propose_units import UnitProposal
 from oed.experiment.importing.read_log_values import LogValues, read_values
+from oed.experiment.log_format import COLUMN_KEYS, UNIT_KEYS
 from oed.experiment.logs import read_log
 from oed.experiment.manifest import MANIFEST, manifest_of
 from oed.experiment.read_dataset import dataset_of
@@ -28,6 +29,16 @@ from oed.experiment.recording import Role
 from oed.experiment.toml_table import TomlTable
 from oed.experiment.write_dataset import check_new_folder, write_robot
 from oed.robot import Robot, arm_joints, load_robot
+
+# By key of dataset.toml: what states it.
+OPTIONS = {
+    "sign": "--sign",
+    "zero": "--zero",
+    "gravity": "--gravity",
+    "drive.current_to_torque": "--current-to-torque",
+    **{f"columns.{key}": f"--columns {key}=" for key in COLUMN_KEYS},
+    **{f"units.{key}": f"--units {key}=" for key in UNIT_KEYS},
+}
 
 
 @dataclass(frozen=True)
@@ -104,6 +115,8 @@ def propose_import(logs: Sequence[str | Path], choices: ImportChoices, out: str 
         raise ValueError(
             f"{counted(len(choices.roles), 'role')} for {counted(len(paths), 'log')}; give one for each"
         )
+    _check_keys("--columns", choices.columns, COLUMN_KEYS)
+    _check_keys("--units", choices.units, UNIT_KEYS)
     columns = _columns(paths, choices)
     robot = load_robot(
         choices.robot, joints=columns[0].joints, locked=choices.fixed or {}, gravity=choices.gravity
@@ -142,11 +155,22 @@ def write_import(found: Import, out: str | Path, *, reference: bool = False) -> 
         folder.rename(target)
 
 
+def _check_keys(option: str, given: Mapping[str, object] | None, known: Sequence[str]) -> None:
+    for key in given or {}:
+        if key not in known:
+            raise ValueError(f"{option} {key}=: nothing is called so; known are {', '.join(known)}")
+
+
 def _columns(paths: Sequence[Path], choices: ImportChoices) -> list[ColumnProposal]:
     """The columns of each log, which must be the same."""
     joints = RobotJoints(
         load_robot(choices.robot).joint_names, arm_joints(choices.robot), choices.joints
     )
+    for name in joints.chosen:
+        if name not in joints.movable:
+            raise ValueError(
+                f"--joints: the robot has no joint {name!r}; it has {', '.join(joints.movable)}"
+            )
     stated = dict(choices.columns or {})
     found = [propose_columns(read_log(path), joints, stated) for path in paths]
     for path, other in zip(paths, found, strict=True):
@@ -243,7 +267,14 @@ def _robot_now(robot: Robot) -> str:
 def _read(content: Mapping[str, object], out: Path) -> DataSet:
     # Through the text: what is written is what was read.
     parsed = tomllib.loads(tomli_w.dumps(content))
-    return dataset_of(manifest_of(TomlTable(parsed, out / MANIFEST)), out)
+    path = out / MANIFEST
+    try:
+        return dataset_of(manifest_of(TomlTable(parsed, path)), out)
+    except DataSetError as error:
+        if error.file != str(path) or error.column not in OPTIONS:
+            raise
+        # There is no such file yet: an option said it.
+        raise ValueError(f"{OPTIONS[error.column]}: {error.message}") from error
 
 
 def _fixed_notes(robot: Robot) -> tuple[str, ...]:

@@ -154,13 +154,14 @@ def _assigned(
     numbered = [one for one in positions if one.label.isdigit() or not one.label]
     if numbered:
         order = sorted(numbered, key=lambda one: int(one.label or 0))
-        for names in (joints.chosen, joints.arm, joints.movable):
+        for names in (joints.chosen,) if joints.chosen else (joints.arm, joints.movable):
             if len(names) == len(order):
                 return order, names
         message = (
             f"holds positions of {counted(len(order), 'joint')} ({_few([one.column for one in order])}), the "
-            f"robot has {len(joints.arm)} in its arm and {len(joints.movable)} in all; say which "
-            "they are with --joints, in the order of the log"
+            f"robot has {len(joints.arm)} in its arm and {len(joints.movable)} in all"
+            f"{f', --joints names {len(joints.chosen)}' if joints.chosen else ''}; say which they are with "
+            "--joints, in the order of the log"
         )
         raise DataSetError(message, file=table.file)
     labels = {one.label: one for one in positions}

@@ -103,10 +103,11 @@ def choose_settings(
     end = torque_end(torques, rate)
     passed = end / (1 - TRANSITION / 2)  # all of the torque: the filter begins where it ends
     if cutoff is not None:
-        if not 0 < cutoff <= rate / (2 * SAMPLES_PER_CUTOFF):
+        slowest, fastest = 1 / max(r.duration for r in recordings), rate / (2 * SAMPLES_PER_CUTOFF)
+        if not slowest < cutoff <= fastest:
             raise ValueError(
-                f"cut-off {cutoff:g} Hz must lie between 0 and {rate / (2 * SAMPLES_PER_CUTOFF):g} Hz, "
-                f"which the rate of {rate:g} Hz carries"
+                f"cut-off {cutoff:g} Hz must lie between {slowest:.3g} Hz, of which the longest recording "
+                f"holds one period, and {fastest:g} Hz, which the rate of {rate:g} Hz carries"
             )
         lowest, highest, why = cutoff, cutoff, "given"
     elif all(r.repetitions < 2 for r in recordings if r.role == "estimation"):

@@ -18,6 +18,8 @@ from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.resampling import resample, uniform_grid
 
 FINEST_RATE = 1000.0  # [Hz] of the uniform grid; arms and encoders give nothing beyond
+# Samples times joints of a log that is mainly pauses: 0.4 GB for each of several signals.
+MOST_ON_GRID = 50_000_000
 LEAST_STRETCH = 1.0  # [s] between gaps for a spectrum of the position
 ALIASING = 0.4  # of a coarser grid's rate, to which signals are low-passed before they are thinned
 
@@ -52,6 +54,7 @@ def uniform(recording: Recording, rate: float) -> Uniform:
     t = recording.t[fresh]
     # Whole steps by averaging first: interpolation alone would fold high noise into the band.
     step = max(1, round(logged / rate))
+    _check_length(recording, rate * step)
     dense = uniform_grid(t, rate * step)
 
     def thinned(x: Float[ndarray, "dense joints"]) -> Float[ndarray, "samples joints"]:
@@ -65,6 +68,17 @@ def uniform(recording: Recording, rate: float) -> Uniform:
     if tau is None:
         raise ValueError(f"{recording.name}: no torque was logged")
     return Uniform(dense[::step], q, tau, dq)
+
+
+def _check_length(recording: Recording, rate: float) -> None:
+    """Refuse pauses that would fill the memory: a grid has samples in them as well."""
+    samples = recording.duration * rate
+    if samples > 2 * len(recording) and samples * recording.q.shape[1] > MOST_ON_GRID:
+        raise ValueError(
+            f"{recording.name}: with its pauses it lasts {recording.duration:.3g} s, which are "
+            f"{samples:.2g} samples at {rate:g} Hz, of {len(recording)} that were logged: cut it where it "
+            "pauses, into a [[recording]] each with rows, or from and to"
+        )
 
 
 def recorded(

@@ -7,6 +7,7 @@ from oed.export.effect_torque import not_simulated
 from oed.export.model import Model
 from oed.export.model_file import NAME, write_model
 from oed.export.registry import Exported, Target
+from oed.in_comment import in_comment
 from oed.report.json_file import write_atomically
 
 SCRIPT = """\"\"\"{robot} in Drake with all its effects; needs the packages drake and oed.\"\"\"
@@ -34,7 +35,7 @@ def write(model: Model, target: Target) -> Exported:
     """Write model.json and simulate_drake.py."""
     calibrated_robot(model)  # refuses what is no body
     write_model(model, target.folder / NAME, home=target.home)
-    text = SCRIPT.format(robot=model.robot.name, joints=model.robot.n, step=target.step)
+    text = SCRIPT.format(robot=in_comment(model.robot.name), joints=model.robot.n, step=target.step)
     write_atomically(target.folder / "simulate_drake.py", text)
     files = ("simulate_drake.py", NAME)
     return Exported(files, "python simulate_drake.py", not_simulated(model))

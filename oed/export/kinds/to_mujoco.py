@@ -9,6 +9,7 @@ from oed.export.model import Model
 from oed.export.model_file import NAME, write_model
 from oed.export.registry import Exported, Target
 from oed.export.shapes import collect_shapes
+from oed.in_comment import in_comment
 from oed.report.json_file import write_atomically
 
 SCRIPT = """\"\"\"{robot} in MuJoCo, its effects as a passive force; needs the packages mujoco and oed.\"\"\"
@@ -42,7 +43,7 @@ def write(model: Model, target: Target) -> Exported:
         calibrated, target.folder / "robot_mujoco.xml", shapes=shapes, dry_friction=False
     )
     write_model(model, target.folder / NAME, home=target.home)
-    text = SCRIPT.format(robot=model.robot.name, step=target.step)
+    text = SCRIPT.format(robot=in_comment(model.robot.name), step=target.step)
     write_atomically(target.folder / "simulate_mujoco.py", text)
     files = ("simulate_mujoco.py", path.name, NAME)
     notes = tuple(filter(None, [shapes.note]))

@@ -8,6 +8,7 @@ from __future__ import annotations
 from oed.export.model import Model
 from oed.export.model_file import NAME, write_model
 from oed.export.registry import Exported, Target
+from oed.in_comment import in_comment
 from oed.report.json_file import write_atomically
 
 SCRIPT = """\"\"\"Torque of {robot} by its model: along a motion, and one instant after another.\"\"\"
@@ -35,6 +36,6 @@ print("instant by instant  :", tau)
 def write(model: Model, target: Target) -> Exported:
     """Write model.json and predict.py."""
     write_model(model, target.folder / NAME, home=target.home)
-    text = SCRIPT.format(robot=model.robot.name, joints=model.robot.n, step=target.step)
+    text = SCRIPT.format(robot=in_comment(model.robot.name), joints=model.robot.n, step=target.step)
     write_atomically(target.folder / "predict.py", text)
     return Exported((NAME, "predict.py"), "python predict.py")

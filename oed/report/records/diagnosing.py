@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+import msgspec
+
 from oed.report.records.record import (
     ByRole,
     FileRecord,
@@ -25,7 +27,7 @@ class EffectParameterRecord(Record, frozen=True, kw_only=True):
 
 
 class AlternativeRecord(Record, frozen=True, kw_only=True):
-    """What else an effect could be; `same` gives the same torque on these recordings."""
+    """What else an effect could be, in `words`; `same` gives the same torque on these recordings."""
 
     name: str
     joint: int | None
@@ -33,6 +35,7 @@ class AlternativeRecord(Record, frozen=True, kw_only=True):
     probability: Number
     contender: bool
     same: bool = False
+    words: str = ""
 
 
 class FoundEffectRecord(Record, frozen=True, kw_only=True):
@@ -48,11 +51,12 @@ class FoundEffectRecord(Record, frozen=True, kw_only=True):
 
 
 class UnexplainedRecord(Record, frozen=True, kw_only=True):
-    """What is left and has no name."""
+    """What is left and has no name: the term that describes it, and the same in `words`."""
 
     joint: int | None
     depends_on: list[str]
     term: str
+    words: str = ""
 
 
 class ErrorsRecord(Record, frozen=True, kw_only=True):
@@ -76,12 +80,16 @@ class RelativeErrorsRecord(Record, frozen=True, kw_only=True):
 
 
 class BudgetRecord(Record, frozen=True, kw_only=True):
-    """Root mean square of what each term gives, of what is left and of noise, by joint."""
+    """Root mean square of what each term gives, of what is left and of noise, by joint.
+
+    Terms are those of the model's base, by name, and what was added, by label; `words` of the latter.
+    """
 
     recordings: str
     rms: dict[str, Numbers]
     left: Numbers
     noise_floor: Numbers
+    words: dict[str, str] = msgspec.field(default_factory=dict)
 
 
 class DiagnosisRecord(ResultRecord, frozen=True, kw_only=True):

@@ -57,13 +57,14 @@ class RefinementRecord(FileRecord, frozen=True, kw_only=True):
 
 
 class CalibrationRecord(FileRecord, frozen=True, kw_only=True):
-    """calibration.json."""
+    """calibration.json; `without_name` says in words what is unexplained."""
 
     format: int
     data: str
     verdict: str
     effects: list[NamedEffectRecord]
     unexplained: int
+    without_name: list[str]
     rms: ErrorsRecord
     links: list[Row]
     changes_from_file: list[Row]

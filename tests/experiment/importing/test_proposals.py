@@ -14,6 +14,8 @@ from oed.experiment.importing.propose_units import propose_units
 from oed.experiment.importing.repetition import find_period
 from oed.experiment.logs import Log, table_of
 from oed.robot.builtin import imi_scara
+from tests.experiment.tiny_dataset import csv_text
+from tests.running import oed
 
 UR = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
 
@@ -227,3 +229,25 @@ def test_recordings_of_short_names_stand_under_their_own_headers():
     entries = [{"file": f"{role}.csv", "role": role} for role in ("estimation", "test")]
     content = {"format": 1, "units": {"tau": "N m"}, "recording": entries}
     assert tomllib.loads(manifest_text(content, ())) == content
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (("--columns", "speed=q_1"), "--columns speed=: nothing is called so"),
+        (("--units", "speed=deg"), "--units speed=: nothing is called so"),
+        (("--joints", "joint_9", "joint_1"), "--joints: the robot has no joint 'joint_9'"),
+        (("--joints", "joint_1"), "positions of 2 joints (q_1, q_2)"),
+        (("--sign", "1"), "oed import: --sign: has 1 values for 2 joints"),
+        (("--current-to-torque", "9"), "oed import: --current-to-torque: has 1 values"),
+        (("--columns", "q=q_1,q_2", "tau=q_1,q_2"), "oed import: --columns tau=: names 'q_1'"),
+        (("--rate", "0"), "--rate 0 is no number from 1"),
+    ],
+)
+def test_what_is_stated_and_cannot_be_is_refused_as_it_was_stated(tmp_path, capsys, options, line):
+    """Not passed over, and not as a key of a file that was never written."""
+    (tmp_path / "a.csv").write_text(csv_text(0), encoding="utf-8")
+    given = ("import", tmp_path / "a.csv", "--robot", "builtin:imi_scara", "--out", tmp_path / "o")
+    assert oed(*given, *options) == 2
+    assert line in capsys.readouterr().err
+    assert not (tmp_path / "o").exists()
