@@ -72,7 +72,7 @@ def term_words(candidate: Candidate) -> TermWords:
 def words_of_terms(found: Diagnosis) -> dict[str, TermWords]:
     """Words of all terms that a diagnosis speaks of, by their labels."""
     selected = found.selected
-    terms = [*selected.views.every.terms]
+    terms = [*selected.views.terms]
     terms += [s.term for substitutes in selected.substitutes for s in substitutes]
     return {term.label: term_words(term.candidate) for term in terms}
 

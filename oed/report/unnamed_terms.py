@@ -106,12 +106,12 @@ def _carried(found: Diagnosis, item: Unexplained) -> float | None:
 
 
 def _own_term(found: Diagnosis, item: Unexplained) -> Term | None:
-    return None if item.number is None else found.selected.views.every.terms[item.number]
+    return None if item.number is None else found.selected.views.terms[item.number]
 
 
 def _others(found: Diagnosis, item: Unexplained) -> set[str]:
     """Labels of what the model has besides: these are there already."""
-    terms = found.selected.views.every.terms
+    terms = found.selected.views.terms
     return {t.label for k, t in enumerate(terms) if k != item.number}
 
 

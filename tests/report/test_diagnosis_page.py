@@ -190,7 +190,7 @@ def test_says_how_large_what_has_no_name_is(found):
 
 def test_says_what_a_model_that_is_not_certain_of_a_name_has_in_its_place(found):
     (number,) = [e.number for e in found.effects]
-    label = found.selected.views.every.terms[number].label
+    label = found.selected.views.terms[number].label
     doubted = dataclasses.replace(
         found, effects=(), unexplained=(Unexplained(0, ("dq_1",), label, number),)
     )
@@ -280,7 +280,7 @@ def test_a_floor_that_held_what_was_found_is_said_to_be_too_high(found):
 
 
 def test_a_contradiction_by_the_test_recordings_stands_beside_the_verdict(found, tmp_path):
-    label = found.selected.views.every.terms[found.effects[0].number].label
+    label = found.selected.views.terms[found.effects[0].number].label
     told = f"the test recordings contradict {label}: their error is 3 with it and 2 without"
     page = Reader(write(dataclasses.replace(found, contradicted=(told,)), tmp_path / "against"))
     words = (
