@@ -12,13 +12,15 @@ from jaxtyping import Float
 from numpy import ndarray
 from threadpoolctl import threadpool_limits
 
-from oed.diagnosis.evidence.model import Fitted, fit
+from oed.diagnosis.evidence.model import Fitted
+from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.answer import Answer, FoundEffect, Outcome, Unexplained, answer
 from oed.diagnosis.inference.budget import Budget, budget
 from oed.diagnosis.inference.curves import Curve, curve
 from oed.diagnosis.inference.errors import Predictor, RoleErrors, compare
 from oed.diagnosis.numbers import CLEAR
 from oed.diagnosis.selection.search import Selected, search
+from oed.diagnosis.selection.substitutes import ahead
 from oed.diagnosis.setup import Sealed, pose
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry
 from oed.dynamics.torque_model import TorqueModel
@@ -142,9 +144,8 @@ def report(
     rng: np.random.Generator,
 ) -> Diagnosis:
     """Errors on all recordings, the sealed ones too: nothing that was found changes by it."""
-    told = selected.views.told
-    here = told.problem
-    whole = fit(here, told.terms, here.rows.fitted, told)
+    views = ahead(selected.views, selected.views.terms)
+    whole = views.told
     after = predictor(whole) if whole.terms else before
     by_role = {role: tuple(p for p in sealed.every if p.role == role) for role in ROLES}
     errors = tuple(
@@ -154,7 +155,7 @@ def report(
     )
     role = next(r for r in ("validation", "test", "estimation") if by_role[r])
     shown = by_role[role]
-    labels = [(term.label, predictor(_less(whole, k))) for k, term in enumerate(whole.terms)]
+    labels = [(term.label, predictor(_less(views, k))) for k, term in enumerate(whole.terms)]
     carried = budget(
         role,
         shown,
@@ -162,7 +163,7 @@ def report(
         after,
         labels=labels,
         floor=sealed.floor,
-        base=len(here.base.effects),
+        base=len(views.problem.base.effects),
     )
     drawn = [
         curve(
@@ -181,7 +182,7 @@ def report(
         _verdict(found.effects, unexplained),
         found.effects,
         unexplained,
-        _contradicted(whole, found, by_role["test"], sealed, after),
+        _contradicted(views, found, by_role["test"], sealed, after),
         before,
         after,
         errors,
@@ -210,21 +211,20 @@ def predictor(fitted: Fitted) -> Predictor:
     return Predictor(model, np.concatenate([fitted.parameters, *sizes]))
 
 
-def _less(whole: Fitted, number: int) -> Fitted:
+def _less(views: Views, number: int) -> Fitted:
     """The same numbers without one term: what is lost is what it carries."""
-    term = whole.terms[number]
-    if term.steps:
-        return fit(
-            whole.problem,
-            tuple(t for k, t in enumerate(whole.terms) if k != number),
-            whole.projection.used,
-            whole,
-        )
+    whole = views.told
+    if whole.terms[number].steps:
+        return _refitted_without(views, number)
     coefficients = whole.projection.coefficients.copy()
     coefficients[whole.places[number]] = 0.0
     return dataclasses.replace(
         whole, projection=dataclasses.replace(whole.projection, coefficients=coefficients)
     )
+
+
+def _refitted_without(views: Views, number: int) -> Fitted:
+    return ahead(views, tuple(t for k, t in enumerate(views.terms) if k != number)).told
 
 
 def _unlocated(
@@ -251,7 +251,7 @@ def _verdict(effects: Sequence[FoundEffect], unexplained: Sequence[Unexplained])
 
 
 def _contradicted(
-    whole: Fitted, found: Answer, test: Sequence, sealed: Sealed, after: Predictor
+    views: Views, found: Answer, test: Sequence, sealed: Sealed, after: Predictor
 ) -> tuple[str, ...]:
     """Names without which the test recordings are predicted better, joints together, in words."""
     if not test:
@@ -267,11 +267,10 @@ def _contradicted(
 
     with_all, words = error(after), []
     for effect in found.effects:
-        others = tuple(t for k, t in enumerate(whole.terms) if k != effect.number)
-        rest = error(predictor(fit(whole.problem, others, whole.projection.used, whole)))
+        rest = error(predictor(_refitted_without(views, effect.number)))
         if rest < with_all:
             words.append(
-                f"the test recordings contradict {whole.terms[effect.number].label}: their error is "
+                f"the test recordings contradict {views.terms[effect.number].label}: their error is "
                 f"{with_all:.3g} noise floors with it and {rest:.3g} without"
             )
     return tuple(words)

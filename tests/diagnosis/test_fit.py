@@ -31,7 +31,7 @@ def test_what_no_log_resolves_at_a_reversal_stands_beside_every_model(problem):
         assert own.nuisances.shape == (2, own.rows.torque.shape[1], 4)
         assert np.all(own.nuisances[0, :, 2:] == 0)
         assert np.all(own.nuisances[1, :, :2] == 0)
-        late = project(own.rows, own.nuisances, own.rows.fitted, np.ones(2))
+        late = project(own.rows.torque, own.nuisances, own.rows.fitted, np.ones(2))
         assert late.basis.shape[2] == 4
 
 
@@ -39,7 +39,7 @@ def test_residual_is_that_of_weighted_least_squares(problem):
     rows = problem.rows
     columns = white_model(problem.base, problem.columns, rows)
     variance = np.array([1.0, 4.0])
-    found = project(rows, columns, rows.fitted, variance)
+    found = project(rows.torque, columns, rows.fitted, variance)
     X = np.concatenate([columns[j, rows.fitted] / np.sqrt(v) for j, v in enumerate(variance)])
     y = np.concatenate([rows.torque[j, rows.fitted] / np.sqrt(v) for j, v in enumerate(variance)])
     assert found.coefficients == pytest.approx(np.linalg.lstsq(X, y, rcond=None)[0], rel=1e-6)
@@ -48,13 +48,13 @@ def test_residual_is_that_of_weighted_least_squares(problem):
 def test_information_beside_the_model_is_that_of_a_refit(problem):
     rows = problem.rows
     columns = white_model(problem.base, problem.columns, rows)
-    found = project(rows, columns, rows.fitted, np.ones(2))
+    found = project(rows.torque, columns, rows.fitted, np.ones(2))
     further = white_effect(RotorInertia(1), problem.base, rows)
     beside = found.beside(further)
     A, g = beside.information, beside.score
     more = np.zeros((2, rows.torque.shape[1], 1))
     more[1] = further[1]
-    refit = project(rows, np.concatenate([columns, more], axis=2), rows.fitted, np.ones(2))
+    refit = project(rows.torque, np.concatenate([columns, more], axis=2), rows.fitted, np.ones(2))
     assert g / A[0] == pytest.approx(refit.coefficients[-1:], rel=1e-5)
     left = np.sum(refit.residual[:, rows.fitted] ** 2, axis=1)
     assert beside.left_by(g / A[0]) == pytest.approx(left, rel=1e-6)
@@ -67,7 +67,7 @@ def test_a_prior_is_as_many_rows_of_zeros(problem):
     columns = white_model(problem.base, problem.columns, rows)
     count = columns.shape[2]
     precision = 100.0 * np.eye(count)
-    found = project(rows, columns, rows.fitted, np.ones(2), precision)
+    found = project(rows.torque, columns, rows.fitted, np.ones(2), precision)
     X = columns[:, rows.fitted].reshape(-1, count)
     y = rows.torque[:, rows.fitted].ravel()
     assert found.coefficients == pytest.approx(

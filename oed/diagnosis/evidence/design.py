@@ -53,7 +53,7 @@ class Design:
 
     def left_by(self, coefficients: Float[ndarray, " columns"]) -> Float[ndarray, "joints rows"]:
         """(n, R) white torque that is left with these coefficients, found on whichever rows."""
-        return self.problem.rows.torque - self.columns @ coefficients
+        return self.problem.rows.torque - self.columns @ coefficients[: self.columns.shape[2]]
 
     def nuisances_of(
         self, coefficients: Float[ndarray, " columns"]
@@ -61,6 +61,35 @@ class Design:
         """(n, R) white torque of the nuisances with these coefficients."""
         start, nuisances = len(self.visible), self.problem.nuisances
         return nuisances @ coefficients[start : start + nuisances.shape[2]]
+
+    def alike(self, coefficients: Float[ndarray, " columns"]) -> tuple[ndarray, ndarray]:
+        """Columns that tell what is alike in all repetitions by their mean alone.
+
+        In what repetitions differ by there is noise of the motion, which would bias the size of what
+        is alike. The base model's columns have other coefficients there, which are part of no
+        model and take up what noise of the torque has in common with the motion (Mundlak 1978,
+        Econometrica 46(1)).
+
+        Args:
+            coefficients: Of a fit to means: what they say of terms' differences is taken off.
+
+        Returns:
+            (n, R, p + b) the columns, further ones of base columns last, and (n, R) the white torque of
+            terms' differences.
+        """
+        base, phase = len(self.visible), self.problem.rows.phase
+        constant = np.zeros(self.columns.shape[2], dtype=bool)
+        constant[:base] = True
+        for term, place in zip(self.terms, self.places, strict=True):
+            constant[place] = not term.candidate.changes
+        counts = np.maximum(np.bincount(phase), 1)
+        columns = self.columns.copy()
+        for j, own in enumerate(self.columns):
+            for k in np.flatnonzero(constant):
+                columns[j, :, k] = (np.bincount(phase, own[:, k]) / counts)[phase]
+        apart = self.columns - columns
+        told = apart[:, :, base:] @ coefficients[base:]
+        return np.concatenate([columns, apart[:, :, :base]], axis=2), told
 
 
 def lay(

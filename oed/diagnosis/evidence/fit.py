@@ -9,8 +9,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from oed.diagnosis.rows.white_rows import WhiteRows
-
 RANK = 1e-7  # of the largest singular value of normalised columns, below which nothing is excited
 
 
@@ -142,7 +140,7 @@ class Beside:
 
 
 def project(
-    rows: WhiteRows,
+    torque: Float[ndarray, "joints rows"],
     columns: Float[ndarray, "joints rows columns"],
     used: Bool[ndarray, " rows"],
     variance: Float[ndarray, " joints"],
@@ -151,13 +149,12 @@ def project(
     """Fit white columns to white torque, joints weighted by their variance.
 
     Args:
-        rows: The torque.
+        torque: White.
         columns: What explains it.
         used: Rows to fit.
         variance: (n,) v of each joint's white rows.
         precision: Of the coefficients' prior; none if None.
     """
-    torque = rows.torque
     weights = 1 / np.sqrt(variance)
     joints, _, count = columns.shape
     X = (columns[:, used] * weights[:, None, None]).reshape(-1, count)

@@ -96,9 +96,11 @@ class Fitted:
             where: Which rows.
             is_ahead: Whether they are predicted: nuisances are part of no prediction.
         """
-        left = self.projection.residual[:, where]
+        left = self.projection.residual
         if is_ahead:
-            left = left + self.design.nuisances_of(self.projection.coefficients)[:, where]
+            found = self.projection.coefficients
+            left = self.design.left_by(found) + self.design.nuisances_of(found)
+        left = left[:, where]
         return np.sum(left**2, axis=1)
 
     def rows(self, where: Bool[ndarray, " rows"]) -> Float[ndarray, " joints"]:
@@ -122,9 +124,6 @@ def fit(
     used: Bool[ndarray, " rows"],
     before: Fitted | None = None,
     variance: Float[ndarray, " joints"] | None = None,
-    *,
-    context: Context | None = None,
-    known: Design | None = None,
 ) -> Fitted:
     """Fit a model, effects of its own torque and terms that act on all of it included.
 
@@ -134,16 +133,12 @@ def fit(
         used: Rows to fit.
         before: A fit to start from.
         variance: (n,) of the rows, if it is given; otherwise what is left decides.
-        context: From which effects of the model's own torque have it; that of `before` if None.
-        known: Columns that may serve again; those of `before` if there is one.
     """
-    if context is None:
-        context = problem.context if before is None else before.context
+    context = problem.context if before is None else before.context
     fitted = before
     for _ in range(ROUNDS):
         last = fitted
-        columns = known if last is None else last.design
-        design = lay(problem, terms, context, columns)
+        design = lay(problem, terms, context, None if last is None else last.design)
         fitted = _fitted(design, used, last, variance)
         context = fitted.context
         terms, moved = _stepped(fitted)
@@ -153,6 +148,30 @@ def fit(
     if fitted is None:
         raise ValueError("a fit needs at least one round")
     return fitted
+
+
+def fit_all(
+    problem: Problem,
+    means: Fitted,
+    used: Bool[ndarray, " rows"],
+    variance: Float[ndarray, " joints"] | None = None,
+    known: Design | None = None,
+) -> Fitted:
+    """Fit a model to all repetitions that was fitted to their means.
+
+    What changes between repetitions is told by all rows, all else by their mean (`Design.alike`): terms
+    that act on the whole model stay as they are there.
+
+    Args:
+        problem: With all rows.
+        means: The fit to means.
+        used: Rows to fit.
+        variance: (n,) of the rows, if it is given; otherwise what is left decides.
+        known: Columns on all rows that may serve again.
+    """
+    design = lay(problem, means.terms, means.context, known)
+    columns, apart = design.alike(means.projection.coefficients)
+    return _fitted(design, used, means, variance, columns=columns, apart=apart)
 
 
 def _is_settled(fitted: Fitted, last: Fitted | None) -> bool:
@@ -188,18 +207,24 @@ def _fitted(
     used: Bool[ndarray, " rows"],
     before: Fitted | None,
     variance: Float[ndarray, " joints"] | None,
+    *,
+    columns: Float[ndarray, "joints rows columns"] | None = None,
+    apart: Float[ndarray, "joints rows"] | float = 0.0,
 ) -> Fitted:
     problem, terms = design.problem, design.terms
-    precision = design.precision
+    columns = design.columns if columns is None else columns
+    torque = problem.rows.torque - apart
+    more = columns.shape[2] - design.columns.shape[2]
+    precision = np.pad(design.precision, (0, more))
     v = np.ones(problem.rows.joints) if before is None else before.variance
     v = v if variance is None else variance
-    projection = project(problem.rows, design.columns, used, v, precision)
+    projection = project(torque, columns, used, v, precision)
     tolerated = _tolerated(design, projection)
     counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
     found = np.maximum(tolerated, np.sum(projection.residual[:, used] ** 2, axis=1) / counted)
     if variance is None and np.any(np.abs(found - v) > SAME_VARIANCE * v):
         v = found
-        projection = project(problem.rows, design.columns, used, v, precision)
+        projection = project(torque, columns, used, v, precision)
         tolerated = _tolerated(design, projection)
     visible = design.visible
     base = full_parameters(design.seen.model, visible, projection.coefficients[: len(visible)])

@@ -17,7 +17,7 @@ from numpy import ndarray
 from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.criterion import Moments, log_score
 from oed.diagnosis.evidence.design import Design, lay
-from oed.diagnosis.evidence.model import Fitted, fit
+from oed.diagnosis.evidence.model import Fitted, fit, fit_all
 from oed.diagnosis.evidence.moments import columns_of, moments_of
 from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.problem import Problem
@@ -82,33 +82,28 @@ class Views:
         """On all rows."""
         if self.problem.means is None:
             return self.means
-        terms, context, used = (
-            self.means.terms,
-            self.means.context,
-            chosen(self.problem, self.which),
-        )
         variance = self.like and self.like.every.variance
-        return fit(self.problem, terms, used, variance=variance, context=context, known=self.known)
+        used = chosen(self.problem, self.which)
+        return fit_all(self.problem, self.means, used, variance, self.known)
 
     @property
     def told(self) -> Fitted:
-        """The fit whose numbers are handed on: of the channel that shows all its terms.
-
-        Noise that moves the arm biases a fit of all rows; of it the mean of M repetitions has 1/M.
-        """
+        """The fit whose numbers are handed on: of the channel that shows all its terms."""
         return self.every if self.changes else self.means
 
     @cached_property
     def _design(self) -> Design:
-        """Columns on all rows, of the terms as the told fit has them."""
-        if self.problem.means is None or self.changes:
-            return self.every.design
+        """Columns on all rows, of the terms as they are in the fit to means."""
+        fitted = self.means if self.problem.means is None else self.__dict__.get("every")
+        if fitted is not None:
+            return fitted.design
         return lay(self.problem, self.means.terms, self.means.context, self.known)
 
     @property
     def laid(self) -> Design | None:
         """Columns on all rows that were worked out last, of this model or one before."""
-        return self.__dict__.get("_design", self.known)
+        known = self.__dict__.get("every")
+        return self.__dict__.get("_design", self.known) if known is None else known.design
 
     def grown(self, terms: tuple[Term, ...], which: Which, like: Views | None = None) -> Views:
         """Other terms beside the same base model."""

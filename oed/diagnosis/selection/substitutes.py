@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -135,15 +136,23 @@ def _acting(grown: Views, own: Judged) -> set[int] | None:
 
 
 def _nats_in_place(grown: Views, whole: Views, own: Judged) -> float:
-    """Worth of a model's last term in the place of another; on all rows where one of them changes."""
+    """Worth of a model's last term in the place of another.
+
+    Where one of them changes between repetitions, on all rows, at the larger dilution of both.
+    """
     last, number = len(grown.terms) - 1, whole.terms.index(own.term)
     alike = own.term.candidate.changes == grown.terms[last].candidate.changes
-
-    def nats(views: Views, place: int) -> float:
-        tau, changes = own.moments.dilution, None if alike else True
-        return worth_of(views, place, moments(views, place, own.rest, tau, changes=changes)).nats
-
-    return nats(grown, last) if alike else own.worth.nats + nats(grown, last) - nats(whole, number)
+    if alike:
+        tau = own.moments.dilution
+        return worth_of(grown, last, moments(grown, last, own.rest, tau)).nats
+    pair = ((whole, number), (grown, last))
+    told = [moments(views, place, own.rest, changes=True) for views, place in pair]
+    tau = max(t.dilution for t in told)
+    mine, other = (
+        worth_of(views, place, dataclasses.replace(t, dilution=tau)).nats
+        for (views, place), t in zip(pair, told, strict=True)
+    )
+    return own.worth.nats + other - mine
 
 
 def ahead(views: Views, terms: tuple[Term, ...]) -> Views:
