@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.diagnosis.evidence.views import Views
+from oed.diagnosis.evidence.model import fit
+from oed.diagnosis.evidence.views import Views, chosen
 from oed.diagnosis.selection.screen import evaluate
 from oed.diagnosis.selection.tables import as_term
 from oed.diagnosis.setup import pose
@@ -22,11 +23,14 @@ def _posed(dataset, *names):
 def test_numbers_are_those_of_the_mean_which_noise_of_the_motion_hardly_biases():
     problem = _posed(data_set(7, repetitions=6, wander=0.3))
     views = Views.of(problem, (), "all")
+    of_all_rows = fit(problem, (), chosen(problem, "all"))
     off = [
-        np.abs(fitted.parameters[BASE] / INERTIA - 1).max() for fitted in (views.told, views.every)
+        np.abs(fitted.parameters[BASE] / INERTIA - 1).max()
+        for fitted in (views.told, views.every, of_all_rows)
     ]
     assert off[0] < 0.01
-    assert off[1] > 0.3
+    assert off[1] < 0.1  # what changes is told by all rows beside it
+    assert off[2] > 0.3
 
 
 def test_a_term_that_changes_between_repetitions_is_told_by_all_of_them():
