@@ -138,3 +138,17 @@ def test_a_run_that_leaves_nothing_leaves_no_folder(tmp_path: Path) -> None:
         assert (tmp_path / "a" / "b" / ".oed").is_dir()
     assert not list(tmp_path.iterdir())
     check_output_folder(tmp_path / "a" / "b")
+
+
+def test_a_folder_that_cannot_be_held_keeps_what_it_knows(tmp_path: Path) -> None:
+    """As on a file system without locks: the last run's record is what its results are known by."""
+    out = tmp_path / "out"
+    run(out, a="1")
+    lock = out / ".oed" / "lock"
+    lock.unlink(missing_ok=True)
+    lock.mkdir()
+    with pytest.raises(ValueError, match="cannot be written"):
+        run(out, a="2")
+    lock.rmdir()
+    run(out, a="3")
+    assert listing(out) == {"a.txt": "3"}
