@@ -66,7 +66,12 @@ def held(folder: Path) -> Iterator[Path]:
 
 
 def _command() -> str:
-    return Path(sys.argv[0]).stem if sys.argv and sys.argv[0] else "a program"
+    if not sys.argv or not sys.argv[0]:
+        return "a program"
+    program = Path(sys.argv[0])
+    # `python -m oed identify`
+    name = program.parent.name if program.stem == "__main__" else program.stem
+    return " ".join([name, *sys.argv[1:2]])
 
 
 def _holder(state: Path) -> str:

@@ -152,3 +152,12 @@ def test_a_folder_that_cannot_be_held_keeps_what_it_knows(tmp_path: Path) -> Non
     lock.rmdir()
     run(out, a="3")
     assert listing(out) == {"a.txt": "3"}
+
+
+def test_who_works_there_is_called_as_it_was_started(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    monkeypatch.setattr(sys, "argv", ["/somewhere/oed/__main__.py", "identify", "data"])
+    with FILES.in_folder(out), pytest.raises(ValueError, match="oed identify works there"):
+        run(out, a="1")
