@@ -15,7 +15,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Never
+from typing import Any, Never
 
 INTERRUPTED = 130  # 128 and the number of SIGINT
 BAD_INPUT = 2  # as for options that cannot be used
@@ -52,7 +52,8 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
         for number in (signal.SIGINT, signal.SIGTERM)
     }
     try:
-        code = on_one_thread(main)()
+        with unread_output():
+            code = on_one_thread(main)()
     except (KeyboardInterrupt, SystemError, ImportError) as error:
         if not is_interrupt(error):
             raise
@@ -68,6 +69,47 @@ def exit_status(main: Callable[[], int | None], name: str, told: str = NOTHING) 
         for number, handler in before.items():
             signal.signal(number, handler)
     return code or 0
+
+
+class _Output:
+    """A stream that goes on when its reader has gone: results matter more than the words on them."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        try:
+            return self._stream.write(text)
+        except BrokenPipeError:
+            self._drop()
+            return len(text)
+
+    def flush(self) -> None:
+        try:
+            self._stream.flush()
+        except BrokenPipeError:
+            self._drop()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def _drop(self) -> None:
+        """Send the rest nowhere, what the interpreter writes at its end with it."""
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self._stream.fileno())
+        os.close(nowhere)
+
+
+@contextmanager
+def unread_output() -> Iterator[None]:
+    """Meanwhile nothing fails because nobody reads the output any more, as in `oed identify … | head`."""
+    before = sys.stdout
+    sys.stdout = _Output(before)  # pyright: ignore[reportAttributeAccessIssue]  # it has what print and logging use
+    try:
+        yield
+        sys.stdout.flush()
+    finally:
+        sys.stdout = before
 
 
 def is_interrupt(error: BaseException | None) -> bool:

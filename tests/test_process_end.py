@@ -146,3 +146,35 @@ def test_a_message_of_megabytes_is_one_line_that_somebody_reads(
     assert told.startswith("oed identify: unknown columns: 0, 1, 2")
     assert told.count("\n") == 1
     assert len(told) < LONGEST_MESSAGE + 100
+
+
+@pytest.mark.parametrize(
+    ("stream", "status", "said"),
+    [("| head -1", 0, ""), ("> /dev/full", 2, "oed test: [Errno 28] No space left on device\n")],
+)
+def test_a_reader_that_goes_and_a_full_disk_make_no_traceback(
+    tmp_path: Path, stream: str, status: int, said: str
+) -> None:
+    program = (
+        "import sys, time\n"
+        "from oed.commands.telling import say, speak\n"
+        "from oed.process_end import leave\n"
+        "def main():\n"
+        "    speak(quiet=False)\n"
+        "    for k in range(3):\n"
+        "        say('word ' * 20000)\n"
+        "    print('done')\n"
+        "    open('kept', 'w').close()\n"
+        "leave(main, 'oed test')\n"
+    )
+    (tmp_path / "program.py").write_text(program, encoding="utf-8")
+    done = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", f"{sys.executable} program.py {stream}"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(REPO)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (status, said)
+    assert (tmp_path / "kept").exists() == (status == 0)

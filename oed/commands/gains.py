@@ -14,6 +14,7 @@ from oed.commands.telling import say, speak
 from oed.counted import counted
 from oed.errors import NoUsableResult
 from oed.estimation.load.current_equations import CurrentEquations, KnownLoad
+from oed.estimation.load.explained import check_explained
 from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.gains import estimate_gains
 from oed.estimation.load.loaded_model import LoadedModel
@@ -35,7 +36,7 @@ def measure(config: Config) -> GainsReport:
 
     Raises:
         OtherArm: If the data sets are not of one arm.
-        NoUsableResult: If torques are no currents, or have the opposite sign.
+        NoUsableResult: If torques are no currents, have the opposite sign, or are not explained.
     """
     loaded = [prepare_at(folder, config) for folder in config.loaded]
     bare = None if config.bare is None else prepare_at(config.bare, config)
@@ -58,6 +59,7 @@ def measure(config: Config) -> GainsReport:
         _loads(config),
     )
     gains = estimate_gains(equations, dataset.drive.current_to_torque)
+    check_explained(gains.relative_rms, dataset.robot.joint_names)
     return GainsReport(gains, dataset, notes)
 
 

@@ -14,6 +14,7 @@ from oed.commands.from_data_set import Prepared, held_out_notes, prepare_at
 from oed.commands.telling import say, speak
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
+from oed.estimation.load.explained import check_explained
 from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.known_arm import FoundArm, KnownArm
 from oed.estimation.load.loaded_model import LoadedModel
@@ -64,14 +65,15 @@ def weigh(config: Config) -> PayloadReport:
 
     Raises:
         OtherArm: If the two data sets, or the model, are not of one arm.
-        NoUsableResult: If torques are in amperes or have the opposite sign, or nothing tells the arm
-            from its load.
+        NoUsableResult: If torques are in amperes or have the opposite sign, nothing tells the arm
+            from its load, or both explain nothing of the torque.
     """
     given = _given(config)
     arm = _arm(given, has_load_friction=True)
     say(f"the arm is taken from {arm.words}")
     say(f"estimating what {given.frame.name} holds")
     payload = estimate_payload(arm, given.recordings)
+    check_explained(payload.relative_rms, given.loaded.robot.joint_names)
     without = estimate_payload(_arm(given, has_load_friction=False), given.recordings)
     payload = with_friction(payload, without)
     return PayloadReport(

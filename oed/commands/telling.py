@@ -9,6 +9,12 @@ LOGGER = logging.getLogger("oed")
 say = LOGGER.info
 
 
+class _Handler(logging.StreamHandler):
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: ARG002, N802  # as logging calls it
+        """A full disk ends the command in its one line, not in a traceback a line."""
+        raise  # noqa: PLE0704  # called while an error is handled
+
+
 def speak(*, quiet: bool) -> None:
     """Let the lines appear on standard output, or not.
 
@@ -17,4 +23,4 @@ def speak(*, quiet: bool) -> None:
     """
     LOGGER.setLevel(logging.WARNING if quiet else logging.INFO)
     LOGGER.propagate = False
-    LOGGER.handlers = [logging.StreamHandler(sys.stdout)]
+    LOGGER.handlers = [_Handler(sys.stdout)]

@@ -31,6 +31,7 @@ def held(folder: Path) -> Iterator[Path]:
     folder = folder.absolute()
     made = [place for place in (folder, *folder.parents) if not place.exists()]
     state = folder / STATE
+    was_there = state.exists()
     try:
         state.mkdir(parents=True, exist_ok=True)
         lock = FileLock(state / LOCK, timeout=0)
@@ -38,7 +39,8 @@ def held(folder: Path) -> Iterator[Path]:
     except Timeout as error:
         raise ValueError(f"--out {folder}: {_holder(state)}; choose another folder") from error
     except (OSError, NotImplementedError) as error:
-        _leave_no_trace(state, made)
+        if not was_there:  # else it holds the record of a run, and results that wait
+            _leave_no_trace(state, made)
         reason = getattr(error, "strerror", None) or error
         raise ValueError(
             f"--out {folder}: cannot be written: {reason}; choose another folder"
@@ -64,7 +66,12 @@ def held(folder: Path) -> Iterator[Path]:
 
 
 def _command() -> str:
-    return Path(sys.argv[0]).stem if sys.argv and sys.argv[0] else "a program"
+    if not sys.argv or not sys.argv[0]:
+        return "a program"
+    program = Path(sys.argv[0])
+    # `python -m oed identify`
+    name = program.parent.name if program.stem == "__main__" else program.stem
+    return " ".join([name, *sys.argv[1:2]])
 
 
 def _holder(state: Path) -> str:

@@ -12,12 +12,15 @@ def check_output_folder(folder: Path) -> None:
     """Refuse a folder that results cannot be written to; nothing is left there.
 
     Raises:
-        ValueError: If the path or one above it is a file, or the folder cannot be written.
+        ValueError: If the path or one above it is a file or a link to nothing, or the folder cannot be
+            written.
     """
     try:
         existing = folder.absolute()
         while not existing.exists() and not existing.is_symlink():
             existing = existing.parent
+        if existing.is_symlink() and not existing.exists():
+            raise ValueError(f"--out {folder}: {existing} is a link to nothing")
         if not existing.is_dir():
             raise ValueError(f"--out {folder}: {existing} is a file, not a folder")
         # Only writing tells: what a system says it permits misses read-only and special folders.

@@ -58,6 +58,25 @@ def test_a_model_from_identify_weighs_it_too(folders, tmp_path):
     assert found["mass"] == pytest.approx(MASS, rel=0.03)
 
 
+@pytest.mark.parametrize("spoilt", ["loaded", "bare"])
+def test_logs_of_two_units_weigh_nothing(folders, tmp_path, spoilt, capsys):
+    """Torques of one are a thousandth: no load explains that, of whatever mass."""
+    for name in ("loaded", "bare"):
+        shutil.copytree(folders / name, tmp_path / name)
+    manifest = tmp_path / spoilt / "dataset.toml"
+    text = manifest.read_text(encoding="utf-8")
+    manifest.write_text(
+        text.replace('"measured"', '"measured"\nunits = {tau = "mN m"}'), encoding="utf-8"
+    )
+    status = oed(
+        "payload", "--loaded", tmp_path / "loaded", "--bare", tmp_path / "bare", "--quiet",
+        "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert status == 2
+    assert "at every joint: one of them is in another unit" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_placeholders_of_the_robot_file_are_no_arm(folders, tmp_path, capsys):
     status = oed("payload", "--loaded", folders / "loaded", "--quiet", "--out", tmp_path / "out")
     assert status == 3

@@ -25,3 +25,9 @@ def test_a_place_where_nothing_can_be_made_is_refused_though_it_may_seem_permitt
     """To root, /proc looks like a folder that may be written."""
     with pytest.raises(ValueError, match="cannot be written"):
         check_output_folder(Path("/proc/oed"))
+
+
+def test_a_link_to_nothing_is_called_so(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "gone")
+    with pytest.raises(ValueError, match="link is a link to nothing"):
+        check_output_folder(tmp_path / "link" / "out")

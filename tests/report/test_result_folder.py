@@ -138,3 +138,26 @@ def test_a_run_that_leaves_nothing_leaves_no_folder(tmp_path: Path) -> None:
         assert (tmp_path / "a" / "b" / ".oed").is_dir()
     assert not list(tmp_path.iterdir())
     check_output_folder(tmp_path / "a" / "b")
+
+
+def test_a_folder_that_cannot_be_held_keeps_what_it_knows(tmp_path: Path) -> None:
+    """As on a file system without locks: the last run's record is what its results are known by."""
+    out = tmp_path / "out"
+    run(out, a="1")
+    lock = out / ".oed" / "lock"
+    lock.unlink(missing_ok=True)
+    lock.mkdir()
+    with pytest.raises(ValueError, match="cannot be written"):
+        run(out, a="2")
+    lock.rmdir()
+    run(out, a="3")
+    assert listing(out) == {"a.txt": "3"}
+
+
+def test_who_works_there_is_called_as_it_was_started(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    monkeypatch.setattr(sys, "argv", ["/somewhere/oed/__main__.py", "identify", "data"])
+    with FILES.in_folder(out), pytest.raises(ValueError, match="oed identify works there"):
+        run(out, a="1")

@@ -17,6 +17,8 @@ SAME_PLACE = 1e-4
 SAME_GRAVITY = 0.02  # [m/s^2]: 9.80 and 9.81 are one
 SAME_POSTURE = 1e-3  # [rad or m] of joints that are held
 SAME_CONSTANT = 1e-6  # relative
+# Of all joints' torques: loads and motions differ by a factor of a few, units by a thousand.
+OTHER_UNIT = 100.0
 
 
 class OtherArm(OedError):
@@ -39,6 +41,7 @@ def check_same_arm(bare: DataSet, loaded: DataSet) -> tuple[str, ...]:
     both = f"{bare.name} and {loaded.name}"
     notes = check_same_robot(bare.robot, loaded.robot, both)
     _check_units(bare, loaded, both)
+    _check_sizes(bare, loaded, both)
     return notes
 
 
@@ -106,6 +109,23 @@ def _check_places(bare: Robot, loaded: Robot, both: str) -> None:
             raise OtherArm(
                 f"{both}: joint {mine.name!r} {what}: their robot files are of two robots; give both "
                 "the same file"
+            )
+
+
+def _check_sizes(bare: DataSet, loaded: DataSet, both: str) -> None:
+    sizes = [
+        np.sqrt(np.mean(np.concatenate([r.tau for r in data.estimation]) ** 2, axis=0))
+        for data in (bare, loaded)
+        if data.estimation
+    ]
+    if len(sizes) < 2:
+        return
+    mine, theirs = sizes
+    for ratios in (mine / theirs, theirs / mine):
+        if (ratios > OTHER_UNIT).all():
+            raise OtherArm(
+                f"{both}: the torques of one are {np.median(ratios):.2g} times those of the other, at "
+                "every joint: one of them is in another unit; correct [units] in its dataset.toml"
             )
 
 

@@ -21,6 +21,7 @@ from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints
 from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
 from oed.experiment.importing.propose_units import UnitProposal
 from oed.experiment.importing.read_log_values import LogValues, read_values
+from oed.experiment.importing.stated import OPTIONS, check_keys
 from oed.experiment.log_format import COLUMN_KEYS, UNIT_KEYS
 from oed.experiment.logs import read_log
 from oed.experiment.manifest import MANIFEST, manifest_of
@@ -29,16 +30,6 @@ from oed.experiment.recording import Role
 from oed.experiment.toml_table import TomlTable
 from oed.experiment.write_dataset import check_new_folder, write_robot
 from oed.robot import Robot, arm_joints, load_robot
-
-# By key of dataset.toml: what states it.
-OPTIONS = {
-    "sign": "--sign",
-    "zero": "--zero",
-    "gravity": "--gravity",
-    "drive.current_to_torque": "--current-to-torque",
-    **{f"columns.{key}": f"--columns {key}=" for key in COLUMN_KEYS},
-    **{f"units.{key}": f"--units {key}=" for key in UNIT_KEYS},
-}
 
 
 @dataclass(frozen=True)
@@ -115,8 +106,8 @@ def propose_import(logs: Sequence[str | Path], choices: ImportChoices, out: str 
         raise ValueError(
             f"{counted(len(choices.roles), 'role')} for {counted(len(paths), 'log')}; give one for each"
         )
-    _check_keys("--columns", choices.columns, COLUMN_KEYS)
-    _check_keys("--units", choices.units, UNIT_KEYS)
+    check_keys("--columns", choices.columns, COLUMN_KEYS)
+    check_keys("--units", choices.units, UNIT_KEYS)
     columns = _columns(paths, choices)
     robot = load_robot(
         choices.robot, joints=columns[0].joints, locked=choices.fixed or {}, gravity=choices.gravity
@@ -140,6 +131,14 @@ def write_import(found: Import, out: str | Path, *, reference: bool = False) -> 
     target = Path(out)
     check_new_folder(target)
     target.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        _write(found, target, reference=reference)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OSError(f"--out {target}: {reason}: nothing was written") from error
+
+
+def _write(found: Import, target: Path, *, reference: bool) -> None:
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as temporary:
         folder = Path(temporary) / target.name
         folder.mkdir()
@@ -153,12 +152,6 @@ def write_import(found: Import, out: str | Path, *, reference: bool = False) -> 
         text = manifest_text(content, found.notes)
         (folder / MANIFEST).write_text(text, encoding="utf-8")
         folder.rename(target)
-
-
-def _check_keys(option: str, given: Mapping[str, object] | None, known: Sequence[str]) -> None:
-    for key in given or {}:
-        if key not in known:
-            raise ValueError(f"{option} {key}=: nothing is called so; known are {', '.join(known)}")
 
 
 def _columns(paths: Sequence[Path], choices: ImportChoices) -> list[ColumnProposal]:

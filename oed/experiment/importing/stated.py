@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+from oed.experiment.log_format import COLUMN_KEYS, UNIT_KEYS
+
+# By key of dataset.toml: what states it.
+OPTIONS = {
+    "sign": "--sign",
+    "zero": "--zero",
+    "gravity": "--gravity",
+    "drive.current_to_torque": "--current-to-torque",
+    **{f"columns.{key}": f"--columns {key}=" for key in COLUMN_KEYS},
+    **{f"units.{key}": f"--units {key}=" for key in UNIT_KEYS},
+}
 
 
 def stated_words(option: str, given: Sequence[str]) -> dict[str, tuple[str, ...]]:
@@ -35,3 +47,14 @@ def stated_numbers(option: str, given: Sequence[str]) -> dict[str, float]:
         except ValueError:
             raise ValueError(f"{option} {key}: write one number, as in {key}=0.04") from None
     return found
+
+
+def check_keys(option: str, given: Mapping[str, object] | None, known: Sequence[str]) -> None:
+    """Refuse keys that nothing reads.
+
+    Raises:
+        ValueError: Naming the option.
+    """
+    for key in given or {}:
+        if key not in known:
+            raise ValueError(f"{option} {key}=: nothing is called so; known are {', '.join(known)}")

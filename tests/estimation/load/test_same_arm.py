@@ -20,7 +20,9 @@ def changed(joint, **fields):
     return dataclasses.replace(ROBOT, joints=tuple(joints))
 
 
-REORDERED = dataclasses.replace(ROBOT, joints=(ROBOT.joints[1], ROBOT.joints[0], *ROBOT.joints[2:]))
+PLACES = {-1: -1, 0: 1, 1: 0, 2: 2, 3: 3, 4: 4}  # of the first two joints, exchanged
+MOVED = [dataclasses.replace(joint, parent=PLACES[joint.parent]) for joint in ROBOT.joints]
+REORDERED = dataclasses.replace(ROBOT, joints=(MOVED[1], MOVED[0], *MOVED[2:]))
 
 
 @pytest.mark.parametrize(
