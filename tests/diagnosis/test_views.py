@@ -58,3 +58,25 @@ def test_what_is_explained_of_differences_is_no_gain_and_what_is_added_to_them_n
     better = dataclasses.replace(first, first=louder)
     fallen = louder.apart("fitted") - first.apart("fitted")
     assert better.left("fitted") == pytest.approx(first.left("fitted") + fallen)
+
+
+def test_what_is_alike_is_its_mean_over_repetitions_and_nothing_is_lost():
+    problem = _posed(data_set(7, repetitions=3), "thermal_drift", "stribeck")
+    start = Views.of(problem, (), "fitted")
+    law = next(c for c in problem.names if c.label == "stribeck@1")
+    tried = (evaluate(law, shapes, start.means) for shapes in law.grid(problem.context))
+    grown = start.grown((as_term(next(s for s in tried if s is not None)),), "fitted")
+    design, found = grown.every.design, grown.means.projection.coefficients
+    columns, told = design.alike(found)
+    base, (place,) = len(design.visible), design.places
+    for phase in np.unique(problem.rows.phase)[::40]:
+        rows = problem.rows.phase == phase
+        for part in (slice(base), place):
+            mean = design.columns[:, rows, part].mean(axis=1, keepdims=True)
+            assert columns[:, rows, part] == pytest.approx(
+                np.broadcast_to(mean, (2, rows.sum(), mean.shape[2]))
+            )
+    rest = columns[:, :, -base:]
+    assert columns[:, :, :base] + rest == pytest.approx(design.columns[:, :, :base])
+    apart = design.columns[:, :, place] - columns[:, :, place]
+    assert told == pytest.approx(apart @ found[place])

@@ -77,19 +77,25 @@ class Design:
             (n, R, p + b) the columns, further ones of base columns last, and (n, R) the white torque of
             terms' differences.
         """
-        base, phase = len(self.visible), self.problem.rows.phase
-        constant = np.zeros(self.columns.shape[2], dtype=bool)
+        base, count = len(self.visible), self.columns.shape[2]
+        constant = np.zeros(count, dtype=bool)
         constant[:base] = True
         for term, place in zip(self.terms, self.places, strict=True):
             constant[place] = not term.candidate.changes
-        counts = np.maximum(np.bincount(phase), 1)
-        columns = self.columns.copy()
+        phase = self.problem.rows.phase
+        rows = np.maximum(np.bincount(phase), 1)
+        joints, length, _ = self.columns.shape
+        columns, told = np.empty((joints, length, count + base)), np.zeros((joints, length))
+        columns[:, :, :count] = self.columns
         for j, own in enumerate(self.columns):
             for k in np.flatnonzero(constant):
-                columns[j, :, k] = (np.bincount(phase, own[:, k]) / counts)[phase]
-        apart = self.columns - columns
-        told = apart[:, :, base:] @ coefficients[base:]
-        return np.concatenate([columns, apart[:, :, :base]], axis=2), told
+                columns[j, :, k] = (np.bincount(phase, own[:, k]) / rows)[phase]
+                apart = own[:, k] - columns[j, :, k]
+                if k < base:
+                    columns[j, :, count + k] = apart
+                else:
+                    told[j] += coefficients[k] * apart
+        return columns, told
 
 
 def lay(
