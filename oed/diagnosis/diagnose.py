@@ -122,6 +122,10 @@ def diagnose(
     for note in notes:
         say(f"note: {note}")
     selected = search(problem, say, lambda: time.process_time() > end)
+    if time.process_time() > end:
+        spent = f"the search ended when its {budget:g} s of CPU time were over: more may find more"
+        notes = (*notes, spent)
+        say(f"note: {spent}")
     found = answer(selected)
     before = Predictor(sealed.before.model, sealed.before.parameters)
     return report(

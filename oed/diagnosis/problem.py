@@ -79,7 +79,9 @@ def named_candidates(
     """
     unknown = sorted(set(names) - set(catalogue))
     if unknown:
-        raise ValueError(f"no effects {unknown}; there are {sorted(catalogue)}")
+        raise ValueError(
+            f"there is no effect {', '.join(unknown)}; there are {', '.join(sorted(catalogue))}"
+        )
     return tuple(
         NamedCandidate(catalogue[name], target)
         for name in names

@@ -192,6 +192,7 @@ def test_nothing_is_looked_for_when_the_time_is_over():
         data_set(31, extra=stribeck(1.5, 0.15), repetitions=2), budget=0.0, say=said.append
     )
     assert found.effects == ()
+    assert any("its 0 s of CPU time were over" in note for note in found.notes)
     assert not any(line.startswith("+") for line in said)
     assert {e.role for e in found.errors} == {"estimation", "validation", "test"}
 
@@ -289,7 +290,7 @@ def test_a_name_that_is_taken_is_refused():
 
 
 def test_an_unknown_name_is_refused():
-    with pytest.raises(ValueError, match="no effects"):
+    with pytest.raises(ValueError, match="there is no effect"):
         _diagnose(data_set(32, repetitions=2), names=("sticktion",))
 
 

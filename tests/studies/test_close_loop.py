@@ -103,7 +103,7 @@ def test_refuses_a_candidate_that_the_catalogue_lacks(tmp_path, capsys):
     write_dataset(data_set(0), tmp_path / "data")
     given = ["diagnose", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
     assert oed(*given, "--candidates", "gremlin") == 2
-    assert "no effects ['gremlin']" in capsys.readouterr().err
+    assert "there is no effect gremlin" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
