@@ -151,11 +151,10 @@ def fit(
 
 
 def fit_all(
-    problem: Problem,
+    design: Design,
     means: Fitted,
     used: Bool[ndarray, " rows"],
     variance: Float[ndarray, " joints"] | None = None,
-    known: Design | None = None,
 ) -> Fitted:
     """Fit a model to all repetitions that was fitted to their means.
 
@@ -163,13 +162,11 @@ def fit_all(
     that act on the whole model stay as they are there.
 
     Args:
-        problem: With all rows.
+        design: Its columns on all rows.
         means: The fit to means.
         used: Rows to fit.
         variance: (n,) of the rows, if it is given; otherwise what is left decides.
-        known: Columns on all rows that may serve again.
     """
-    design = lay(problem, means.terms, means.context, known)
     columns, apart = design.alike(means.projection.coefficients)
     return _fitted(design, used, means, variance, columns=columns, apart=apart)
 

@@ -84,7 +84,7 @@ class Views:
             return self.means
         variance = self.like and self.like.every.variance
         used = chosen(self.problem, self.which)
-        return fit_all(self.problem, self.means, used, variance, self.known)
+        return fit_all(self._design, self.means, used, variance)
 
     @property
     def told(self) -> Fitted:
@@ -94,16 +94,14 @@ class Views:
     @cached_property
     def _design(self) -> Design:
         """Columns on all rows, of the terms as they are in the fit to means."""
-        fitted = self.means if self.problem.means is None else self.__dict__.get("every")
-        if fitted is not None:
-            return fitted.design
+        if self.problem.means is None:
+            return self.means.design
         return lay(self.problem, self.means.terms, self.means.context, self.known)
 
     @property
     def laid(self) -> Design | None:
         """Columns on all rows that were worked out last, of this model or one before."""
-        known = self.__dict__.get("every")
-        return self.__dict__.get("_design", self.known) if known is None else known.design
+        return self.__dict__.get("_design", self.known)
 
     def grown(self, terms: tuple[Term, ...], which: Which, like: Views | None = None) -> Views:
         """Other terms beside the same base model."""
