@@ -163,7 +163,7 @@ def _named(
         candidate.entry.name,
         candidate.joint,
         number,
-        probability,
+        min(probability, 1.0),  # a sum of shares, rounded
         parameters,
         tuple(alternatives),
         own.worth.nats,
