@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-from types import SimpleNamespace
 from typing import Never
 
 import numpy as np
@@ -46,14 +45,12 @@ def test_what_a_notebook_calls(name: str, first: str, monkeypatch: pytest.Monkey
     assert begun.value.args == ({1},)
 
 
-def test_libraries_that_a_command_loads_are_limited_as_well(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def load(_: str) -> SimpleNamespace:
-        threadpool_limits(limits=2)  # as a library begins with threads of its own
-        return SimpleNamespace(run=begin)
+def test_libraries_that_a_command_loads_are_limited_as_well() -> None:
+    def command(_: object) -> int:
+        begin()
+        return 0
 
-    monkeypatch.setattr(main, "importlib", SimpleNamespace(import_module=load))
-    with threadpool_limits(limits=1), pytest.raises(Begun) as begun:
-        main._run("demo", Demo(quiet=True))
+    # Two threads, as a library that was loaded by then has of its own.
+    with threadpool_limits(limits=2), pytest.raises(Begun) as begun:
+        main._run(command, Demo(quiet=True))
     assert begun.value.args == ({1},)

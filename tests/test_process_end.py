@@ -1,5 +1,6 @@
 """Ctrl-C ends a study in one line."""
 
+import io
 import os
 import signal
 import subprocess
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from oed.commands.telling import say, speak
 from oed.errors import LONGEST_MESSAGE
 from oed.process_end import BAD_INPUT, NO_USABLE_RESULT, exit_status, leave
 from studies.case_runner import CaseRunner, RowFile
@@ -178,3 +180,11 @@ def test_a_reader_that_goes_and_a_full_disk_make_no_traceback(
     )
     assert (done.returncode, done.stderr) == (status, said)
     assert (tmp_path / "kept").exists() == (status == 0)
+
+
+def test_lines_go_to_what_is_standard_output_by_then(monkeypatch: pytest.MonkeyPatch) -> None:
+    speak(quiet=False)
+    later = io.StringIO()
+    monkeypatch.setattr(sys, "stdout", later)
+    say("found")
+    assert later.getvalue() == "found\n"

@@ -224,7 +224,7 @@ def test_a_cutoff_that_is_no_frequency_is_refused_by_name(
     _simulated(tmp_path / "data", np.random.default_rng(26))
     arguments = ["identify", str(tmp_path / "data"), "--out", str(tmp_path / "out")]
     assert oed(*arguments, "--cutoff", cutoff) == 2
-    assert "cut-off" in capsys.readouterr().err
+    assert f"--cutoff {cutoff}" in capsys.readouterr().err
 
 
 def test_an_out_that_is_a_file_is_refused_before_the_work(
