@@ -22,6 +22,7 @@ ORDER = (
 SHARED_BY_ALL = (
     "counted",
     "in_comment",
+    "largest_number",
     "errors",
     "input_file",
     "one_thread",

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -29,20 +30,18 @@ def terminated() -> int:
     return 0
 
 
-def interrupted_in_compiled_code() -> int:
+def interrupted_within(error: Exception) -> int:
+    """As compiled code, or the loading of it, passes an interrupt on."""
     try:
         interrupted()
-    except KeyboardInterrupt as error:
-        raise SystemError("returned a result with an exception set") from error
+    except KeyboardInterrupt as interrupt:
+        raise error from interrupt
     return 0
 
 
-def interrupted_while_a_library_loads() -> int:
-    try:
-        interrupted()
-    except KeyboardInterrupt as error:
-        raise ImportError("initialization failed") from error
-    return 0
+interrupted_in_compiled_code = partial(
+    interrupted_within, SystemError("returned a result with an exception set")
+)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +50,7 @@ def interrupted_while_a_library_loads() -> int:
         interrupted,
         terminated,
         interrupted_in_compiled_code,
-        interrupted_while_a_library_loads,
+        partial(interrupted_within, ImportError("initialization failed")),
     ],
 )
 def test_an_interrupt_is_one_line_and_status_130(main, capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,6 +21,8 @@ from typing import Annotated, TypeVar, get_args, get_type_hints
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
+from oed.largest_number import LARGEST
+
 ConfigT = TypeVar("ConfigT")
 
 # Nested settings are options like all others, a switch has no opposite, and what may be left out
@@ -41,8 +43,6 @@ IN_WORDS = (
     (r"could not convert string to float: (.+)", r"\1 is no number"),
 )
 HELP = {"-h", "--help"}
-# As of the numbers in dataset.toml: nothing of an arm is larger in SI units.
-LARGEST = 1e10
 WIDE = "10000"  # [letters] more than a refused command line has
 
 

@@ -15,8 +15,9 @@ from oed.errors import DataSetError
 from oed.experiment.drive import DRIVE_KEYS, TORQUE_KINDS, Drive, TorqueKind
 from oed.experiment.log_format import FORMAT_KEYS, LogFormat, read_log_format
 from oed.experiment.recording import ROLES, Role
-from oed.experiment.toml_table import LARGEST, TomlTable, nearest
+from oed.experiment.toml_table import TomlTable, nearest
 from oed.input_file import MANIFEST_FILE, MOST_RECORDINGS, UnreadableFile, read_file
+from oed.largest_number import LARGEST
 
 MANIFEST = "dataset.toml"
 FORMAT = 1

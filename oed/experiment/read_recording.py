@@ -31,9 +31,9 @@ from oed.experiment.recording_checks import (
 )
 from oed.experiment.state_clock import in_state_time
 from oed.experiment.temperature import thermometer_notes
-from oed.experiment.toml_table import LARGEST
 from oed.experiment.torque_faults import torque_fault_notes
 from oed.experiment.units import JOINT_QUANTITIES, factor_to_si
+from oed.largest_number import LARGEST
 from oed.robot import Robot
 
 

@@ -13,9 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.errors import DataSetError
-
-# No joint quantity in SI units comes near, nor do seconds since 1970: beyond it, a unit is wrong.
-LARGEST = 1e10
+from oed.largest_number import LARGEST
 
 Choice = TypeVar("Choice", bound=str)
 

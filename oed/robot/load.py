@@ -22,9 +22,8 @@ from oed.robot.merged_tree import MergedTree
 from oed.robot.mimics import Mimic, held_position
 from oed.robot.robot import Robot
 from oed.robot.robot_file import is_movable, joints_of, open_robot, outward_names
+from oed.robot.size_check import check_sizes
 
-# In SI units: no part of an arm is a ten thousandth of it, and products of four still are numbers.
-LARGEST = 1e10
 EARTH_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 
 
@@ -129,7 +128,7 @@ def _of_plant(
     held = _held(where, locked, names, movable, mimics)
     tree = _tree(description, plant, names, held)
     _check_loops(description, tree)
-    _check_sizes(where, tree)
+    check_sizes(where, tree)
     faults = tuple(f for link, f in description.faults.items() if link in tree.carried)
     return Robot(
         name=description.path.stem,
@@ -149,23 +148,6 @@ def _of_plant(
             *_free_notes(where, plant, tree),
         ),
     )
-
-
-def _check_sizes(where: str, tree: MergedTree) -> None:
-    """Refuse lengths and inertias whose products no double holds."""
-    for joint, body in zip(tree.joints, tree.parameters.reshape(-1, 10), strict=True):
-        far = float(np.abs([joint.p_PJ, joint.p_LJ]).max())
-        if not far <= LARGEST:
-            raise RobotError(
-                f"{where}: joint {joint.name!r} lies {far:.3g} m off, and nothing of an arm is above "
-                f"{LARGEST:g} in SI units; correct its <origin> or <pose>"
-            )
-        heavy = float(np.abs(body).max())
-        if not heavy <= LARGEST:
-            raise RobotError(
-                f"{where}: link {joint.link!r} has a mass, centre of mass or inertia of {heavy:.3g}, and "
-                f"nothing of an arm is above {LARGEST:g} in SI units; correct it"
-            )
 
 
 def _tree(

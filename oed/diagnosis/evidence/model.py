@@ -98,8 +98,7 @@ class Fitted:
         """
         left = self.projection.residual
         if is_ahead:
-            found = self.projection.coefficients
-            left = self.design.left_by(found) + self.design.nuisances_of(found)
+            left = self.design.left_ahead(self.projection.coefficients)
         left = left[:, where]
         return np.sum(left**2, axis=1)
 

@@ -112,6 +112,10 @@ class Views:
         """Of the model."""
         return self.told.terms
 
+    def others(self, number: int) -> tuple[Term, ...]:
+        """All terms but one."""
+        return tuple(t for k, t in enumerate(self.terms) if k != number)
+
     @property
     def labels(self) -> frozenset[str]:
         """Of its terms."""
@@ -141,7 +145,7 @@ class Views:
         Nuisances are part of no prediction, and of no difference either.
         """
         told = self.told.projection.coefficients
-        left = self._design.left_by(told) + self._design.nuisances_of(told)
+        left = self._design.left_ahead(told)
         every, means = (chosen(p, which) for p in (self.problem, self.problem.sparse))
         apart = np.sum(left[:, every] ** 2, axis=1) - self.means.squares(means, is_ahead=True)
         counted = self.problem.rows.counts[:, every].sum(axis=1) - self.means.rows(means)

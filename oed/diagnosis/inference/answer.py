@@ -181,8 +181,8 @@ def _undetermined(whole: Fitted, number: int, parameters: Sequence[Estimated]) -
 
 def held_out_gain(views: Views, number: int) -> float:
     """What a term adds to the log score of rows that neither model was fitted to [nats]."""
-    others = tuple(t for k, t in enumerate(views.terms) if k != number)
-    return ahead(views, views.terms).rise(ahead(views, others), "held_out")
+    rest = ahead(views, views.others(number))
+    return ahead(views, views.terms).rise(rest, "held_out")
 
 
 def _unnamed(whole: Fitted, number: int, substitutes: Sequence[Substitute]) -> Unexplained:

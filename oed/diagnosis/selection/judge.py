@@ -31,8 +31,7 @@ class Judged:
 
 def judge(whole: Views, number: int) -> Judged:
     """What a term is worth beside all else, counted by what the whole model leaves."""
-    others = tuple(t for k, t in enumerate(whole.terms) if k != number)
-    rest = whole.grown(others, "all", like=whole)
+    rest = whole.grown(whole.others(number), "all", like=whole)
     told = moments(whole, number, rest)
     return Judged(whole.terms[number], rest, told, worth_of(whole, number, told))
 
@@ -78,5 +77,4 @@ def prune(views: Views, say: Say) -> tuple[Views, list[Judged]]:
             return views, judged
         own = judged[least]
         say(f"- {own.term.label} {own.worth.nats:.1f} nats, tau {own.moments.dilution:.1f}")
-        terms = tuple(t for k, t in enumerate(views.terms) if k != least)
-        views = views.grown(terms, "all")
+        views = views.grown(views.others(least), "all")

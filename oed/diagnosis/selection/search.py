@@ -149,7 +149,7 @@ def _predictive(views: Views, say: Say) -> Views:
     """The model without terms that predict held-out rows no better, one after another."""
     while views.terms:
         whole = ahead(views, views.terms)
-        rest = [views.terms[:k] + views.terms[k + 1 :] for k in range(len(views.terms))]
+        rest = [views.others(k) for k in range(len(views.terms))]
         gains = [whole.rise(ahead(views, others), "held_out") for others in rest]
         least = int(np.argmin(gains))
         if gains[least] > 0:
