@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import shlex
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -27,30 +26,10 @@ from oed.report.unnamed_terms import unnamed_terms
 from oed.robot import load_arm
 from tests.diagnosis.arm import data_set, stribeck
 from tests.experiment.tiny_dataset import urdf_text
+from tests.report.html_reader import Reader
 
 JOINTS = ("<b>shoulder</b>", "elbow & wrist")
 NAMES = ("stribeck", "torque_offset", "nonlinear_viscous")
-
-
-class Reader(HTMLParser):
-    """Collects headings and other text in order, tags, and what refers elsewhere."""
-
-    def __init__(self, html: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.references: list[str] = []
-        self.text: list[str] = []
-        self.feed(html)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.references += [
-            value or "" for name, value in attrs if name in ("src", "srcset", "href")
-        ]
-
-    def handle_data(self, data: str) -> None:
-        if self.tags[-1:] != ["style"] and data.strip():
-            self.text.append(data.strip())
 
 
 RUN = Run(Path("my data"), Path("diagnosis"))

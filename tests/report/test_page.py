@@ -1,4 +1,3 @@
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -16,19 +15,7 @@ from oed.report.page import (
     write_page,
 )
 from oed.report.style import new_figure, save_figure
-
-
-class Reader(HTMLParser):
-    """Collects what refers to another file, and the tags that are open."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.references: list[str] = []
-        self.tags: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.references += [value or "" for name, value in attrs if name in ("src", "href")]
+from tests.report.html_reader import Reader
 
 
 def figure():
@@ -44,8 +31,7 @@ def page(*blocks) -> Page:
 
 def test_needs_no_other_file(tmp_path: Path) -> None:
     png, _ = save_figure(figure(), tmp_path / "a")
-    reader = Reader()
-    reader.feed(
+    reader = Reader(
         render_page(
             page(Picture(figure(), "svg"), Picture(figure(), "png", "png"), Picture(png, "file"))
         )
