@@ -8,7 +8,7 @@ shift has already given way to it).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -162,37 +162,35 @@ def _factors(
 ) -> tuple[list[Float[ndarray, "width width"]], int]:
     """Triangular factor of each joint's rows [columns | torques at all shifts], and their samples.
 
-    One recording at a time: the rows of all are never held together.
+    A piece of a recording at a time: the rows of all are never held together.
     """
     width = len(model.parameters) + len(shifts)
     factors, samples = [np.zeros((0, width))] * model.robot.n, 0
     for recording in recordings:
-        part = _shifted(model, recording, shifts)
-        if part is None:
-            continue
-        columns, torque = part
-        samples += len(columns)
-        factors = [
-            factor_of([factor, np.column_stack([columns[:, j], torque[:, :, j]])])
-            for j, factor in enumerate(factors)
-        ]
+        for columns, torque in _shifted(model, recording, shifts):
+            samples += len(columns)
+            factors = [
+                factor_of([factor, np.column_stack([columns[:, j], torque[:, :, j]])])
+                for j, factor in enumerate(factors)
+            ]
     return factors, samples
 
 
 def _shifted(
     model: TorqueModel, recording: ProcessedRecording, shifts: Float[ndarray, " shifts"]
-) -> tuple[ndarray, ndarray] | None:
+) -> Iterator[tuple[ndarray, ndarray]]:
     """Columns (N, n, p), and torques (N, shifts, n) taken from later or earlier by each shift."""
     t = recording.motion.t
-    inside = (t >= t[0] + LONGEST) & (t <= t[-1] - LONGEST)
-    if inside.sum() < 2:
-        return None
+    inside = np.flatnonzero((t >= t[0] + LONGEST) & (t <= t[-1] - LONGEST))
+    if len(inside) < 2:
+        return
     band = recording.band
     # On the fine grid, where a cubic spline is the signal.
     dense = moving_sum(recording.fine_tau, band.taps)
     spline = CubicSpline(recording.fine.t[band.reach : len(recording.fine) - band.reach], dense)
-    moved = np.stack([spline(t[inside] + shift) for shift in shifts], axis=1)
-    return recording.columns(model.columns, remembers=model.remembers)[inside], moved
+    rows = slice(int(inside[0]), int(inside[-1]) + 1)
+    for place, columns in recording.pieces(model.columns, remembers=model.remembers, rows=rows):
+        yield columns, np.stack([spline(t[place] + shift) for shift in shifts], axis=1)
 
 
 def _variances(

@@ -8,7 +8,7 @@ torque explains most of what friction does not; placeholders for inertials mostl
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy import ndarray
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.dissipation import CLEAR_SHARE
+from oed.estimation.triangular import factor_of
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
 
@@ -71,21 +72,15 @@ def project(
     friction = TorqueModel(
         model.robot, tuple(e for e in model.effects if not isinstance(e, RigidBody))
     )
-    parameters = model.robot.parameters
-    file = np.concatenate(
-        [
-            r.columns(lambda m: rigid.columns(m) @ parameters[:, None], remembers=rigid.remembers)
-            for r in every
-        ]
-    )
-    beside = np.concatenate(
-        [r.columns(friction.columns, remembers=friction.remembers) for r in every]
-    )
-    tau = np.concatenate([r.tau for r in every])
-    dq = np.concatenate([r.motion.dq for r in every])
-    found = [
-        _regress(file[:, j, 0], beside[:, j], tau[:, j], dq[:, j]) for j in range(tau.shape[1])
-    ]
+    factors: list[Float[ndarray, "width width"]] = []
+    for recording in every:
+        for rows in _rows(rigid, friction, recording):
+            before = factors or [own[:0] for own in rows]
+            factors = [factor_of(pair) for pair in zip(before, rows, strict=True)]
+    samples = sum(len(recording) for recording in every)
+    found = [_regress(factor / np.sqrt(samples)) for factor in factors]
+    tau = np.concatenate([recording.tau for recording in every])
+    dq = np.concatenate([recording.motion.dq for recording in every])
     slope, correlation, taken = (np.array(x) for x in zip(*found, strict=True))
     power = np.mean(np.abs(tau * dq), axis=0)
     total = float(power.sum())
@@ -94,20 +89,36 @@ def project(
         correlation=correlation,
         braking=np.divide(taken, power, out=np.zeros_like(taken), where=power > 0),
         friction=float(taken.sum()) / total if total > 0 else 0.0,
-        needed=np.sqrt(np.mean(file[:, :, 0] ** 2, axis=0)),
+        needed=np.array([np.linalg.norm(f[:, -2]) for f in factors]) / np.sqrt(samples),
         measured=np.sqrt(np.mean(tau**2, axis=0)),
     )
 
 
-def _regress(
-    file: Float[ndarray, " samples"],
-    beside: Float[ndarray, "samples columns"],
-    tau: Float[ndarray, " samples"],
-    dq: Float[ndarray, " samples"],
-) -> tuple[float, float, float]:
-    """Slope, partial correlation, and the mean power that the columns beside take."""
-    used = beside[:, np.any(beside != 0, axis=0)]
-    others = np.column_stack([used, np.ones(len(tau))])
+def _rows(
+    rigid: TorqueModel, friction: TorqueModel, recording: ProcessedRecording
+) -> Iterator[list[Float[ndarray, "samples width"]]]:
+    """Of each joint [friction's columns | 1 | velocity | file's torque | torque], a piece at a time."""
+    parameters = rigid.robot.parameters
+    file = recording.columns(
+        lambda m: rigid.columns(m) @ parameters[:, None], remembers=rigid.remembers
+    )[:, :, 0]
+    for place, beside in recording.pieces(friction.columns, remembers=friction.remembers):
+        dq, needed, tau = recording.motion.dq[place], file[place], recording.tau[place]
+        yield [
+            np.column_stack([beside[:, j], np.ones(len(tau)), dq[:, j], needed[:, j], tau[:, j]])
+            for j in range(tau.shape[1])
+        ]
+
+
+def _regress(factor: Float[ndarray, "width width"]) -> tuple[float, float, float]:
+    """Slope, partial correlation, and the mean power that the columns beside take.
+
+    Args:
+        factor: Of a joint's rows as `_rows` has them, of their mean over samples: columns of it have the
+            inner products of theirs.
+    """
+    file, tau, dq = factor[:, -2], factor[:, -1], factor[:, -3]
+    others = factor[:, :-3][:, np.any(factor[:, :-3] != 0, axis=0)]
     scale = np.linalg.norm(others, axis=0)
     pair = np.column_stack([file, tau])
     left = pair - others @ (np.linalg.lstsq(others / scale, pair, rcond=None)[0] / scale[:, None])
@@ -116,5 +127,6 @@ def _regress(
     slope = product / squares if size > 0 else np.nan
     rest = tau - (slope * file if size > 0 else 0.0)
     coefficients = np.linalg.lstsq(others / scale, rest, rcond=None)[0] / scale
-    taken = np.mean((used @ coefficients[:-1]) * dq)
+    # The constant comes last, and is no friction.
+    taken = (others[:, :-1] @ coefficients[:-1]) @ dq
     return float(slope), float(product / size) if size > 0 else 0.0, float(taken)

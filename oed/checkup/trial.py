@@ -129,7 +129,7 @@ def trial_data(
     *,
     remembers: bool,
 ) -> TrialData:
-    """Lay a data set out for trials, a recording at a time.
+    """Lay a data set out for trials, a piece of a recording at a time.
 
     Args:
         recordings: By role; the held-out roles are predicted, or the last third of each estimation
@@ -141,11 +141,12 @@ def trial_data(
     fitted, held = _Seen(), _Seen()
     for role in ("estimation", *HELD_OUT):
         for recording in recordings.get(role, ()):
-            columns, tau = recording.columns(evaluate, remembers=remembers), recording.tau
             share = (1.0 if has_held else FITTED_SHARE) if role == "estimation" else 0.0
-            cut = int(share * len(tau))
-            fitted = fitted.with_rows(columns[:cut], tau[:cut])
-            held = held.with_rows(columns[cut:], tau[cut:])
+            for place, columns in recording.pieces(evaluate, remembers=remembers):
+                tau = recording.tau[place]
+                cut = min(max(int(share * len(recording)) - place.start, 0), len(tau))
+                fitted = fitted.with_rows(columns[:cut], tau[:cut])
+                held = held.with_rows(columns[cut:], tau[cut:])
     if has_held:
         span = _duration([r for role in HELD_OUT for r in recordings.get(role, ())])
     else:

@@ -192,7 +192,10 @@ def validate_parameters(
 ) -> Validation:
     """How well full parameters predict the torque of recordings."""
     predicted = [
-        recording.columns(model.columns, remembers=model.remembers) @ parameters
+        # The filter is linear: the torque of all columns is one column to filter.
+        recording.columns(
+            lambda motion: model.torque(parameters, motion)[:, :, None], remembers=model.remembers
+        )[:, :, 0]
         for recording in recordings
     ]
     measured, certainty = (

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.dynamics.torque_model import TorqueModel
@@ -144,21 +144,25 @@ def block_factors(
         blocks: Least number of pieces; each recording is at least one.
     """
     total = sum(len(recording) for recording in recordings)
-    factors = []
+    factors: list[JointFactors] = []
     for recording in recordings:
-        # The whole recording first: an effect with a memory must not start anew in each piece.
-        columns = recording.columns(model.columns, remembers=model.remembers)
-        root = np.sqrt(recording.certainty)
-        columns, tau = columns * root[:, :, None], recording.tau * root
-        share = max(1, int(np.ceil(blocks * len(recording) / total)))
-        factors += [
-            JointFactors.of(columns[piece], tau[piece]) for piece in _pieces(recording, share)
-        ]
+        block_of = _block_of_rows(recording, max(1, int(np.ceil(blocks * len(recording) / total))))
+        parts: dict[int, JointFactors] = {}
+        # The whole recording: an effect with a memory must not start anew in each block.
+        for place, columns in recording.pieces(model.columns, remembers=model.remembers):
+            root, tau = np.sqrt(recording.certainty[place]), recording.tau[place]
+            for block in np.unique(block_of[place]).tolist():
+                own = block_of[place] == block
+                seen = [parts[block]] if block in parts else []
+                part = JointFactors.of(columns[own] * root[own, :, None], tau[own] * root[own])
+                parts[block] = JointFactors.join([*seen, part])
+        factors += [parts[block] for block in sorted(parts)]
     return tuple(factors)
 
 
-def _pieces(recording: ProcessedRecording, share: int) -> list[ndarray]:
-    index = np.arange(len(recording))
+def _block_of_rows(recording: ProcessedRecording, share: int) -> Int[ndarray, " samples"]:
+    """(N,) which block each row belongs to: its repetition, or one of `share` equal parts."""
     if recording.repetition is not None and len(np.unique(recording.repetition)) > 1:
-        return [index[recording.repetition == r] for r in np.unique(recording.repetition)]
-    return np.array_split(index, share)
+        return recording.repetition
+    parts = np.array_split(np.arange(len(recording)), share)
+    return np.repeat(np.arange(len(parts)), [len(part) for part in parts])

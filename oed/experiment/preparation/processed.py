@@ -74,23 +74,43 @@ class ProcessedRecording:
             remembers: Whether an instant's depend on those before it: then all are evaluated at once.
             rows: Those that are wanted.
         """
-        wanted = range(len(self))[rows]
-        first, last = (0, len(self)) if remembers else (wanted.start, wanted.stop)
-        step = len(self) if remembers else max(1, PIECE // self.band.factor)
         found: Float[ndarray, "samples joints columns"] | None = None
-        for begin, end in _stretches(first, last, step):
-            fine = self._filtered_from(begin, end)
-            # A sample more on both sides: the mean sign over a step asks for its neighbours.
-            wider = slice(max(fine.start - 1, 0), fine.stop + 1)
-            seen = evaluate(self.fine[wider])[fine.start - wider.start :][: fine.stop - fine.start]
+        wanted = range(len(self))[rows]
+        for place, piece in self.pieces(evaluate, remembers=remembers, rows=rows):
             if found is None:
-                found = np.empty((last - first, *seen.shape[1:]))
-            for j in range(seen.shape[1]):  # the filter wants each joint's columns side by side
-                own = self.band.apply(np.ascontiguousarray(seen[:, j]))
-                found[begin - first : end - first, j] = own
+                found = np.empty((len(wanted), *piece.shape[1:]))
+            found[place.start - wanted.start : place.stop - wanted.start] = piece
         if found is None:
             raise ValueError(f"{self.name}: there are no rows")
-        return found[wanted.start - first : wanted.stop - first]
+        return found
+
+    def pieces(
+        self, evaluate: Evaluate, *, remembers: bool = True, rows: slice = WHOLE
+    ) -> Iterator[tuple[slice, Float[ndarray, "samples joints columns"]]]:
+        """The same a stretch of rows at a time, each with its place: memory does not grow with them.
+
+        Where an instant's columns depend on those before, the wanted rows are one stretch.
+        """
+        wanted = range(len(self))[rows]
+        if remembers and len(wanted):
+            whole = self._columns_between(evaluate, 0, len(self))
+            yield slice(wanted.start, wanted.stop), whole[wanted.start : wanted.stop]
+            return
+        step = max(1, PIECE // self.band.factor)
+        for begin, end in _stretches(wanted.start, wanted.stop, step):
+            yield slice(begin, end), self._columns_between(evaluate, begin, end)
+
+    def _columns_between(
+        self, evaluate: Evaluate, first: int, last: int
+    ) -> Float[ndarray, "samples joints columns"]:
+        fine = self._filtered_from(first, last)
+        # A sample more on both sides: the mean sign over a step asks for its neighbours.
+        wider = slice(max(fine.start - 1, 0), fine.stop + 1)
+        seen = evaluate(self.fine[wider])[fine.start - wider.start :][: fine.stop - fine.start]
+        found = np.empty((last - first, *seen.shape[1:]))
+        for j in range(seen.shape[1]):  # the filter wants each joint's columns side by side
+            found[:, j] = self.band.apply(np.ascontiguousarray(seen[:, j]))
+        return found
 
     def _filtered_from(self, first: int, last: int) -> slice:
         """The fine samples that these rows are filtered from."""
