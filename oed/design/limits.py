@@ -48,6 +48,14 @@ class Certificate:
         return self.violation <= 0.0
 
     @property
+    def nearest(self) -> str:
+        """The limit that is nearest, and how near, in words."""
+        share = abs(self.violation)
+        if self.is_feasible:
+            return f"{self.worst}, proven {share:.2e} of it to spare"
+        return f"{self.worst}, exceeded by {share:.2e} of it"
+
+    @property
     def certified_max(self) -> dict[str, list[float]]:
         """Largest magnitude of each kind and joint, for a design file."""
         kinds = {kind: getattr(self, kind) for kind in (*KINEMATIC, "torque")}

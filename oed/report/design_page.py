@@ -126,10 +126,7 @@ def _kept(
     robot = design.problem.model.robot
     return (
         Table(status),
-        Text(
-            f"Nearest limit: {design.certificate.worst}, proven {-design.certificate.violation:.2e} "
-            "of it to spare."
-        ),
+        Text(f"Nearest limit: {design.certificate.nearest}."),
         Text(f"Clearance: {clearance_line(clearance)}."),
         Table(
             _limit_rows(robot, limits, design.certificate),

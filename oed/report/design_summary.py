@@ -33,13 +33,12 @@ def summary(
     joints = counted(problem.model.robot.n, "joint")
     size = f"{joints}, {counted(len(problem.base), 'base parameter')}"
     rows = f"{counted(len(problem.instants), 'instant')}, {counted(problem.rows, 'row')}"
-    spare = -design.certificate.violation
     lines = [
         f"{problem.model.robot.name}: {size}, {rows}",
         f"  status  {design.status}",
         f"  {sampled} ({elsewhere})",
         f"  J_d = log10 det Lambda  {design.J_d:.4f} (continuous {design.J_d_continuous:.4f})",
-        f"  nearest limit  {design.certificate.worst}, proven {spare:.2e} of it to spare",
+        f"  nearest limit  {design.certificate.nearest}",
         f"  D-efficiency  {efficiency_line(efficiency)}",
         f"  clearance  {clearance_line(clearance)}",
         f"  {counted(design.evaluations, 'evaluation')} in {design.cpu_s:.1f} s of CPU time",

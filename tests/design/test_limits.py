@@ -5,7 +5,15 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from oed.design.extrema import FIRST_INTERVALS, proven_range, quick_range
-from oed.design.limits import KINEMATIC, certify, check_limits, fill, repair
+from oed.design.limits import (
+    KINEMATIC,
+    Certificate,
+    certify,
+    check_limits,
+    fill,
+    repair,
+    violation_of,
+)
 from oed.design.torque_range import proven_torque_range
 from oed.design.trajectories import FourierClass, HarmonicClass
 from oed.robot import JointLimits
@@ -110,6 +118,23 @@ def test_torque_is_proven_too(name) -> None:
     assert (proven[:, 0] <= seen[:, 0]).all()
     assert (proven[:, 1] >= seen[:, 1]).all()
     assert np.abs(proven - seen).max() < 0.02 * np.abs(seen).max()
+
+
+@pytest.mark.parametrize(
+    ("reach", "told"),
+    [
+        (0.5, "position of joint 1, proven 5.00e-01 of it to spare"),
+        (1.0, "position of joint 1, proven 0.00e+00 of it to spare"),
+        (1.25, "position of joint 1, exceeded by 2.50e-01 of it"),
+    ],
+)
+def test_the_nearest_limit_is_said_without_a_sign(reach: float, told: str) -> None:
+    bounds = np.array([[-reach, reach]])
+    limit = np.array([[-1.0, 1.0]])
+    violation = float(violation_of(bounds, limit)[0])
+    none = np.zeros((0, 2))
+    held = Certificate(bounds, bounds, bounds, bounds, None, violation, "position of joint 1", none)
+    assert held.nearest == told
 
 
 def test_refuses_limits_that_forbid_motion_in_one_direction() -> None:

@@ -225,9 +225,14 @@ def require_interior(problem: FeasibleProblem) -> Interior:
         problem.equality.names[k]
         for k in np.flatnonzero(np.abs(proof.equality) > TAKES_PART * largest)
     ]
+    best = (
+        f"at best one is missed by {-inner.margin:.2g} of its reference body"
+        if inner.margin < 0
+        else f"at best they leave {inner.margin:.2g} of the reference bodies, and a body that can "
+        f"exist needs {problem.margin:.2g}"
+    )
     raise ContradictoryDemands(
-        f"these demands contradict each other: {', '.join(named)}; at best one is missed by "
-        f"{-inner.margin:.2g} of its reference body",
+        f"these demands contradict each other: {', '.join(named)}; {best}",
         tuple(named),
         inner.margin,
         proof,

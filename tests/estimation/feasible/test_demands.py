@@ -41,6 +41,16 @@ def test_contradictory_masses_are_named():
     assert caught.value.margin < 0
 
 
+def test_demands_that_leave_too_little_room_are_not_said_to_be_missed():
+    problem = arm_problem(total_mass=1e-9)
+    with pytest.raises(ContradictoryDemands) as caught:
+        solve_problem(problem)
+    assert 0 <= caught.value.margin < problem.margin
+    told = str(caught.value)
+    assert "missed" not in told
+    assert f"they leave {caught.value.margin:.2g} of the reference bodies" in told
+
+
 def test_a_certificate_is_checked_by_its_eigenvalues():
     problem = arm_problem(total_mass=3.0, known_masses={1: 2.0, 2: 1.5})
     with pytest.raises(ContradictoryDemands) as caught:
