@@ -234,6 +234,8 @@ Place = Annotated[float, Range(-100.0, 100.0)]
 # Of rows of a log, or at which a controller or a simulation asks for torque [Hz]: from what a hand
 # can follow to ten times a drive's own current loop.
 Rate = Annotated[float, Range(1.0, 1e6)]
+# Of something, of which a thousandth is as good as nothing.
+Share = Annotated[float, Range(1e-3, 1.0)]
 # A folder that is there.
 Folder = Annotated[Path, _folder_type(_existing_folder)]
 # A folder for results, which `oed.report.result_folder` judges.

@@ -11,7 +11,9 @@ from typing import ClassVar
 
 import pytest
 
+from oed.commands.configurations import Design, Feasible, ImportLog
 from oed.commands.options import Count, Folder, Seed, parse
+from oed.estimation.feasible.regularisation import Regularisation
 from studies.study_options import CaseOptions
 
 
@@ -89,6 +91,37 @@ def test_what_cannot_be_meant_ends_with_two_and_says_why(
     with pytest.raises(SystemExit, match="2"):
         told(["--data", str(tmp_path), option, value])
     assert reason in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize(
+    ("command", "options", "line"),
+    [
+        (Feasible, "data --weight 0", "--weight 0 is no number from 1e-12 to 1e+06"),
+        (Feasible, "data --weight 1e-300", "--weight 1e-300 is no number from 1e-12 to 1e+06"),
+        (Feasible, "data --weight 1e7", "--weight 1e+07 is no number from 1e-12 to 1e+06"),
+        (Design, "--robot a --margin 1e-300", "--margin 1e-300 is no number from 0.001 to 1"),
+        (Design, "--robot a --scale nan", "--scale nan is no number from 0.001 to 1"),
+        (Design, "--robot a --poses 1000000", "--poses 1000000 is no number from 1 to 100"),
+        (
+            ImportLog,
+            "log --robot a --ticks-per-turn 1e-300",
+            "--ticks-per-turn 1e-300 is no number from 1 to 1e+10",
+        ),
+    ],
+)
+def test_a_number_that_nothing_can_be_made_of_is_refused_with_the_range(
+    command: type, options: str, line: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        parse(command, prog="oed", arguments=[*options.split(), "--out", "x"])
+    assert capsys.readouterr().err == f"oed: {line}; see oed --help\n"
+
+
+@pytest.mark.parametrize("weight", [1e-12, 1e6])
+def test_the_ends_of_a_range_are_within(weight: float) -> None:
+    arguments = ["data", "--out", "x", "--weight", str(weight)]
+    told = parse(Feasible, prog="oed", arguments=arguments).weight
+    assert told == Regularisation(weight).weight
 
 
 LONG = "/" + "/".join(c * 25 for c in "abcdef")

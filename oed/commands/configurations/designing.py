@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from oed.commands.configurations.command import Command, ModelName
-from oed.commands.options import Count, OutFolder, Positive, Rate, Real, Seed
+from oed.commands.options import Count, OutFolder, Positive, Range, Rate, Real, Seed, Share
 
 # That a motion is written with: the messages for ROS 2 then take 120 MB, and half a minute.
 MOST_POINTS = 200_000
+# An arm stands in each for some seconds, and they are picked from ten times as many.
+MOST_POSES = 100
 LEAST_POINTS = 50  # ten a period of the fifth harmonic, the highest of most classes
 # Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
 CLEARANCE = 0.01
@@ -77,8 +79,8 @@ class Design(Command):
     criterion: Literal["J_k", "J_d", "A", "E"] = "J_d"
     scaled_columns: bool = False
     periodic: bool = False
-    margin: float = 0.9
-    scale: float = 1.0
+    margin: Share = 0.9
+    scale: Share = 1.0
     gravity: tuple[Real, Real, Real] | None = None
     sum: tuple[str, ...] = ()
     no_torque: bool = False
@@ -97,7 +99,7 @@ class Design(Command):
     arm: str = ""
     frame: str = ""
     static: bool = False
-    poses: Count = 8
+    poses: Annotated[int, Range(1.0, MOST_POSES)] = 8
     smoke: bool = False
     seed: Seed = 0
 
@@ -130,10 +132,6 @@ class Design(Command):
             raise ValueError("--model: with --payload, a file is given as --arm")
 
     def _check_numbers(self) -> None:
-        for name in ("margin", "scale"):
-            share = getattr(self, name)
-            if not 0.0 < share <= 1.0:
-                raise ValueError(f"--{name} {share:g} is not a share above 0 and up to 1")
         if self.rate * self.horizon / self.scale < LEAST_POINTS:
             raise ValueError(
                 f"--rate {self.rate:g} for --horizon {self.horizon:g} is fewer than {LEAST_POINTS} set "

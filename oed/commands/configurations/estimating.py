@@ -9,7 +9,11 @@ from typing import Annotated, Literal
 import tyro
 
 from oed.commands.configurations.command import Command, DataSetCommand, ModelName, Prior
-from oed.commands.options import Mass, NotNegative, OutFolder, Seed, Whole
+from oed.commands.options import Mass, NotNegative, OutFolder, Range, Seed, Whole
+
+# Of a pull to the reference; as `oed.estimation.feasible.regularisation`.
+LEAST_WEIGHT = 1e-12
+MOST_WEIGHT = 1e6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +55,7 @@ class Feasible(DataSetCommand):
         prior: What is pulled to: the inertials of the robot's file (file), bodies of the size of
             the links (neutral), or the former where they are no placeholders (auto).
         kind: Of that pull.
-        weight: Of that pull; by cross-validation if not given.
+        weight: Of that pull, from 1e-12 to 1e6; by cross-validation if not given.
         total_mass: Of all moving links [kg], where it is known.
         collision: Each link's mass lies within its collision geometry.
         smoke: Do less, to see that it works.
@@ -61,7 +65,7 @@ class Feasible(DataSetCommand):
     model: ModelName | Path | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
     prior: Prior = "auto"
     kind: Literal["entropic", "quadratic"] = "entropic"
-    weight: NotNegative | None = None
+    weight: Annotated[float, Range(LEAST_WEIGHT, MOST_WEIGHT)] | None = None
     total_mass: Mass | None = None
     collision: bool = False
     smoke: bool = False

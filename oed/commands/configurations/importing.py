@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from oed.commands.configurations.command import Command
-from oed.commands.options import OutFolder, Positive, Rate, Real
+from oed.commands.options import OutFolder, Range, Rate, Real
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ class ImportLog(Command):
     units: tuple[str, ...] = ()
     sign: tuple[Real, ...] = ()
     zero: tuple[Real, ...] = ()
-    ticks_per_turn: Positive | None = None
+    ticks_per_turn: Annotated[float, Range(1.0)] | None = None
     rate: Rate | None = None
     fixed: tuple[str, ...] = ()
     torque: Literal["measured", "current", "commanded"] | None = None

@@ -220,7 +220,9 @@ def _estimate(
         whole,
         settings.demands or FeasibleSet.of(model),
         reference_bodies(model, whole, prior),
-        Regularisation(settings.weight or settings.weights[0], settings.kind),
+        Regularisation(
+            settings.weights[0] if settings.weight is None else settings.weight, settings.kind
+        ),
     )
     curve = None
     if settings.weight is None:

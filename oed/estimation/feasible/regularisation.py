@@ -20,6 +20,12 @@ from oed.estimation.feasible.coordinates import BASIS, ENTRIES, IDENTITY, Coordi
 
 RegularisationKind = Literal["entropic", "quadratic"]
 
+# Of the pull, as in `oed.commands.configurations.estimating`. The misfit is of size one where the pull
+# decides, and that of torques without noise a thousand: of sixteen digits, a weaker pull has none left
+# to give what the data do not determine a value, and a stronger one leaves none to the data.
+LEAST_WEIGHT = 1e-12
+MOST_WEIGHT = 1e6
+
 
 @dataclass(frozen=True)
 class Regularisation:
@@ -34,10 +40,10 @@ class Regularisation:
     kind: RegularisationKind = "entropic"
 
     def __post_init__(self) -> None:
-        if not (self.weight > 0 and np.isfinite(self.weight)):
+        if not LEAST_WEIGHT <= self.weight <= MOST_WEIGHT:
             raise ValueError(
-                f"regularisation weight {self.weight} must be positive: without any, parameters "
-                "that no torque depends on have no value"
+                f"regularisation weight {self.weight:g} must be from {LEAST_WEIGHT:g} to "
+                f"{MOST_WEIGHT:g}: without any, parameters that no torque depends on have no value"
             )
         if self.kind not in ("entropic", "quadratic"):
             raise ValueError(f"regularisation {self.kind!r} is neither entropic nor quadratic")

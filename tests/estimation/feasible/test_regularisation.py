@@ -50,6 +50,7 @@ def test_entropic_is_the_relative_entropy_of_scaled_bodies(coordinates):
     assert Regularisation(1.0).value(coordinates, x) == pytest.approx(8 - 4 * np.log(2) - 4)
 
 
-def test_refuses_no_pull_at_all():
-    with pytest.raises(ValueError, match="must be positive"):
-        Regularisation(0.0)
+@pytest.mark.parametrize("weight", [0.0, 1e-300, 1e-13, 1e7, np.nan])
+def test_refuses_a_pull_that_no_digit_is_left_for(weight):
+    with pytest.raises(ValueError, match="must be from 1e-12 to 1e\\+06"):
+        Regularisation(weight)
