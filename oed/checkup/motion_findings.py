@@ -61,20 +61,35 @@ def coverage_finding(dataset: DataSet) -> Finding:
         for j, name in enumerate(names)
     ]
     fitted = travel["estimation"][:, 0]
-    told = [
+    beyond = [
         f"{names[j]} moves by {fitted[j]:.2g} in estimation, by {travel[role][j, 0]:.2g} in {role}"
         for role in HELD_OUT
         if role in travel
         for j in np.flatnonzero(travel[role][:, 0] > FAR * fitted)
     ]
-    if told:
-        return Finding(
-            "what moved",
-            "amber",
-            f"held-out recordings go where those for estimation never did: {', '.join(told)} [rad or m]",
-            "record estimation motion that covers at least what the arm is to do",
-            tuple(rows),
+    unchecked = [
+        f"{name} in {role}"
+        for role in HELD_OUT
+        if role in travel
+        for name in dataset.still_in(role)
+        if name not in dataset.still
+    ]
+    told, remedies = [], []
+    if beyond:
+        told.append(
+            "held-out recordings go where those for estimation never did: "
+            f"{', '.join(beyond)} [rad or m]"
         )
+        remedies.append("record estimation motion that covers at least what the arm is to do")
+    if unchecked:
+        told.append(
+            f"stands still: {', '.join(unchecked)}; what is estimated of its friction and inertia is "
+            "not checked there"
+        )
+        remedies.append("hold out a recording in which it moves")
+    if told:
+        text, remedy = "; ".join(told), "; ".join(remedies)
+        return Finding("what moved", "amber", text, remedy, tuple(rows))
     if len(travel) == 1:
         return Finding(
             "what moved",

@@ -201,7 +201,11 @@ class DataSet:
     @property
     def still(self) -> dict[str, float]:
         """Travel [rad or m] of each joint that stands still in all estimation recordings."""
-        travels = np.max([np.ptp(r.q, axis=0) for r in self.estimation], axis=0)
+        return self.still_in("estimation")
+
+    def still_in(self, role: Role) -> dict[str, float]:
+        """Travel [rad or m] of each joint that stands still in all recordings of a role, of which there are some."""
+        travels = np.max([np.ptp(r.q, axis=0) for r in self._with_role(role)], axis=0)
         names = self.robot.joint_names
         return {names[j]: float(travels[j]) for j in np.flatnonzero(travels < LEAST_TRAVEL)}
 

@@ -9,6 +9,7 @@ import pytest
 from oed.checkup.checkup import check_dataset, checkup_record
 from oed.checkup.completion import recorded_motion
 from oed.checkup.finding import Checkup, Finding, multiple, share
+from oed.checkup.motion_findings import coverage_finding
 from oed.design.default_problem import ProblemSettings, default_problem
 from oed.design.prior_experiments import prior_information
 from oed.dynamics.models import build_model
@@ -51,6 +52,20 @@ def test_a_joint_that_hardly_moved_for_estimation_is_told():
     assert moved.level == "amber"
     assert "elbow moves by" in moved.text
     assert "base moves by" not in moved.text
+
+
+@pytest.mark.parametrize("role", ["validation", "test"])
+def test_a_joint_that_stands_still_where_it_should_be_checked_is_told(sound, role):
+    fitted, held = sound.recordings
+    q = held.q.copy()
+    q[:, 2] = q[0, 2] + 1e-5 * np.sin(held.t)  # as an encoder at rest
+    standing = dataclasses.replace(held, name="standing", role=role, q=q)
+    told = coverage_finding(dataclasses.replace(sound, recordings=(fitted, standing)))
+    assert told.level == "amber"
+    assert f"stands still: elbow in {role};" in told.text
+    also = dataclasses.replace(held, role=role)
+    told = coverage_finding(dataclasses.replace(sound, recordings=(fitted, standing, also)))
+    assert told.level == "green"
 
 
 def test_no_held_out_recording_is_told(sound):

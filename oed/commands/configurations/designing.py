@@ -12,7 +12,7 @@ from oed.commands.options import Count, OutFolder, Positive, Range, Rate, Real, 
 # That a motion is written with: the messages for ROS 2 then take 120 MB, and half a minute.
 MOST_POINTS = 200_000
 # An arm stands in each for some seconds, and they are picked from ten times as many.
-MOST_POSES = 100
+MOST_POSES = 1e2
 LEAST_POINTS = 50  # ten a period of the fifth harmonic, the highest of most classes
 # Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
 CLEARANCE = 0.01
