@@ -12,8 +12,9 @@ import dataclasses
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
+import msgspec
 import numpy as np
 from numpy import ndarray
 
@@ -153,9 +154,9 @@ class FormReader:
             if tag == NUMBER and content in NUMBERS:
                 return NUMBERS[content]
             if tag == ARRAY:
-                return np.array(content)
+                return _array(content, place)
             if tag == ROBOT:
-                return self._robot(content)
+                return self._robot(_of_kind(content, dict[str, list[float]], place))
             if tag == REFERENCE and isinstance(content, int) and 0 <= content < len(self._read):
                 return self._read[content]
         raise ModelFileError(f"{place}: {str(plain)[:60]} is nothing that an effect is made of")
@@ -168,7 +169,12 @@ class FormReader:
                 f"{place}: there is no effect {name!r} here; if it is your own, import the module "
                 "that defines it first"
             )
-        given = {key: self._value(x, f"{place}.{key}") for key, x in plain.items() if key != KIND}
+        hints = _hints(kinds[name])
+        given = {
+            key: _of_kind(self._value(x, f"{place}.{key}"), hints.get(key), f"{place}.{key}")
+            for key, x in plain.items()
+            if key != KIND
+        }
         try:
             return kinds[name](**given)
         except (TypeError, ValueError) as error:
@@ -177,6 +183,41 @@ class FormReader:
     def _robot(self, plain: dict[str, list[float]]) -> Robot:
         numbers = {name: np.array(values, dtype=float) for name, values in plain.items()}
         return dataclasses.replace(self.robot, **numbers) if numbers else self.robot
+
+
+def _hints(kind: type) -> dict[str, Any]:
+    """Types of its fields; none where a user's own names what only a type checker imports."""
+    try:
+        return get_type_hints(kind)
+    except NameError:
+        return {}
+
+
+def _of_kind(value: Any, hint: Any, place: str) -> Any:
+    """A field's value, held to its type where that is made of numbers and words alone."""
+    if not _is_plain(hint):
+        return value
+    try:
+        return msgspec.convert(value, hint)
+    except msgspec.ValidationError as error:
+        raise ModelFileError(f"{place}: {error}") from error
+
+
+def _is_plain(hint: Any) -> bool:
+    """Whether a type is one of JSON's values, or made of such."""
+    if get_origin(hint) is Literal or hint in (bool, int, float, str, type(None), Ellipsis):
+        return True
+    return bool(get_args(hint)) and all(_is_plain(inner) for inner in get_args(hint))
+
+
+def _array(content: Any, place: str) -> ndarray:
+    try:
+        found = np.array(content)
+    except ValueError as error:  # rows of different lengths
+        raise ModelFileError(f"{place}: {error}") from error
+    if found.dtype.kind not in "bif":
+        raise ModelFileError(f"{place}: {str(content)[:60]} is no array of numbers")
+    return found
 
 
 def known_kinds() -> dict[str, type]:

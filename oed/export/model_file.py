@@ -15,6 +15,7 @@ from oed.dynamics.effects import smooth_term as _smooth_term  # noqa: F401  a fi
 from oed.dynamics.torque_model import TorqueModel
 from oed.export.effect_check import check_effects
 from oed.export.effect_form import FormReader, FormWriter
+from oed.export.file_numbers import check_numbers
 from oed.export.model import Model, Origin, Ranges, ShapeEstimate
 from oed.export.model_record import (
     FORMAT,
@@ -98,6 +99,9 @@ def _record(plain: object) -> ModelRecord:
             f"has version {plain.get('version')!r} of the format, this program reads {VERSION}: "
             "make it again with this program, or read it with the one that made it"
         )
+    for key, value in plain.items():
+        if key != "origin":
+            check_numbers(value, key)
     try:
         return msgspec.convert(plain, ModelRecord)
     except msgspec.ValidationError as error:

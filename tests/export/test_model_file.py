@@ -183,7 +183,35 @@ SPOILED = {
     ),
     "a word for a joint": (
         _change("effects", -1, "form", "joint", to="first"),
-        r"effects\[\d\]: stribeck cannot be evaluated",
+        r"effects\[\d\].joint: Expected `int`, got `str`",
+    ),
+    "true for a joint": (
+        _change("effects", -1, "form", "joint", to=True),
+        r"effects\[\d\].joint: Expected `int`, got `bool`",
+    ),
+    "true for a width": (
+        _change("effects", -1, "form", "speed", to=True),
+        r"effects\[\d\].speed: Expected `float`, got `bool`",
+    ),
+    "a width that divides to infinity": (
+        _change("effects", -1, "form", "speed", to=1e-320),
+        r"effects\[\d\].form.speed: a number 9.99989e-321 is beyond",
+    ),
+    "a mass of no arm": (
+        _change("robot", "inertials", 0, to=-1e200),
+        r"robot.inertials\[0\]: a number -1e\+200 is beyond",
+    ),
+    "a value of a thousand digits": (
+        _change("effects", 1, "parameters", 0, "value", to=10**1000),
+        r"effects\[1\].parameters\[0\].value: a number of 3322 bits is beyond",
+    ),
+    "a robot of true and false": (
+        _change("effects", 0, "form", "robot", to={"robot": {"gravity": [0.0, True, -9.81]}}),
+        r"effects\[0\].robot: Expected `float`, got `bool`",
+    ),
+    "an array of words": (
+        _change("effects", -1, "form", "speed", to={"array": ["much"]}),
+        r"effects\[\d\].speed: \['much'\] is no array of numbers",
     ),
     "a kind that is no word": (_change("effects", -1, "form", "type", to=[]), "there is no effect"),
     "a joint without a name": (_change("robot", "joints", 0, "name", to=" "), "give it a name"),
