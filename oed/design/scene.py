@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
-import weakref
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -20,6 +17,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from oed.counted import counted
 from oed.design.meshes import ReadableUrdf, with_readable_meshes
+from oed.design.scratch_folder import ScratchFolder
 from oed.errors import RobotError
 from oed.robot import Robot, described
 from oed.robot.robot_file import add_shapes, warnings_off, weld_free_bodies
@@ -81,7 +79,7 @@ def load_scene(robot: Robot) -> Scene:
         packages = tuple(sorted(file.packages.items()))
         readable = _readable_file(file.path.resolve(), file.text, packages)
         missing = _missing_note(readable.urdf.missing)
-        edited = readable.folder / f"{file.path.stem}.urdf"
+        edited = readable.folder.path / f"{file.path.stem}.urdf"
         refused = RobotError(f"{robot.source}: no geometry")
         # A colour that Drake refuses should cost the picture, not the check for collisions.
         for left_out, note in LESS_AND_LESS:
@@ -95,24 +93,19 @@ def load_scene(robot: Robot) -> Scene:
 
 @dataclass(frozen=True, eq=False)
 class _Readable:
-    """A URDF with the folder of its converted meshes, deleted when nobody refers to it."""
+    """A URDF with the folder of its converted meshes."""
 
     urdf: ReadableUrdf
-    folder: Path
-
-    def __post_init__(self) -> None:
-        # A TemporaryDirectory would do the same, and warn of it.
-        weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+    folder: ScratchFolder
 
 
 @lru_cache(maxsize=1)
 def _readable_file(source: Path, text: str, packages: tuple[tuple[str, Path], ...]) -> _Readable:
     """Converted once for the check and the picture."""
-    folder = Path(tempfile.mkdtemp(prefix="oed-meshes-"))
+    folder = ScratchFolder.new("oed-meshes-")
     try:
-        return _Readable(with_readable_meshes(text, source, folder, dict(packages)), folder)
+        return _Readable(with_readable_meshes(text, source, folder.path, dict(packages)), folder)
     except ElementTree.ParseError as error:
-        shutil.rmtree(folder, ignore_errors=True)
         raise RobotError(f"{source}: no geometry: {error}") from error
 
 
