@@ -5,12 +5,16 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-import numpy as np
-
 from oed.report.json_file import write_json
 from oed.report.page import Page, Section, Table, Text, Verdict, write_page
 from oed.report.payload_charts import load_chart, load_on_arm_chart
-from oed.report.payload_rows import PayloadReport, friction_lines, load_rows, residual_rows
+from oed.report.payload_rows import (
+    PayloadReport,
+    friction_lines,
+    interval_words,
+    load_rows,
+    residual_rows,
+)
 from oed.report.provenance import Provenance
 
 FORMAT = 1
@@ -71,7 +75,7 @@ def payload_record(report: PayloadReport, provenance: Provenance) -> dict[str, o
             "mu": friction.mu,
             "interval95": friction.interval,
             "mass_without": friction.mass_without,
-            "interval95_without": list(friction.interval_without),
+            "interval95_without": friction.interval_without,
         },
         "not_told": [dataclasses.asdict(each) for each in report.open_quantities],
         "relative_rms": payload.relative_rms,
@@ -126,18 +130,19 @@ def _page(report: PayloadReport, provenance: Provenance) -> Page:
 
 def _verdict(report: PayloadReport) -> Verdict:
     payload = report.payload
-    low, high = payload["mass"].interval or (0.0, np.inf)
+    interval = payload["mass"].interval
     x, y, z = 1e3 * payload.centre
     if not payload.is_felt:
         return Verdict(
             "bad",
-            f"No load is told from nothing: {payload.mass:.3g} kg, at most {high:.3g} kg.",
+            f"No load is told from nothing: {payload.mass:.3g} kg "
+            f"({interval_words(interval, 'kg')}).",
             f"The arm is taken from {payload.arm.words}.",
         )
     weak = len(report.open_quantities)
     return Verdict(
         "warning" if weak or payload.arm.route == "robot file" else "good",
-        f"{payload.mass:.4g} kg ({low:.4g} to {high:.4g} kg) at x {x:.1f}, y {y:.1f}, z {z:.1f} mm "
+        f"{payload.mass:.4g} kg ({interval_words(interval, 'kg')}) at x {x:.1f}, y {y:.1f}, z {z:.1f} mm "
         f"of {payload.frame.name}.",
         f"The arm is taken from {payload.arm.words}. "
         + (f"{weak} of ten numbers are not told by the data." if weak else ""),

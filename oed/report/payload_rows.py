@@ -59,10 +59,9 @@ def friction_lines(payload: Payload, joints: tuple[str, ...]) -> tuple[str, ...]
     friction = payload.friction
     if friction is None:
         return ()
-    low, high = friction.interval_without
     without = (
-        f"without it the mass would be {friction.mass_without:.4g} kg ({low:.4g} to {high:.4g} kg), "
-        f"{friction.mass_without - payload.mass:+.3g} kg off"
+        f"without it the mass would be {friction.mass_without:.4g} kg "
+        f"({interval_words(friction.interval_without, 'kg')}), {friction.mass_without - payload.mass:+.3g} kg off"
     )
     if not friction.found:
         return (f"friction that grows with the load: none is told from nothing; {without}",)
@@ -72,6 +71,14 @@ def friction_lines(payload: Payload, joints: tuple[str, ...]) -> tuple[str, ...]
         for j in friction.found
     )
     return (f"friction that grows with the load, a part of the model: {told} of it; {without}",)
+
+
+def interval_words(interval: tuple[float, float] | None, unit: str) -> str:
+    """An interval of a load's number, or that there is none."""
+    if interval is None:
+        return "the data do not bound it"
+    low, high = interval
+    return f"{low:.4g} to {high:.4g} {unit}"
 
 
 def residual_rows(report: PayloadReport) -> list[Row]:

@@ -23,13 +23,15 @@ def format_cell(value: Cell, *, digits: int = 4) -> str:
     """A cell as a reader wants it.
 
     Args:
-        value: The value; None and NaN become a dash.
+        value: The value; None and NaN become a dash, what is beyond all numbers a word.
         digits: Significant digits of a number with a fraction.
     """
     if isinstance(value, np.generic):
         value = value.item()
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return MISSING
+    if isinstance(value, float) and math.isinf(value):
+        return "infinite" if value > 0 else "-infinite"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):

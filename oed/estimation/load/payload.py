@@ -36,13 +36,13 @@ class LoadFriction:
         mu: (n,) share of the load.
         interval: (n, 2) at 95 %.
         mass_without: The load's mass where the model lacks it [kg].
-        interval_without: Of that mass.
+        interval_without: Of that mass; None where the data do not bound it.
     """
 
     mu: Float[ndarray, " joints"]
     interval: Float[ndarray, "joints 2"]
     mass_without: float
-    interval_without: tuple[float, float]
+    interval_without: tuple[float, float] | None
 
     @property
     def found(self) -> tuple[int, ...]:
@@ -152,10 +152,8 @@ def with_friction(payload: Payload, without: Payload) -> Payload:
     mu = payload.fit.parameters[place]
     std = np.sqrt(np.diag(payload.fit.covariance)[place])
     reach = stats.t.ppf(0.5 + LEVEL / 2, payload.fit.degrees_of_freedom[place]) * std
-    lower, upper = without["mass"].interval or (0.0, np.inf)
-    found = LoadFriction(
-        mu, np.column_stack([mu - reach, mu + reach]), without.mass, (lower, upper)
-    )
+    interval = np.column_stack([mu - reach, mu + reach])
+    found = LoadFriction(mu, interval, without.mass, without["mass"].interval)
     return dataclasses.replace(payload, friction=found)
 
 

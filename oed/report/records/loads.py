@@ -32,7 +32,7 @@ class LoadFrictionRecord(Record, frozen=True, kw_only=True):
     mu: Numbers
     interval95: Matrix
     mass_without: Number
-    interval95_without: Numbers
+    interval95_without: Numbers | None
 
 
 class OpenQuantityRecord(Record, frozen=True, kw_only=True):
