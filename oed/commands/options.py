@@ -37,6 +37,10 @@ STYLE = (
 IN_WORDS = (
     (r"^Error parsing (?=--)|^Error parsing \w+: ", ""),
     (r"'None', |, 'None'", ""),
+    (
+        r"invalid choice (.+) for argument '(--[\w-]+)'\. Expected one of \((.*?)\)\.",
+        r"\2: \1 is none of \3",
+    ),
     (r"invalid literal for int\(\) with base 10: (.+)", r"\1 is no whole number"),
     (r"no type matching .* from \[(.*?)\]\. Got errors: .*", r"cannot be read: \1"),
     (r"Could not find valid parse for arguments: \[(.*)\]", r"cannot be read: \1"),

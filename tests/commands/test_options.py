@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import pytest
 
-from oed.commands.configurations import Design, Feasible, ImportLog
+from oed.commands.configurations import Design, Diagnose, Feasible, Identify, ImportLog
 from oed.commands.options import Count, Folder, Seed, parse
 from oed.estimation.feasible.regularisation import Regularisation
 from studies.study_options import CaseOptions
@@ -93,6 +93,9 @@ def test_what_cannot_be_meant_ends_with_two_and_says_why(
     assert reason in " ".join(capsys.readouterr().err.split())
 
 
+NO_MODEL = "neither one of standard, offset, rotor nor a model.json that is there"
+
+
 @pytest.mark.parametrize(
     ("command", "options", "line"),
     [
@@ -102,6 +105,14 @@ def test_what_cannot_be_meant_ends_with_two_and_says_why(
         (Design, "--robot a --margin 1e-300", "--margin 1e-300 is no number from 0.001 to 1"),
         (Design, "--robot a --scale nan", "--scale nan is no number from 0.001 to 1"),
         (Design, "--robot a --poses 1000000", "--poses 1000000 is no number from 1 to 100"),
+        (Identify, "data --model Standard", f"--model Standard: {NO_MODEL}"),
+        (Diagnose, "data --model stand", f"--model stand: {NO_MODEL}"),
+        (Design, "--robot a --model Rotor", f"--model Rotor: {NO_MODEL}"),
+        (
+            Design,
+            "--robot a --criterion j_d",
+            "--criterion: 'j_d' is none of 'J_k', 'J_d', 'A', 'E'",
+        ),
         (
             ImportLog,
             "log --robot a --ticks-per-turn 1e-300",
@@ -109,7 +120,7 @@ def test_what_cannot_be_meant_ends_with_two_and_says_why(
         ),
     ],
 )
-def test_a_number_that_nothing_can_be_made_of_is_refused_with_the_range(
+def test_what_nothing_can_be_made_of_is_refused_with_what_is_permitted(
     command: type, options: str, line: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit, match="2"):

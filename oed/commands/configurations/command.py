@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import tyro
 
@@ -12,6 +12,17 @@ from oed.commands.options import NotNegative, OutFolder, Positive, check_ranges
 
 ModelName = Literal["standard", "offset", "rotor"]
 Prior = Literal["auto", "file", "neutral"]
+
+
+def check_model(model: ModelName | Path | None) -> None:
+    """Refuse a model that is neither a name nor a file.
+
+    Raises:
+        ValueError: Naming both.
+    """
+    if isinstance(model, Path) and not model.exists():
+        names = ", ".join(get_args(ModelName))
+        raise ValueError(f"--model {model}: neither one of {names} nor a model.json that is there")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +60,10 @@ class DataSetCommand(Command):
     cutoff: Positive | None = None
     model: ModelName | None = None
     sign_width: NotNegative | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_model(self.model)
 
     @property
     def inputs(self) -> tuple[Path, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from oed.commands.configurations.command import Command, ModelName
+from oed.commands.configurations.command import Command, ModelName, check_model
 from oed.commands.options import Count, OutFolder, Positive, Range, Rate, Real, Seed, Share
 
 # That a motion is written with: the messages for ROS 2 then take 120 MB, and half a minute.
@@ -119,6 +119,7 @@ class Design(Command):
 
     def _check_arm(self) -> None:
         """Refuse what leaves open which arm is meant, or says it twice."""
+        check_model(self.model)
         is_file = isinstance(self.model, Path)
         if (self.robot and self.data) or not (self.robot or self.data or is_file):
             raise ValueError("name either a robot's file (--robot) or a data set (--data)")

@@ -8,7 +8,13 @@ from typing import Annotated, Literal
 
 import tyro
 
-from oed.commands.configurations.command import Command, DataSetCommand, ModelName, Prior
+from oed.commands.configurations.command import (
+    Command,
+    DataSetCommand,
+    ModelName,
+    Prior,
+    check_model,
+)
 from oed.commands.options import Mass, NotNegative, OutFolder, Range, Seed, Whole
 
 # Of a pull to the reference; as `oed.estimation.feasible.regularisation`.
@@ -101,6 +107,10 @@ class Diagnose(Command):
     smoke: bool = False
     seed: Seed = 0
     budget: NotNegative | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_model(self.model)
 
     @property
     def inputs(self) -> tuple[Path, ...]:
