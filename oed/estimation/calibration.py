@@ -119,7 +119,7 @@ def calibrate(
     training = tuple(p for p in prepared if p.role == "estimation")
     try:
         baseline = find_baseline(model, training)
-    except ValueError:  # too short to tell noise from motion
+    except ValueError:  # too short, or nothing that tells noise from motion
         baseline = None
     recordings = _by_role(prepared, baseline)
     base = base_parameters(model)

@@ -102,6 +102,9 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     Args:
         model: Rigid body and friction.
         prepared: The estimation recordings; of very long ones stretches tell as much.
+
+    Raises:
+        ValueError: If they are too short, or no row of a joint shows noise.
     """
     prepared = excerpts(prepared, FLOOR_ROWS)
     sharp = with_uncertain_sign(model, prepared[0].sign_noise)
@@ -116,6 +119,13 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     for _ in range(REFITS):
         found = found.with_model(with_fitted_sign(sharp, columns, found.rows(prepared)), prepared)
     forget()
+    silent = np.flatnonzero(found.floor.deviation <= 0)
+    if len(silent):
+        names = ", ".join(model.robot.joint_names[j] for j in silent)
+        raise ValueError(
+            f"{names}: no row tells the noise of the torque from the direction of friction; look at the "
+            "torque columns with oed check"
+        )
     return found
 
 

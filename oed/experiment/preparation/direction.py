@@ -103,7 +103,8 @@ def certainty(
     spread = np.stack(
         [direction_error(recording, j, float(c)) for j, c in enumerate(coulomb)], axis=1
     )[:: recording.band.factor]
-    weights = 1 / np.sqrt(1 + (spread / np.maximum(deviation, 1e-300)) ** 2)
+    noise = np.maximum(deviation, np.finfo(float).tiny)
+    weights = noise / np.hypot(noise, spread)
     return weights[recording.valid]
 
 
