@@ -50,7 +50,7 @@ class RigidBody(Effect):
             return regressor_entries(self.robot, state.q, state.dq, state.ddq)
         digest = blake2b(digest_size=16)
         for component in (*state.q, *state.dq, *state.ddq):
-            digest.update(np.ascontiguousarray(component))
+            digest.update(np.asarray(component, dtype=float).tobytes())
         key = digest.digest()
         if key not in self._memory:
             found = regressor_entries(self.robot, state.q, state.dq, state.ddq)

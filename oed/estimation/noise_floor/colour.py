@@ -94,7 +94,7 @@ class Colour:
     @property
     def correlated_rows(self) -> float:
         """1 + 2 sum of the autocorrelation up to its first zero: rows that count as one."""
-        covariance = irfft(self.power @ (_octaves(2 * LAGS) > 0))[:LAGS]
+        covariance = np.asarray(irfft(self.power @ (_octaves(2 * LAGS) > 0)))[:LAGS]
         beyond = np.flatnonzero(covariance <= 0)
         end = beyond[0] if len(beyond) else LAGS
         return float(max(1.0, 2 * covariance[:end].sum() / max(covariance[0], 1e-300) - 1))
