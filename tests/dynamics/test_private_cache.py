@@ -148,8 +148,8 @@ def test_a_cache_named_by_the_environment_is_not_unpickled(tmp_path: Path) -> No
         "XDG_CACHE_HOME": str(tmp_path / "own"),
     }
     text = (
-        "import numpy as np; from oed.dynamics.effects.hysteresis import maxwell_elements as m; "
-        "m(np.zeros(3), np.ones(2))"
+        "import numpy as np; from oed.dynamics.effects.deflection import deflect; t = np.arange(3.0); "
+        "deflect(t, t, t + 1, (1.0, 0.0, 0.0, 0.0), (t, 0.0, 1.0, 0.0))"
     )
     subprocess.run([sys.executable, "-c", text], env=environment, check=True, timeout=120)
     assert not list(elsewhere.iterdir())

@@ -64,9 +64,8 @@ class Loop(Argument):
         Raises:
             ValueError: If the state is symbolic.
         """
-        q = np.ascontiguousarray(state.motion(self.name).q[:, self.joint])
         distances = np.geomspace(self.shortest, self.longest, self.functions)
-        return np.stack([maxwell_elements(q, np.array([d])) for d in distances], axis=1)
+        return maxwell_elements(state.motion(self.name).q[:, self.joint], distances)
 
     @property
     def keeps(self) -> tuple[str, ...]:

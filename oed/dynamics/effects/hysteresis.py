@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
@@ -12,7 +11,6 @@ from numpy import ndarray
 from scipy.special import gammainc, gammaincinv
 
 from oed.dynamics.effects.effect import Columns, Effect, Parameter, State
-from oed.dynamics.kernel import kernel
 from oed.dynamics.scalars import Scalar, total, within
 
 ELEMENTS = 12  # Dahl's curve within 1 %
@@ -77,7 +75,7 @@ class PreslidingHysteresis(Effect):
             ValueError: If the state is symbolic.
         """
         q = state.motion(self.name).q[:, self.joint]
-        z = maxwell_elements(np.ascontiguousarray(q), self.distances)
+        z = maxwell_elements(q, self.distances).mean(axis=1)
         return [{self.joint: z - state.sign(state.dq[self.joint], self.width)}]
 
     @property
@@ -115,25 +113,22 @@ def moved_elements(
     return [within(own + way * (1 / distance), -1.0, 1.0) for own, distance in pairs]
 
 
-@kernel
-@no_type_check  # compiled: the tests' type checker must not wrap it
-def maxwell_elements(q, distances):
-    """Mean deflection of Maxwell elements of equal share, relaxed at the first sample.
+def maxwell_elements(
+    q: Float[ndarray, " samples"], distances: Float[ndarray, " elements"]
+) -> Float[ndarray, "samples elements"]:
+    """Deflection of Maxwell elements, from -1 to 1, relaxed at the first sample.
 
     Args:
-        q: (samples,) position [rad].
-        distances: (elements,) break-away distance of each [rad].
-
-    Returns:
-        (samples,) from -1 to 1.
+        q: Position [rad or m].
+        distances: Break-away distance of each [rad or m].
     """
-    z = np.zeros(len(distances))
-    mean = np.zeros(len(q))
-    for k in range(1, len(q)):
-        step = q[k] - q[k - 1]
-        total = 0.0
-        for i in range(len(distances)):
-            z[i] = min(1.0, max(-1.0, z[i] + step / distances[i]))
-            total += z[i]
-        mean[k] = total / len(distances)
-    return mean
+    # An element that moves one way slides or does not: only reversals have to be walked through.
+    steps = np.diff(q)
+    moving = np.flatnonzero(steps)
+    turns = moving[1:][np.diff(np.sign(steps[moving])) != 0]
+    starts = np.concatenate([[0], turns])
+    z = np.zeros((len(starts), len(distances)))
+    for k, way in enumerate(np.diff(q[starts])[:, None] / distances):
+        z[k + 1] = np.minimum(np.maximum(z[k] + way, -1.0), 1.0)
+    run = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(q)))
+    return np.clip(z[run] + (q - q[starts[run]])[:, None] / distances, -1.0, 1.0)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from hashlib import blake2b
 
+import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -12,6 +16,8 @@ from oed.dynamics.effects.effect import Effect, Parameter, State
 from oed.dynamics.newton_euler import inverse_dynamics, regressor_entries
 from oed.dynamics.scalars import Scalar
 from oed.robot import Robot
+
+KEPT_BYTES = 64_000_000  # of entries along the motions that were asked for last
 
 
 @dataclass(frozen=True)
@@ -39,8 +45,31 @@ class RigidBody(Effect):
         return tuple(f"{x}_{i + 1}" for x in ("q", "dq", "ddq") for i in range(self.robot.n))
 
     def entries(self, state: State) -> Sequence[Mapping[int, Scalar]]:
-        """The Newton-Euler regressor."""
-        return regressor_entries(self.robot, state.q, state.dq, state.ddq)
+        """The Newton-Euler regressor; along sampled motions it is remembered."""
+        if state.sampled is None:
+            return regressor_entries(self.robot, state.q, state.dq, state.ddq)
+        digest = blake2b(digest_size=16)
+        for component in (*state.q, *state.dq, *state.ddq):
+            digest.update(np.asarray(component, dtype=float).tobytes())
+        key = digest.digest()
+        if key not in self._memory:
+            found = regressor_entries(self.robot, state.q, state.dq, state.ddq)
+            self._memory[key] = len(state.sampled), found
+        self._memory.move_to_end(key)
+        _, found = self._memory[key]
+        # Ten numbers for each link and each joint on the way to it, at most.
+        most = KEPT_BYTES // (8 * 5 * self.robot.n * (self.robot.n + 1))
+        while sum(samples for samples, _ in self._memory.values()) > most:
+            self._memory.popitem(last=False)
+        return found
+
+    @cached_property
+    def _memory(self) -> OrderedDict[bytes, tuple[int, list[dict[int, Scalar]]]]:
+        return OrderedDict()
+
+    def __getstate__(self) -> dict[str, object]:
+        """What another process has to be told: nothing that it can work out."""
+        return {"robot": self.robot}
 
     def recall_torque(
         self,

@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.effects.deflection import deflect
 from oed.dynamics.effects.effect import Effect, Parameter, State
 from oed.dynamics.effects.measurement_effect import MeasurementEffect
 from oed.dynamics.effects.reference import ReferenceTorque
@@ -144,6 +143,8 @@ class Transmission(MeasurementEffect):
         Raises:
             ValueError: If the state is symbolic.
         """
+        from oed.dynamics.effects.deflection import deflect  # noqa: PLC0415  # loads Numba
+
         t = state.motion(self.name).t
         zeros = np.zeros(len(t))
         rotor, links = self.rotor_inertia, self.declared_inertia - self.rotor_inertia

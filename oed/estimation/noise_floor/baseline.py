@@ -28,7 +28,8 @@ from oed.estimation.noise_floor.noise_floor import (
     repetition_samples,
     repetition_series,
 )
-from oed.estimation.noise_floor.rich_fit import RichFit, forget, lay_out, model_columns, rich_fit
+from oed.estimation.noise_floor.rich_columns import forget, lay_out, model_columns
+from oed.estimation.noise_floor.rich_fit import RichFit, rich_fit
 from oed.estimation.noise_floor.sign_width import with_fitted_sign
 from oed.estimation.noise_floor.weighted_rows import Rows, weigh
 from oed.experiment.preparation.direction import certainty, trusted_samples

@@ -8,8 +8,9 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy.fft import irfft, rfft
 from scipy.ndimage import uniform_filter1d
 
 OCTAVES = 9  # into which frequencies are divided
@@ -39,8 +40,15 @@ class Stretches:
         Args:
             basis: Its orthonormal columns.
         """
-        whole = self.whole(basis)
-        return [taken_of_noise(whole[a:b]) for a, b in pairwise(self.starts)]
+        return [squares.sum(axis=1) for squares in self.squares(basis)]
+
+    def squares(
+        self, columns: Float[ndarray, "seen_rows columns"]
+    ) -> list[Float[ndarray, "_ columns"]]:
+        """Squares of each column's spectrum over the rows, of each recording, as of `rfft`."""
+        whole = self.whole(columns)
+        spectra = [rfft(whole[a:b], axis=0) / np.sqrt(b - a) for a, b in pairwise(self.starts)]
+        return [spectrum.real**2 + spectrum.imag**2 for spectrum in spectra]
 
     def whole(self, values: Float[ndarray, " seen_rows *axes"]) -> Float[ndarray, " rows *axes"]:
         """Values at the rows that are seen, zero at the others."""
@@ -74,20 +82,8 @@ class Colour:
             taken: Share of the noise that it takes.
             stretches: Where it has looked.
         """
-        found, left, there = (np.zeros(OCTAVES) for _ in range(3))
-        whole = stretches.whole(residual)
-        for (a, b), own in zip(pairwise(stretches.starts), taken, strict=True):
-            octave, both = _octaves_of(b - a)
-            seen = stretches.seen[a:b]
-            shares = np.maximum(left_of_noise(own, seen), 0.0) * seen.mean()
-            squares = np.abs(np.fft.rfft(whole[a:b])) ** 2 / (b - a)
-            found += np.bincount(octave, both * squares, OCTAVES)
-            left += np.bincount(octave, both * shares, OCTAVES)
-            there += np.bincount(octave, both * seen.mean(), OCTAVES)
-        heard = np.flatnonzero(left > LEAST_LEFT * np.maximum(there, 1e-12))
-        if not len(heard):  # then nothing says which noise is louder
-            return cls(np.full(OCTAVES, found.sum() / max(float(left.sum()), 1.0)))
-        return cls(np.interp(np.arange(OCTAVES), heard, found[heard] / left[heard]))
+        sides = [own[:, None] for own in taken]
+        return cls(power_of_noise(residual[:, None], sides, stretches)[:, 0])
 
     @property
     def mean_square(self) -> float:
@@ -98,29 +94,68 @@ class Colour:
     @property
     def correlated_rows(self) -> float:
         """1 + 2 sum of the autocorrelation up to its first zero: rows that count as one."""
-        octave, _ = _octaves_of(2 * LAGS)
-        covariance = np.fft.irfft(self.power[octave])[:LAGS]
+        covariance = np.asarray(irfft(self.power @ (_octaves(2 * LAGS) > 0)))[:LAGS]
         beyond = np.flatnonzero(covariance <= 0)
         end = beyond[0] if len(beyond) else LAGS
         return float(max(1.0, 2 * covariance[:end].sum() / max(covariance[0], 1e-300) - 1))
 
-    def along(self, taken: Sequence[Float[ndarray, " _"]], stretches: Stretches) -> float:
-        """Squares of the noise that a fit takes.
 
-        Args:
-            taken: Its share.
-            stretches: Where it looks.
-        """
-        total = 0.0
-        for (a, b), own in zip(pairwise(stretches.starts), taken, strict=True):
-            octave, both = _octaves_of(b - a)
-            total += float((both * self.power[octave]) @ own)
-        return total
+def power_of_noise(
+    residuals: Float[ndarray, "seen_rows fits"],
+    taken: Sequence[Float[ndarray, "_ fits"]],
+    stretches: Stretches,
+) -> Float[ndarray, "octaves fits"]:
+    """Power of the noise that each of several fits has left, as of `Colour`.
+
+    Args:
+        residuals: What each leaves.
+        taken: Share of the noise that it takes, of each recording.
+        stretches: Where they have looked.
+    """
+    found, left = (np.zeros((OCTAVES, residuals.shape[1])) for _ in range(2))
+    there = np.zeros((OCTAVES, 1))
+    squares = stretches.squares(residuals)
+    for (a, b), heard, own in zip(pairwise(stretches.starts), squares, taken, strict=True):
+        octaves, seen = _octaves(b - a), float(stretches.seen[a:b].mean())
+        around = uniform_filter1d(own, NEIGHBOURS, axis=0) / max(seen, 1 / (b - a))
+        found += octaves @ heard
+        left += octaves @ np.maximum(1 - around, 0.0) * seen
+        there += octaves.sum(axis=1, keepdims=True) * seen
+    telling = left > LEAST_LEFT * np.maximum(there, 1e-12)
+    return np.stack([_filled(*own) for own in zip(found.T, left.T, telling.T, strict=True)], axis=1)
+
+
+def _filled(
+    found: Float[ndarray, " octaves"],
+    left: Float[ndarray, " octaves"],
+    telling: Bool[ndarray, " octaves"],
+) -> Float[ndarray, " octaves"]:
+    """Squares found over the share left, where it tells; elsewhere as next to it."""
+    if not telling.any():  # then nothing says which noise is louder
+        return np.full(OCTAVES, found.sum() / max(float(left.sum()), 1.0))
+    known = np.flatnonzero(telling)
+    return np.interp(np.arange(OCTAVES), known, found[known] / left[known])
+
+
+def noise_along(
+    power: Float[ndarray, "octaves fits"],
+    taken: Sequence[Float[ndarray, "_ fits"]],
+    stretches: Stretches,
+) -> Float[ndarray, " fits"]:
+    """Squares of the noise that each of several fits takes.
+
+    Args:
+        power: Of the noise of each, as of `Colour`.
+        taken: Its share, of each recording.
+        stretches: Where they look.
+    """
+    pairs = zip(pairwise(stretches.starts), taken, strict=True)
+    return np.sum(power * sum(_octaves(b - a) @ own for (a, b), own in pairs), axis=0)
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _octaves_of(rows: int) -> tuple[Int[ndarray, " frequencies"], Float[ndarray, " frequencies"]]:
-    """Octave of each frequency of `rfft`, and how many of `fft` it stands for."""
+def _octaves(rows: int) -> Float[ndarray, "octaves frequencies"]:
+    """How many frequencies of `fft` each of `rfft` stands for, in the row of its octave."""
     frequency = np.fft.rfftfreq(rows)
     slowest = 2.0 ** -(OCTAVES + 1)
     octave = OCTAVES + np.floor(np.log2(np.maximum(frequency, slowest) / 0.5)).astype(int)
@@ -128,29 +163,4 @@ def _octaves_of(rows: int) -> tuple[Int[ndarray, " frequencies"], Float[ndarray,
     both[0] = 1.0
     if rows % 2 == 0:
         both[-1] = 1.0
-    return np.clip(octave, 0, OCTAVES - 1), both
-
-
-def taken_of_noise(
-    basis: Float[ndarray, "*joints rows rank"],
-) -> Float[ndarray, "*joints frequencies"]:
-    """Share of the noise of one stretch of rows that a fit takes, at each frequency of `rfft`.
-
-    Args:
-        basis: Orthonormal columns of the fit, over all its stretches; these rows of them.
-    """
-    spectra = np.fft.rfft(basis, axis=-2)
-    return np.sum(spectra.real**2 + spectra.imag**2, axis=-1) / basis.shape[-2]
-
-
-def left_of_noise(
-    taken: Float[ndarray, "*joints frequencies"], seen: Bool[ndarray, "*joints rows"]
-) -> Float[ndarray, "*joints frequencies"]:
-    """Share of the noise of the fitted rows that a fit leaves.
-
-    Args:
-        taken: What it takes.
-        seen: Rows that were fitted.
-    """
-    there = np.maximum(seen.mean(axis=-1, keepdims=True), 1 / seen.shape[-1])
-    return 1 - uniform_filter1d(taken, NEIGHBOURS, axis=-1) / there
+    return both * (np.clip(octave, 0, OCTAVES - 1) == np.arange(OCTAVES)[:, None])

@@ -92,18 +92,17 @@ def terms_together(
     terms: list[SmoothTerm] = []
     kinds = [(kind, i) for i in range(joints) for kind in ("q", "dq")]
     time = coordinate(prepared, "time", 0, PIECES_TOGETHER)
+    ranged = {c: coordinate(prepared, *c, PIECES_TOGETHER) for c in kinds}
     for j in acting:
         # With many joints only pairs that hold a coordinate of the joint itself: the number of
         # all pairs grows with the square, and so does the multiplicity.
         near = set(kinds) if joints <= ALL_PAIRED else {("q", j), ("dq", j)}
         terms += [
-            SmoothTerm(j, tuple(coordinate(prepared, *c, PIECES_TOGETHER) for c in pair))
-            for pair in combinations(kinds, 2)
-            if near & {*pair}
+            SmoothTerm(j, (ranged[one], ranged[other]))
+            for one, other in combinations(kinds, 2)
+            if near & {one, other}
         ]
         # What changes with time: friction, and what pulls at a position.
         changing = [("dq", j), *(c for c in kinds if c[0] == "q" and c in near)]
-        terms += [
-            SmoothTerm(j, (time, coordinate(prepared, *c, PIECES_TOGETHER))) for c in changing
-        ]
+        terms += [SmoothTerm(j, (time, ranged[c])) for c in changing]
     return tuple(terms)

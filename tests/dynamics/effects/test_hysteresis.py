@@ -17,7 +17,7 @@ DISTANCE = 0.02  # [rad]
 def test_single_element_loop_has_the_area_of_its_parallelogram() -> None:
     amplitude = 0.1
     q = amplitude * np.sin(np.linspace(0, 6 * np.pi, 60_001))
-    z = maxwell_elements(q, np.array([DISTANCE]))
+    z = maxwell_elements(q, np.array([DISTANCE]))[:, 0]
     last = slice(40_000, 60_001)
     area = np.trapezoid(z[last], q[last])
     assert area == pytest.approx(4 * (amplitude - DISTANCE), rel=1e-3)
@@ -25,14 +25,26 @@ def test_single_element_loop_has_the_area_of_its_parallelogram() -> None:
 
 def test_a_swing_within_the_break_away_distance_is_a_spring() -> None:
     q = 0.4 * DISTANCE * np.sin(np.linspace(0, 4 * np.pi, 1001))
-    assert maxwell_elements(q, np.array([DISTANCE])) == pytest.approx(q / DISTANCE, abs=1e-12)
+    z = maxwell_elements(q, np.array([DISTANCE]))[:, 0]
+    assert z == pytest.approx(q / DISTANCE, abs=1e-12)
+
+
+def test_elements_are_what_one_sample_after_another_makes_of_them() -> None:
+    """Also where the joint rests before it turns, or goes on."""
+    rng = np.random.default_rng(3)
+    q = np.cumsum(rng.integers(-2, 3, 500) * 0.4 * DISTANCE)
+    distances = DISTANCE * np.array([0.5, 1.0, 3.0])
+    expected = np.zeros((500, 3))
+    for k in range(1, 500):
+        expected[k] = np.clip(expected[k - 1] + (q[k] - q[k - 1]) / distances, -1, 1)
+    assert maxwell_elements(q, distances) == pytest.approx(expected, abs=1e-12)
 
 
 def test_reversal_curve_at_dahls_roundness_is_dahls() -> None:
     effect = PreslidingHysteresis(0, DISTANCE, roundness=np.sqrt(0.5))
     travel = np.linspace(0, 0.3, 3001)
     q = np.concatenate([travel, 0.3 - travel])
-    z = maxwell_elements(q, effect.distances)[3001:]
+    z = maxwell_elements(q, effect.distances)[3001:].mean(axis=1)
     assert z == pytest.approx(2 * np.exp(-travel / DISTANCE) - 1, abs=0.02)
 
 

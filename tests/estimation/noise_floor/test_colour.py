@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oed.estimation.noise_floor.colour import Colour, Stretches
+from oed.estimation.noise_floor.colour import Colour, Stretches, noise_along, power_of_noise
 from tests.diagnosis.noise import coloured
 
 STARTS = (0, 700, 1500)
@@ -72,9 +72,25 @@ def test_rows_that_count_as_one_are_those_of_a_first_order_noise():
 
 def test_columns_of_slow_waves_hold_more_of_slow_noise_than_of_white():
     basis, stretches = waves(0.03), Stretches(STARTS, SEEN)
-    taken = stretches.taken_by(basis)
-    white = Colour(np.ones(9)).along(taken, stretches)
+    loud = np.array([8.0, 8, 8, 8, 4, 2, 1, 0.5, 0.1])
+    power = np.stack([np.ones(9), loud], axis=1)  # white noise, and slow
+    taken = [np.stack([own, own], axis=1) for own in stretches.taken_by(basis)]
+    white, slow = noise_along(power, taken, stretches)
     assert white == pytest.approx(basis.shape[1])
-    slow = Colour(np.array([8.0, 8, 8, 8, 4, 2, 1, 0.5, 0.1])).along(taken, stretches)
     # An octave ends at 2^-5 of a cycle: the columns lie in those where noise is 4 to 8 times as loud.
     assert 4 < slow / white < 8
+
+
+def test_the_colours_of_fits_side_by_side_are_those_of_each():
+    rng, bases, stretches = (
+        np.random.default_rng(5),
+        [waves(0.01), waves(0.1)],
+        Stretches(STARTS, SEEN),
+    )
+    noise = rng.normal(size=int(SEEN.sum()))
+    residuals = np.stack([noise - b @ (b.T @ noise) for b in bases], axis=1)
+    taken = [np.stack(own, axis=1) for own in zip(*map(stretches.taken_by, bases), strict=True)]
+    together = power_of_noise(residuals, taken, stretches)
+    for k, basis in enumerate(bases):
+        alone = Colour.of(residuals[:, k], stretches.taken_by(basis), stretches)
+        assert together[:, k] == pytest.approx(alone.power, rel=1e-12)
