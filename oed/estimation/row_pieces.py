@@ -15,7 +15,7 @@ from numpy import ndarray
 PIECE_BYTES = 64_000_000
 # Of the pieces that are kept from pass to pass. With the recordings themselves and what Python loads,
 # a million rows of seven joints stay below two gigabytes.
-HELD_BYTES = 384_000_000
+HELD_BYTES = 256_000_000
 FLOAT_BYTES = 8
 
 Evaluate = Callable[[], Float[ndarray, "rows p"]]
