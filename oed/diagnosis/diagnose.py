@@ -203,16 +203,8 @@ def report(
 
 def predictor(fitted: Fitted) -> Predictor:
     """The fitted model as an ordinary torque model."""
-    added = [
-        (effect, size)
-        for term, effect, size in zip(
-            fitted.terms, fitted.effects, fitted.coefficients, strict=True
-        )
-        if effect is not None and not term.steps
-    ]
-    model = fitted.installed.with_effects(*(effect for effect, _ in added))
-    sizes = [size for _, size in added]
-    return Predictor(model, np.concatenate([fitted.parameters, *sizes]))
+    sizes = [size for _, size in fitted.added]
+    return Predictor(fitted.torque_model, np.concatenate([fitted.parameters, *sizes]))
 
 
 def _less(views: Views, number: int) -> Fitted:

@@ -124,7 +124,7 @@ def calibrate(
     recordings = _by_role(prepared, baseline)
     base = base_parameters(model)
     if not fixed_signs:
-        model = choose_sign_widths(model, base, recordings["estimation"])
+        model = choose_sign_widths(model, base.columns, recordings["estimation"])
     regressor, torque = stack(model, base, recordings["estimation"])
     if torque.size <= len(base):
         raise TooFewSamples(

@@ -12,10 +12,9 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
-from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.effects import Coulomb, Effect, RigidBody
 from oed.dynamics.effects.stribeck import Stribeck
 from oed.dynamics.torque_model import TorqueModel
@@ -28,19 +27,18 @@ WIDTHS = (0.001, 0.003, 0.01, 0.02, 0.04, 0.08)
 
 
 def choose_sign_widths(
-    model: TorqueModel, base: BaseParameters, recordings: Sequence[ProcessedRecording]
+    model: TorqueModel, columns: Int[ndarray, " base"], recordings: Sequence[ProcessedRecording]
 ) -> TorqueModel:
     """The model with each joint's friction turning its sign as the data say.
 
     Args:
-        model: With any widths; a measurement effect leaves it as it is.
-        base: Its base parameters.
+        model: With any widths.
+        columns: Of its columns that are estimated; of the rigid body's these count.
         recordings: Of the arm.
     """
-    if model.measurement:
-        return model
-    bodies = TorqueModel(model.robot, tuple(e for e in model.effects if isinstance(e, RigidBody)))
-    kept = base.columns[base.columns < len(bodies.parameters)]
+    rigid_body, _ = _parted(model)
+    bodies = dataclasses.replace(model, effects=rigid_body)
+    kept = columns[columns < len(bodies.parameters)]
     turning = [_turning(model, [width] * model.robot.n) for width in WIDTHS]
     parts: list[list[JointFactors]] = [[] for _ in WIDTHS]
     for recording in recordings:
@@ -62,11 +60,16 @@ def _factors(
     place: slice,
 ) -> JointFactors:
     """Of some rows of a recording, each joint with parameters of its own."""
-    beside = TorqueModel(
-        model.robot, tuple(e for e in model.effects if not isinstance(e, RigidBody))
-    )
+    _, others = _parted(model)
+    beside = dataclasses.replace(model, effects=others)
     columns = recording.columns(beside.columns, remembers=beside.remembers, rows=place)
     return JointFactors.of(np.concatenate([rigid, columns], axis=2), recording.tau[place])
+
+
+def _parted(model: TorqueModel) -> tuple[tuple[Effect, ...], tuple[Effect, ...]]:
+    """Effects of a model that know no sign, and the others."""
+    rigid = tuple(e for e in model.effects if isinstance(e, RigidBody))
+    return rigid, tuple(e for e in model.effects if not isinstance(e, RigidBody))
 
 
 def _turning(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:

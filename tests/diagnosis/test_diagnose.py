@@ -14,14 +14,16 @@ from oed.diagnosis.inference.covariance import parameter_covariance
 from oed.diagnosis.selection.screen import evaluate
 from oed.diagnosis.selection.substitutes import Substitute, preferred
 from oed.diagnosis.selection.tables import as_term
+from oed.dynamics.effects import TorqueOffset
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.torque_model import TorqueModel
+from oed.dynamics.velocity_sign import widths_of
 from oed.estimation.calibration import calibrate
 from oed.experiment.preparation.settings import choose_settings
 from oed.export.found_models import of_diagnosis
 from oed.export.model_file import load_model, write_model
 from oed.report.provenance import Provenance
-from tests.diagnosis.arm import data_set, stribeck
+from tests.diagnosis.arm import COULOMB, data_set, stribeck
 from tests.paths import REPO
 
 FEW = ("stribeck", "torque_offset", "joint_spring", "rotor_inertia", "nonlinear_viscous")
@@ -51,6 +53,22 @@ def test_finds_what_was_put_in_and_says_its_size(found_stribeck):
     assert size.std is not None
     assert abs(size.value - 1.5) < 4 * size.std
     assert abs(sizes["speed"].value - 0.15) < 0.1
+
+
+def test_the_model_that_is_handed_on_turns_friction_as_the_base_model_does():
+    """Rows of a reversal are uncertain to the search; to an estimate they tell how friction turns."""
+    width = 0.01
+
+    def softer_and_offset(q, dq, ddq):
+        return COULOMB * (np.tanh(dq / width) - np.sign(dq)) + np.array([0.0, 0.4])
+
+    dataset = data_set(35, extra=softer_and_offset, repetitions=2)
+    found = _diagnose(dataset)
+    assert [(e.name, e.joint) for e in found.effects] == [("torque_offset", 1)]
+    whole = TorqueModel.standard(dataset.robot).with_effects(TorqueOffset(1))
+    widths = widths_of(calibrate(dataset, whole, choose_settings(dataset.recordings)).model)
+    assert widths_of(found.after.model) == widths
+    assert widths == pytest.approx([width, width], rel=1.0)
 
 
 def test_a_constant_is_named_though_any_curve_over_time_holds_one():

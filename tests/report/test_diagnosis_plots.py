@@ -30,7 +30,8 @@ def figures(narrow):
 def test_letters_are_large_enough_for_the_screen_and_no_title_leaves_its_panel(narrow):
     for figure in figures(narrow):
         width = figure.get_size_inches()[0]
-        least = min(text.get_fontsize() for text in figure.findobj(Text) if text.get_text())
+        letters = [text for text in figure.findobj(Text) if text.get_text()]
+        least = min(float(text.get_fontsize()) for text in letters)
         assert least / 72 / width * SHOWN[narrow] >= SMALLEST
         assert len(figure.axes) == 7
         figure.savefig(BytesIO())  # lays it out

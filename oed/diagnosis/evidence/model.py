@@ -62,6 +62,17 @@ class Fitted:
         return self.design.seen.model
 
     @property
+    def torque_model(self) -> TorqueModel:
+        """The installed model with all terms that have columns: an ordinary one."""
+        return self.installed.with_effects(*(effect for effect, _ in self.added))
+
+    @property
+    def added(self) -> list[tuple[Effect, Float[ndarray, " columns"]]]:
+        """Effect and coefficients of each term that has columns."""
+        every = zip(self.terms, self.effects, self.coefficients, strict=True)
+        return [(effect, size) for term, effect, size in every if effect and not term.steps]
+
+    @property
     def effects(self) -> tuple[Effect | None, ...]:
         """Effect of each term, None of those that have no columns."""
         return self.design.effects

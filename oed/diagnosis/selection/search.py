@@ -13,6 +13,7 @@ from oed.diagnosis.numbers import EXCHANGES, LOOKS, PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
 from oed.diagnosis.selection.judge import Judged, judge, prune
 from oed.diagnosis.selection.look_ahead import Over, Say, look_ahead, short
+from oed.diagnosis.selection.sign_refit import with_least_torque_left
 from oed.diagnosis.selection.substitutes import (
     Substitute,
     ahead,
@@ -81,14 +82,15 @@ def as_handed_on(views: Views, say: Say) -> Views:
     """The model estimated with nuisances or without, whichever predicts held-out rows better.
 
     They guard the choice of terms against noise that moves the arm. To an estimate they cost what
-    their own number costs, and more where they take up what the model lacks.
+    their own number costs, and more where they take up what the model lacks. Signs turn as `oed
+    identify` has them.
     """
     bare = Views.of(views.problem.bare, views.terms, "fitted", views)
     gain = bare.rise(ahead(views, views.terms), "held_out")
-    if gain <= PREDICTION_GAIN:
-        return views
-    say(f"estimated without nuisances: held-out rows {gain:.1f} nats")
-    return Views.of(bare.problem, views.terms, "all", bare)
+    if gain > PREDICTION_GAIN:
+        say(f"estimated without nuisances: held-out rows {gain:.1f} nats")
+        views = bare
+    return Views.of(with_least_torque_left(views), views.terms, "all", views)
 
 
 def _substitutes(

@@ -14,8 +14,11 @@ from oed.diagnosis.evidence.views import Views, Which, chosen
 from oed.diagnosis.numbers import PREDICTION_GAIN
 from oed.diagnosis.problem import Problem
 from oed.dynamics.effects import Coulomb
+from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import sign_terms, signs_of, with_signs
 from oed.estimation.noise_floor.sign_width import Others, Turn
+from oed.estimation.sign_width import choose_sign_widths
+from oed.experiment.preparation.processed import processed
 
 
 def with_refitted_sign(views: Views, which: Which, joints: Collection[int] | None = None) -> Views:
@@ -37,6 +40,26 @@ def with_refitted_sign(views: Views, which: Which, joints: Collection[int] | Non
     base = with_signs(problem.base, found)
     if base == problem.base:
         return views
+    sharper = Views.of(_turned(problem, base), views.terms, which, views)
+    before, after = (v.means.score(chosen(v.means.problem, which)) for v in (views, sharper))
+    return sharper if after - before > PREDICTION_GAIN else views
+
+
+def with_least_torque_left(views: Views) -> Problem:
+    """What is asked, of a base model whose signs turn as `oed identify` chooses them.
+
+    That is over the velocities that leave least of the torque of all rows. What guards the choice of
+    terms takes the rows of a reversal for uncertain, and these tell most of how it turns.
+    """
+    problem, told = views.problem, views.told
+    estimation = (p for p in problem.rows.prepared if p.role == "estimation")
+    recordings = [piece for p in estimation for piece in processed(p)]
+    chosen = choose_sign_widths(told.torque_model, told.columns, recordings)
+    return _turned(problem, with_signs(problem.base, signs_of(chosen)))
+
+
+def _turned(problem: Problem, base: TorqueModel) -> Problem:
+    """The same question of a base model with other signs."""
 
     def turned(own: Problem) -> Problem:
         return dataclasses.replace(
@@ -44,11 +67,9 @@ def with_refitted_sign(views: Views, which: Which, joints: Collection[int] | Non
         )
 
     again = turned(problem)
-    if problem.means is not None:
-        again = dataclasses.replace(again, means=turned(problem.means))
-    sharper = Views.of(again, views.terms, which, views)
-    before, after = (v.means.score(chosen(v.means.problem, which)) for v in (views, sharper))
-    return sharper if after - before > PREDICTION_GAIN else views
+    if problem.means is None:
+        return again
+    return dataclasses.replace(again, means=turned(problem.means))
 
 
 def _best_turn(fitted: Fitted, number: int, sign: Coulomb, sharpest: Coulomb) -> Coulomb:

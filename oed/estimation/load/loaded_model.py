@@ -65,7 +65,7 @@ class LoadedModel:
 
     def turning_as(self, recordings: Sequence[ProcessedRecording]) -> LoadedModel:
         """The same with friction that turns its sign over the velocities that recordings tell."""
-        arm = choose_sign_widths(self.arm, self.base, recordings)
+        arm = choose_sign_widths(self.arm, self.base.columns, recordings)
         return dataclasses.replace(self, arm=arm)
 
     def loaded(self) -> LoadedModel:

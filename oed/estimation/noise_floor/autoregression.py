@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
-from scipy.linalg import cho_factor, cho_solve, solve_toeplitz
+from scipy.linalg import cho_factor, cho_solve, solve_toeplitz, toeplitz
 from scipy.signal import lfilter
 
 from oed.experiment.signals.moving_sum import moving_sum
@@ -72,19 +72,23 @@ def fit_autoregression(
     series: Sequence[Float[ndarray, " _"]],
     *,
     trusted: Sequence[Bool[ndarray, " _"]] | None = None,
+    edge: float = 1.0,
 ) -> Autoregression:
     """Autoregression of several stretches of one noise, its order by Schwarz's criterion.
 
     Args:
         series: Stretches of noise of zero mean.
         trusted: Which rows of each stretch show nothing but noise; all if None.
+        edge: Cut-off of the rows' low-pass, of their Nyquist frequency. Whitening raises what lies
+            beyond no more than what lies there: else it would undo the low-pass.
     """
     masks = [np.ones(len(x), dtype=bool) for x in series] if trusted is None else trusted
     clean = [np.where(m, x, 0.0) for x, m in zip(series, masks, strict=True)]
     rows = sum(int(m.sum()) for m in masks)
     longest = int(min(LARGEST_ORDER, max(1, min(len(x) for x in series) // 8)))
     shortest = min(len(x) for x in series)
-    covariance = _covariance(clean, masks, min(TAPER * longest, shortest - 1))[: longest + 1]
+    heard = _covariance(clean, masks, min(TAPER * longest, shortest - 1))
+    covariance = _beyond_as_at(heard, edge)[: longest + 1]
     if covariance[0] <= 0:
         return Autoregression(np.ones(1), np.finfo(float).tiny ** 0.5)
     best, best_value = np.ones(1), np.inf
@@ -98,7 +102,9 @@ def fit_autoregression(
         value = rows * np.log(innovation) + order * np.log(rows)
         if value < best_value:
             best, best_value = np.concatenate([[1.0], lags]), value
-    return Autoregression(best, _scale(best, clean, masks))
+    # What was put beyond the edge is part of the noise for which rows are held.
+    whole, own = (best @ toeplitz(c[: len(best)]) @ best for c in (covariance, heard))
+    return Autoregression(best, _scale(best, clean, masks) * float(np.sqrt(whole / own)))
 
 
 def _scale(
@@ -142,3 +148,11 @@ def _covariance(
     spectrum = np.fft.rfft(np.concatenate([result, result[:0:-1]])).real
     spectrum = np.maximum(spectrum, FLOOR * result[0])
     return np.fft.irfft(spectrum, 2 * longest + 1)[: longest + 1]
+
+
+def _beyond_as_at(covariance: Float[ndarray, " lags"], edge: float) -> Float[ndarray, " lags"]:
+    """Autocovariance of noise whose spectrum is nowhere lower beyond an edge than at it."""
+    spectrum = np.fft.rfft(np.concatenate([covariance, covariance[:0:-1]])).real
+    first = min(round(edge * (len(spectrum) - 1)), len(spectrum) - 1)
+    spectrum[first:] = np.maximum(spectrum[first:], spectrum[first])
+    return np.fft.irfft(spectrum, 2 * len(covariance) - 1)[: len(covariance)]

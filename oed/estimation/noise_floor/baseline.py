@@ -189,7 +189,8 @@ def _repetition_floor(
         trusted.append(fine[repetition_samples(p)])
     errors = fine_encoder_torque(partial(rough.model.torque, rough.full_parameters()), repeated)
     rounding = [repetition_series(p, e) for p, e in zip(repeated, errors, strict=True)]
-    return floor_from_repetitions(series, trusted, repeated[0].band.analysis_rate, rounding)
+    band = repeated[0].band
+    return floor_from_repetitions(series, trusted, band.analysis_rate, rounding, cutoff=band.cutoff)
 
 
 def _smooth_floor(

@@ -99,6 +99,8 @@ def floor_from_repetitions(
     trusted: Sequence[Bool[ndarray, "_ _ joints"]],
     rate: float,
     repeated: Sequence[Float[ndarray, "_ _ joints"]] | None = None,
+    *,
+    cutoff: float | None = None,
 ) -> NoiseFloor:
     """Noise floor from the differences between successive repetitions.
 
@@ -109,7 +111,9 @@ def floor_from_repetitions(
         repeated: What errs alike in all repetitions of each recording, laid out like `series`
             [N m]. No difference shows it; beside their mean it is louder than beside one, and it
             has a share in the colour.
+        cutoff: Of the rows' low-pass, which whitening does not undo [Hz]; none if None.
     """
+    edge = 1.0 if cutoff is None else 2 * cutoff / rate
     apart = [x for folded in series for x in differences(folded)]
     # A difference is trusted where all that it is made of are.
     masks = [x for m in trusted for x in np.logical_and.reduce([own for _, own in _neighbours(m)])]
@@ -117,7 +121,7 @@ def floor_from_repetitions(
     joints = series[0].shape[2]
     heard = apart if repeated is None else _with_repeated(series, repeated)
     noise = tuple(
-        fit_autoregression([d[:, j] for d in heard], trusted=[m[:, j] for m in masks])
+        fit_autoregression([d[:, j] for d in heard], trusted=[m[:, j] for m in masks], edge=edge)
         for j in range(joints)
     )
     ones = np.ones(joints)

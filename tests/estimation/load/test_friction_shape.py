@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from oed.dynamics.effects import Coulomb
+from oed.dynamics.effects.actuator import TorqueGain
+from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.stribeck import Stribeck
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.velocity_sign import with_widths
@@ -42,7 +44,11 @@ def test_the_width_that_made_the_data_is_chosen(true):
     found = np.linalg.lstsq(flat, log.tau.ravel(), rcond=1e-8)[0]
     made = columns(true) @ found + 0.01 * rng.standard_normal(log.tau.shape)
     log = dataclasses.replace(log, tau=made)
-    assert widths(choose_sign_widths(MODEL, base, [log])) == [true] * 6
+    assert widths(choose_sign_widths(MODEL, base.columns, [log])) == [true] * 6
+    # Seen through a sensor that shows nine tenths of a joint's torque.
+    seen = MODEL.with_measurement(TorqueGain(1, 0.9, 0.0, ReferenceTorque(MODEL.robot)))
+    log = dataclasses.replace(log, tau=log.tau * np.where(np.arange(6) == 1, 0.9, 1.0))
+    assert widths(choose_sign_widths(seen, base.columns, [log])) == [true] * 6
 
 
 def test_curves_are_added_once_and_turn_as_coulomb_friction_does():

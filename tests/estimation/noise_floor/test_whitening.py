@@ -50,6 +50,27 @@ def test_scale_is_the_most_likely_one_of_the_rows_that_are_trusted():
     assert scale == pytest.approx(fit_autoregression(noise).scale, rel=0.1)
 
 
+def gain(noise, frequency):
+    """Of whitening, at shares of the Nyquist frequency."""
+    lags = np.arange(noise.order + 1)
+    return np.abs(np.exp(-1j * np.pi * np.outer(frequency, lags)) @ noise.coefficients)
+
+
+def test_whitening_does_not_undo_a_low_pass():
+    """Where a filter has left next to nothing, errors of a model would be raised to the size of noise."""
+    rng = np.random.default_rng(5)
+    taps = firwin(25, 0.6)  # half is left at the edge
+    noise = [np.asarray(lfilter(taps, [1.0], rng.normal(size=3000)))[50:] for _ in range(4)]
+    held, undone = (fit_autoregression(noise, edge=edge) for edge in (0.6, 1.0))
+    beyond = np.linspace(0.7, 1.0, 31)
+    assert gain(undone, beyond).max() > 8 * gain(undone, np.array([0.1]))[0]
+    assert gain(held, beyond).max() < 3 * gain(held, np.array([0.1]))[0]
+    # Within the band rows are as white, and as large, as before.
+    inside = np.linspace(0.02, 0.4, 20)
+    assert gain(held, inside) / held.scale == pytest.approx(1.0, rel=0.25)
+    assert gain(undone, inside) / undone.scale == pytest.approx(1.0, rel=0.25)
+
+
 def test_filter_is_the_same_for_columns_and_torque():
     rng = np.random.default_rng(2)
     noise = fit_autoregression([coloured(rng, 3000)])
