@@ -24,6 +24,7 @@ class Seen:
         requests: Addresses that it asked for, besides the page itself and what stands in it.
         width: Of the page with all that sticks out [px].
         drawn: Lines and sets of points of interactive figures.
+        toolbars: Bars of buttons that lie over figures.
         pictures: Width of each picture's own file, of those that it has for several windows [px].
     """
 
@@ -31,6 +32,7 @@ class Seen:
     requests: tuple[str, ...]
     width: int
     drawn: int
+    toolbars: int
     pictures: tuple[int, ...]
 
 
@@ -57,9 +59,15 @@ class Browser:
         self._thread.submit(self._playwright.stop).result()
         self._thread.shutdown()
 
-    def look(self, path: Path, width: int) -> Seen:
-        """Open a page in a window of that width [px], and wait until its figures are drawn."""
-        return self._thread.submit(self._look, path, width).result()
+    def look(self, path: Path, width: int, *, touched: bool = False) -> Seen:
+        """Open a page in a window of that width [px], and wait until its figures are drawn.
+
+        Args:
+            path: Of the page.
+            width: Of the window [px].
+            touched: Whether by a finger, as on a phone, where no pointer hovers.
+        """
+        return self._thread.submit(self._look, path, width, touched).result()
 
     def found(self, path: Path, words: str) -> list[str]:
         """Addresses that the search of a page of the documentation lists for some words."""
@@ -76,8 +84,9 @@ class Browser:
         page.close()
         return found
 
-    def _look(self, path: Path, width: int) -> Seen:
-        page = self._browser.new_page(viewport={"width": width, "height": 900})
+    def _look(self, path: Path, width: int, touched: bool) -> Seen:
+        window = {"width": width, "height": 900}
+        page = self._browser.new_page(viewport=window, has_touch=touched, is_mobile=touched)
         errors: list[str] = []
         requests: list[str] = []
         page.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
@@ -92,6 +101,7 @@ class Browser:
             tuple(r for r in requests if r != address and not r.startswith(("data:", "blob:"))),
             page.evaluate("document.documentElement.scrollWidth"),
             page.locator(".chart .scatterlayer .trace").count(),
+            page.locator(".chart .modebar:visible").count(),
             tuple(page.locator("figure img").evaluate_all("all => all.map(i => i.naturalWidth)")),
         )
         page.close()

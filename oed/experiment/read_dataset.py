@@ -72,7 +72,8 @@ def read_robot(directory: str | Path, *, joints: Sequence[str] | None = None) ->
 def _folder(directory: str | Path) -> Path:
     folder = Path(directory)
     if not folder.is_dir():
-        what = "is a file: give the folder that it is in" if folder.exists() else "no such folder"
+        log = f"is a file: give the folder of a data set; oed import {folder.name} --robot arm.urdf --out mydata/ "
+        what = f"{log}makes one of a log" if folder.exists() else "no such folder"
         raise DataSetError(what, file=str(folder))
     return folder
 

@@ -10,9 +10,12 @@
   const script = document.createElement("script");
   script.textContent = await new Response(stream).text();
   document.head.append(script);
-  // A finger scrolls the page; only a mouse draws a rectangle to zoom in.
-  const dragmode = matchMedia("(pointer: coarse)").matches ? false : "zoom";
-  const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+  // A finger scrolls the page; only a mouse draws a rectangle to zoom in. Where nothing hovers, the bar of
+  // tools would always lie over the legend.
+  const touched = matchMedia("(pointer: coarse)").matches;
+  const dragmode = touched ? false : "zoom";
+  const displayModeBar = touched ? false : "hover";
+  const config = { responsive: true, displaylogo: false, displayModeBar, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
   for (const chart of charts) {
     const { data, layout } = JSON.parse(chart.parentNode.querySelector(".figure").textContent);
     await Plotly.newPlot(chart, data, { ...layout, dragmode }, config);

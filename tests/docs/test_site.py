@@ -40,6 +40,14 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.parametrize("page", sorted(REPO.glob("*.md")), ids=lambda page: page.name)
+def test_links_between_files_lead_somewhere(page: Path) -> None:
+    """Of pages beside the site, as they are read in the repository."""
+    links = re.findall(r"\]\((?!https?:|#|mailto:)([^)#\s]+)", page.read_text(encoding="utf-8"))
+    missing = [link for link in links if not (page.parent / link).exists()]
+    assert missing == []
+
+
 def test_works_without_a_network(site: Path) -> None:
     for page in site.rglob("*.html"):
         text = ONLY_NAMED.sub("", page.read_text(encoding="utf-8"))

@@ -58,6 +58,12 @@ def test_opens_offline_without_an_error_and_within_the_window(
     assert seen.drawn == sum(len(chart.traces) for chart in charts(100))
 
 
+def test_nothing_lies_over_a_figure_that_a_finger_touches(written: Path, browser: Browser) -> None:
+    seen = browser.look(written, 400, touched=True)
+    assert seen.drawn > 0
+    assert seen.toolbars == 0
+
+
 @pytest.mark.parametrize(("width", "shown"), [(1280, 1400), (400, 680)])
 def test_a_narrow_screen_shows_the_figure_that_was_made_for_it(
     tmp_path: Path, browser: Browser, width: int, shown: int
