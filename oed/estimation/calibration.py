@@ -108,7 +108,7 @@ def calibrate(
         robust: Loss of a robust estimate; least squares if None.
         known: Torque that is not to be estimated.
         fixed_signs: Whether friction turns its sign as the model has it, not as the data say.
-        say: Told how many rows there are, where they are more than are held at once.
+        say: Told what is done, and how many rows there are where they are more than are held at once.
 
     Raises:
         ValueError: If there is nothing to estimate from, or a recording is too short.
@@ -117,6 +117,7 @@ def calibrate(
     """
     prepared = known.taken_off(prepare(dataset.recordings, settings), model)
     training = tuple(p for p in prepared if p.role == "estimation")
+    say("reading the noise off the recordings")
     try:
         baseline = find_baseline(model, training)
     except ValueError:  # too short, or nothing that tells noise from motion
@@ -134,6 +135,7 @@ def calibrate(
     held_out: dict[Role, tuple[RowPieces, ndarray]] = {
         role: stack(model, base, held) for role, held in recordings.items() if role != "estimation"
     }
+    say(f"fitting {len(base)} base parameters to {len(torque)} rows of each joint")
     estimate = identify(
         _held(regressor, say),
         torque,
