@@ -7,7 +7,7 @@ from numpy import ndarray
 
 from oed.checkup.cause import Cause
 from oed.checkup.projection import Projection
-from oed.checkup.suspicion import UNITS
+from oed.checkup.suspicion import UNITS, is_on_earth
 from oed.estimation.dissipation import LEAST_SHARE
 from oed.experiment.dataset import DataSet
 
@@ -37,6 +37,9 @@ def all_scaled(dataset: DataSet, projection: Projection) -> Cause | None:
     """Every joint that tells has the file's torque divided by its gear ratio, or by one factor."""
     if dataset.robot.in_amperes:
         return None  # of currents no scale is known
+    gravity = dataset.robot.gravity
+    if np.any(gravity) and not is_on_earth(gravity):
+        return None  # its own factor passes for one of the torques
     telling = projection.telling & (projection.slope > 0)
     ratios = dataset.drive.gear_ratio
     if ratios is not None:

@@ -72,7 +72,7 @@ def find_repairs(
         if (
             _is_repair(t.outcome, as_logged, helped)
             if is_bad
-            else t.suspicion.kind in TOLD_BY_SIGNS and _halves(t.outcome, as_logged)
+            else t.suspicion.kind in TOLD_BY_SIGNS and halves(t.outcome, as_logged)
         )
     ]
     return sorted(found, key=lambda t: t.outcome.deviance)
@@ -92,7 +92,7 @@ def _is_repair(outcome: Outcome, as_logged: Outcome, helped: Bool[ndarray, " joi
     )
 
 
-def _halves(outcome: Outcome, as_logged: Outcome) -> bool:
+def halves(outcome: Outcome, as_logged: Outcome) -> bool:
     """Whether the error of a joint is halved at least, and none is worse."""
     change = _change(outcome, as_logged)
     return bool(outcome.lost == 0 and change.min() <= REPAIRED and change.max() <= NO_WORSE)

@@ -18,6 +18,8 @@ from oed.experiment.dataset import DataSet
 Kind = Literal["sign", "position_sign", "order", "position_order", "gravity", "scale", "offset"]
 
 STANDARD_GRAVITY = 9.81  # [m/s^2] where none is declared
+# Relative to it: from the equator to the poles gravity differs by 0.3 %.
+ON_EARTH = 0.01
 UNITS = {1e3: "N mm or mN m in place of N m", 1e-3: "kN m in place of N m"}
 AXES = "xyz"
 
@@ -53,6 +55,11 @@ class Suspicion:
         """The motion put right."""
         moved = (x[:, self.order] * self.turn for x in (motion.q, motion.dq, motion.ddq))
         return Motion(motion.t, *moved)
+
+
+def is_on_earth(gravity: Float[ndarray, "3"]) -> bool:
+    """Whether gravity has the size that it has everywhere on Earth."""
+    return abs(float(np.linalg.norm(gravity)) / STANDARD_GRAVITY - 1) <= ON_EARTH
 
 
 def suspicions(dataset: DataSet) -> Iterator[Suspicion]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from oed.checkup.cause import Cause
+from oed.checkup.checkup import check_dataset
 from oed.checkup.search import find_cause
 from oed.dynamics.models import build_model
 from oed.estimation.stacking import process_all
@@ -160,3 +161,36 @@ def test_measured_sets_have_no_cause(name):
 )
 def test_the_known_cases_are_named(name, kind):
     assert cause(read_dataset(CASES / name)).kind == kind
+
+
+def med7():
+    """Poorly excited: a bad fit, which hardly anything repairs."""
+    return read_dataset(CASES / "feasible_no_solver_med7")
+
+
+def checked(data):
+    return check_dataset(
+        data, build_model("standard", data.robot), choose_settings(data.recordings)
+    )
+
+
+def gravity_of(checkup):
+    return next(f for f in checkup.findings if f.topic == "gravity")
+
+
+@needs_cases
+def test_what_only_makes_a_bad_fit_less_bad_is_no_reversed_gravity():
+    data = med7()
+    flip = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0])
+    logs = tuple(dataclasses.replace(r, tau=r.tau * flip) for r in data.recordings)
+    assert gravity_of(checked(dataclasses.replace(data, recordings=logs))).level == "green"
+
+
+@needs_cases
+def test_gravity_in_another_unit_does_not_pass_for_a_unit_of_the_torques():
+    data = med7()
+    found = checked(with_robot(data, data.robot.with_gravity(100 * data.robot.gravity)))
+    assert found.cause is None
+    gravity = gravity_of(found)
+    assert gravity.level != "green"
+    assert "100 times that on Earth" in gravity.text
