@@ -166,7 +166,8 @@ def test_a_model_of_another_arm_is_refused(calibrated, tmp_path, capsys):
     assert (
         oed("identify", calibrated.parent / "data", "--out", tmp_path / "o", "--model", "rotr") == 2
     )
-    assert "rotr: no such file" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "--model rotr: neither one of standard, offset, rotor nor a model.json" in told
 
 
 @pytest.mark.parametrize(

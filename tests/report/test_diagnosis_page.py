@@ -184,7 +184,11 @@ def strange(*coordinates: str, joint: int = 1) -> Unexplained:
     return Unexplained(joint, coordinates, "something that no term that was tried describes", None)
 
 
-def test_every_command_of_what_to_do_next_is_one_that_is_accepted(found):
+def test_every_command_of_what_to_do_next_is_one_that_is_accepted(found, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found_model = tmp_path / "diagnosis" / "model.json"  # which a diagnosis has left by then
+    found_model.parent.mkdir()
+    found_model.write_text("{}")
     left = dataclasses.replace(
         found, unexplained=(strange(), strange("q_1", "time"), strange("dq_1", joint=0))
     )
