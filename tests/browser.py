@@ -85,8 +85,9 @@ class Browser:
         return found
 
     def _look(self, path: Path, width: int, touched: bool) -> Seen:
-        window = {"width": width, "height": 900}
-        page = self._browser.new_page(viewport=window, has_touch=touched, is_mobile=touched)
+        page = self._browser.new_page(
+            viewport={"width": width, "height": 900}, has_touch=touched, is_mobile=touched
+        )
         errors: list[str] = []
         requests: list[str] = []
         page.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
