@@ -187,3 +187,10 @@ def test_lines_go_to_what_is_standard_output_by_then(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(sys, "stdout", later)
     say("found")
     assert later.getvalue() == "found\n"
+
+
+def test_help_may_be_read_in_part():
+    command = f"{sys.executable} -m oed --help | head -1"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)  # noqa: S602  our own line
+    assert done.stdout.startswith("usage: oed")
+    assert done.stderr == ""

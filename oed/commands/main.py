@@ -12,7 +12,13 @@ import tyro
 
 from oed.commands import configurations
 from oed.commands.options import STYLE, refused_in_one_line
-from oed.process_end import NOTHING, STEPS, end_quietly_while_loading, exit_status
+from oed.process_end import (
+    NOTHING,
+    STEPS,
+    end_quietly_while_loading,
+    exit_status,
+    unread_output,
+)
 
 # Name: configuration, and the module whose `run` takes it, loaded when it is asked for.
 COMMANDS: dict[str, tuple[type[configurations.Command], str]] = {
@@ -39,7 +45,8 @@ what was asked for cannot be had; 130 interrupted."""
 def main() -> Never:
     """Run the command that the process was given, and end it with the command's status."""
     end_quietly_while_loading("oed")
-    sys.exit(run(sys.argv[1:] or ["--help"]))
+    with unread_output():  # of `oed --help | head` too
+        sys.exit(run(sys.argv[1:] or ["--help"]))
 
 
 def run(arguments: Sequence[str]) -> int:
