@@ -36,10 +36,9 @@ def choose_sign_widths(
         columns: Of its columns that are estimated; of the rigid body's these count.
         recordings: Of the arm.
     """
-    rigid_body, _ = _parted(model)
-    bodies = dataclasses.replace(model, effects=rigid_body)
+    bodies, beside = _parted(model)
     kept = columns[columns < len(bodies.parameters)]
-    turning = [_turning(model, [width] * model.robot.n) for width in WIDTHS]
+    turning = [_turning(beside, [width] * model.robot.n) for width in WIDTHS]
     parts: list[list[JointFactors]] = [[] for _ in WIDTHS]
     for recording in recordings:
         for place in even_pieces(len(recording), model.robot.n, len(kept)):
@@ -54,22 +53,21 @@ def choose_sign_widths(
 
 
 def _factors(
-    model: TorqueModel,
+    beside: TorqueModel,
     rigid: Float[ndarray, "samples joints columns"],
     recording: ProcessedRecording,
     place: slice,
 ) -> JointFactors:
     """Of some rows of a recording, each joint with parameters of its own."""
-    _, others = _parted(model)
-    beside = dataclasses.replace(model, effects=others)
     columns = recording.columns(beside.columns, remembers=beside.remembers, rows=place)
     return JointFactors.of(np.concatenate([rigid, columns], axis=2), recording.tau[place])
 
 
-def _parted(model: TorqueModel) -> tuple[tuple[Effect, ...], tuple[Effect, ...]]:
-    """Effects of a model that know no sign, and the others."""
+def _parted(model: TorqueModel) -> tuple[TorqueModel, TorqueModel]:
+    """The model's rigid body, which knows no sign, and all else, both seen as the whole is."""
     rigid = tuple(e for e in model.effects if isinstance(e, RigidBody))
-    return rigid, tuple(e for e in model.effects if not isinstance(e, RigidBody))
+    others = tuple(e for e in model.effects if not isinstance(e, RigidBody))
+    return dataclasses.replace(model, effects=rigid), dataclasses.replace(model, effects=others)
 
 
 def _turning(model: TorqueModel, widths: Sequence[float]) -> TorqueModel:

@@ -145,14 +145,23 @@ def _covariance(
         products = sum(float(x[lag:] @ x[: len(x) - lag]) for x in clean)
         result[lag] = products / max(pairs, 1)
     result *= 0.5 + 0.5 * np.cos(np.pi * np.arange(longest + 1) / (longest + 1))
-    spectrum = np.fft.rfft(np.concatenate([result, result[:0:-1]])).real
-    spectrum = np.maximum(spectrum, FLOOR * result[0])
-    return np.fft.irfft(spectrum, 2 * longest + 1)[: longest + 1]
+    return _covariance_of(np.maximum(_spectrum_of(result), FLOOR * result[0]))
 
 
 def _beyond_as_at(covariance: Float[ndarray, " lags"], edge: float) -> Float[ndarray, " lags"]:
     """Autocovariance of noise whose spectrum is nowhere lower beyond an edge than at it."""
-    spectrum = np.fft.rfft(np.concatenate([covariance, covariance[:0:-1]])).real
+    spectrum = _spectrum_of(covariance)
     first = min(round(edge * (len(spectrum) - 1)), len(spectrum) - 1)
     spectrum[first:] = np.maximum(spectrum[first:], spectrum[first])
-    return np.fft.irfft(spectrum, 2 * len(covariance) - 1)[: len(covariance)]
+    return _covariance_of(spectrum)
+
+
+def _spectrum_of(covariance: Float[ndarray, " lags"]) -> Float[ndarray, " lags"]:
+    """From zero to the Nyquist frequency, of an even autocovariance."""
+    return np.fft.rfft(np.concatenate([covariance, covariance[:0:-1]])).real
+
+
+def _covariance_of(spectrum: Float[ndarray, " lags"]) -> Float[ndarray, " lags"]:
+    """The inverse."""
+    lags = len(spectrum)
+    return np.fft.irfft(spectrum, 2 * lags - 1)[:lags]
