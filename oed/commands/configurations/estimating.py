@@ -16,10 +16,7 @@ from oed.commands.configurations.command import (
     check_model,
 )
 from oed.commands.options import Mass, NotNegative, OutFolder, Range, Seed, Whole
-
-# Of a pull to the reference; as `oed.estimation.feasible.regularisation`.
-LEAST_WEIGHT = 1e-12
-MOST_WEIGHT = 1e6
+from oed.estimation.feasible.weight_range import LEAST_WEIGHT, MOST_WEIGHT
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,14 +17,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.estimation.feasible.coordinates import BASIS, ENTRIES, IDENTITY, Coordinates, adjoint
+from oed.estimation.feasible.weight_range import LEAST_WEIGHT, MOST_WEIGHT
 
 RegularisationKind = Literal["entropic", "quadratic"]
-
-# Of the pull, as in `oed.commands.configurations.estimating`. The misfit is of size one where the pull
-# decides, and that of torques without noise a thousand: of sixteen digits, a weaker pull has none left
-# to give what the data do not determine a value, and a stronger one leaves none to the data.
-LEAST_WEIGHT = 1e-12
-MOST_WEIGHT = 1e6
 
 
 @dataclass(frozen=True)
