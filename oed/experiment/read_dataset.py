@@ -72,8 +72,10 @@ def read_robot(directory: str | Path, *, joints: Sequence[str] | None = None) ->
 def _folder(directory: str | Path) -> Path:
     folder = Path(directory)
     if not folder.is_dir():
-        log = f"is a file: give the folder of a data set; oed import {folder.name} --robot arm.urdf --out mydata/ "
-        what = f"{log}makes one of a log" if folder.exists() else "no such folder"
+        what = "no such folder"
+        if folder.exists():
+            making = f"oed import {folder.name} --robot arm.urdf --out mydata/"
+            what = f"is a file: give the folder of a data set; {making} makes one of a log"
         raise DataSetError(what, file=str(folder))
     return folder
 
