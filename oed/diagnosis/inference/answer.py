@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from oed.diagnosis.candidates.candidate import Candidate, NamedCandidate
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.estimates import Estimated, estimates
-from oed.diagnosis.numbers import NAMED
+from oed.diagnosis.numbers import NAMED, PREDICTION_GAIN
 from oed.diagnosis.selection.judge import Judged
+from oed.diagnosis.selection.screen import ROUGH
 from oed.diagnosis.selection.search import Selected
 from oed.diagnosis.selection.substitutes import Substitute, ahead
 from oed.dynamics.effects.catalogue import EffectPage
@@ -154,7 +157,7 @@ def _named(
     if named < NAMED or probability < foremost:
         return None
     gain = held_out_gain(views, number)
-    if gain <= 0:
+    if gain <= 0 or is_driven_out(views, number):
         return None
     parameters = estimates(whole, number, own.moments.dilution)
     if _undetermined(whole, number, parameters):
@@ -177,6 +180,36 @@ def _undetermined(whole: Fitted, number: int, parameters: Sequence[Estimated]) -
     count = whole.places[number].stop - whole.places[number].start
     sizes = [p for p in parameters[:count] if p.std is not None]
     return bool(sizes) and all(abs(p.value) < (p.std or 0.0) for p in sizes)
+
+
+def is_driven_out(views: Views, number: int) -> bool:
+    """Whether a shape past an end of what is plausible explains more by a nat.
+
+    Such a term is the limit of a formula, which something else has too.
+    """
+    term = views.terms[number]
+    if not isinstance(term.candidate, NamedCandidate):
+        return False
+
+    def gain(k: int, value: float) -> float:
+        values = (*term.values[:k], value, *term.values[k + 1 :])
+        terms = list(views.terms)
+        terms[number] = dataclasses.replace(term, values=values)
+        return views.grown(tuple(terms), "all").rise(views, "all")
+
+    for k, shape in enumerate(term.candidate.entry.shapes):
+        past = shape.past(term.values[k])
+        if past is None:
+            continue
+        best = minimize_scalar(
+            lambda place, k=k, shape=shape: -gain(k, shape.outside(place)),
+            bounds=past,
+            method="bounded",
+            options={"maxiter": ROUGH},
+        )
+        if -best.fun > PREDICTION_GAIN:
+            return True
+    return False
 
 
 def held_out_gain(views: Views, number: int) -> float:

@@ -17,11 +17,11 @@ from oed.diagnosis.evidence.fit import Beside
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.numbers import FORMULA_ERROR, OUTSIDE
 from oed.diagnosis.problem import Problem
+from oed.dynamics.effects.entry import AT_AN_END
 
 NEW = 1e-6  # share of columns outside the model's, below which they add nothing
 EVALUATIONS = 25  # of a shape, and so many more for each further one
 ROUGH = 6  # of these, to tell which candidates are worth all of them
-AT_THE_END = 0.05  # of a step: the best that close to the end of a stretch lies beyond it
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +240,7 @@ def _climbed(scored: Scored, moving: list[int], fitted: Fitted, evaluations: int
         return -other.nats
 
     start = np.array([shapes[k].place_of(scored.values[k]) for k in moving])
-    steps = np.array([1 / max(shapes[k].points - 1, shapes[k].fine, 4) for k in moving])
+    steps = np.array([shapes[k].step for k in moving])
     if len(moving) == 1:
         middle, width, least = float(start[0]), float(steps[0]), np.inf
         while True:
@@ -251,8 +251,8 @@ def _climbed(scored: Scored, moving: list[int], fitted: Fitted, evaluations: int
                 method="bounded",
                 options={"maxiter": evaluations, "xatol": 1e-3 * width},
             )
-            beyond = (low > 0 and found.x - low < AT_THE_END * width) or (
-                high < 1 and high - found.x < AT_THE_END * width
+            beyond = (low > 0 and found.x - low < AT_AN_END * width) or (
+                high < 1 and high - found.x < AT_AN_END * width
             )
             if not beyond or found.fun >= least:
                 return best

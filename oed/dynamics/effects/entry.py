@@ -17,6 +17,7 @@ from oed.dynamics.newton_euler import filled
 from oed.dynamics.torque_model import TorqueModel
 
 WRIST = 3  # last joints of an arm of six or more, whose drives may share a gear
+AT_AN_END = 0.05  # of a step: the best that close to the end of a stretch lies beyond it
 # What an effect is attached to: a joint, a joint and another one, or the whole arm (None).
 Target = int | tuple[int, int] | None
 
@@ -43,7 +44,8 @@ class Shape:
             parameter then.
         linear_below: Size below which a "signed log" scale is linear.
         open_below: Whether what is smaller than the least value still goes by the name.
-        ends_below: Whether the name ends at the least value, on a linear scale too.
+        is_bounded: Whether its ends on a linear scale are those of what is plausible, as they are
+            on a logarithmic one: else they are those of what can be, such as a share of one.
         plain: Whether the default is the plain formula, which holds where the data do not speak
             against it.
     """
@@ -61,7 +63,7 @@ class Shape:
     never: bool = False
     linear_below: float = 0.0
     open_below: bool = False
-    ends_below: bool = False
+    is_bounded: bool = False
     plain: bool = False
 
     def __post_init__(self) -> None:
@@ -86,6 +88,26 @@ class Shape:
         return self.plain and value == self.default
 
     @property
+    def step(self) -> float:
+        """Of its places, over which a fit of it looks around."""
+        return 1.0 / max(self.points - 1, self.fine, 4)
+
+    def past(self, value: float) -> tuple[float, float] | None:
+        """Places from the end at which a value lies to a step outside; None where there are none.
+
+        There are none where no value can be, or where it would still go by the name.
+        """
+        unbounded = not self.is_bounded and self.scale not in ("log", "signed log")
+        if unbounded or self.is_plain(value):
+            return None
+        place = self.place_of(value)
+        if abs(place - 1.0) < AT_AN_END * self.step:
+            return 1.0, 1.0 + self.step
+        if abs(place) < AT_AN_END * self.step and not self.open_below:
+            return -self.step, 0.0
+        return None
+
+    @property
     def grid(self) -> tuple[float, ...]:
         """The values of a first scan; the default alone if it has one point, beside `also`."""
         if self.scale == "formula" or self.points == 1:
@@ -95,14 +117,17 @@ class Shape:
 
     def at(self, place: float) -> float:
         """The value at a place from 0, its lower bound, to 1; places outside are brought to it."""
-        inside = min(max(place, 0.0), 1.0)
+        value = self.outside(min(max(place, 0.0), 1.0))
+        return value if self.is_estimated else float(round(value))
+
+    def outside(self, place: float) -> float:
+        """The value at any place, whether it is plausible or not."""
         if self.scale == "log":
-            return float(self.lower * (self.upper / self.lower) ** inside)
+            return float(self.lower * (self.upper / self.lower) ** place)
         if self.scale == "signed log":
             first, last = np.arcsinh(np.array([self.lower, self.upper]) / self.linear_below)
-            return float(self.linear_below * np.sinh(first + inside * (last - first)))
-        value = float(self.lower + inside * (self.upper - self.lower))
-        return value if self.is_estimated else float(round(value))
+            return float(self.linear_below * np.sinh(first + place * (last - first)))
+        return float(self.lower + place * (self.upper - self.lower))
 
     def place_of(self, value: float) -> float:
         """Where a value lies from 0, the lower bound, to 1, the upper one."""

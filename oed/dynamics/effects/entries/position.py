@@ -147,7 +147,7 @@ TORQUE_RIPPLE = CatalogueEntry(
     families=("position",),
     scope="joint",
     shapes=(
-        Shape("harmonic", "1/turn", 2.0, 330.0, "linear", 500, 6.0, ends_below=True),
+        Shape("harmonic", "1/turn", 2.0, 330.0, "linear", 500, 6.0, is_bounded=True),
         RIPPLE_WAVES,
     ),
     build=_ripple,
