@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.experiment.recording import Role
 from oed.report.chart import Chart, points_for
 from oed.report.estimation_charts import residual_chart, torque_chart
 from oed.report.joint_words import torque_units
@@ -65,7 +64,7 @@ class RoleTorques:
         band: (n,) half the width of the band that is drawn about zero: what a residual is compared with.
     """
 
-    role: Role
+    role: str
     rows: Rows
     rms: Mapping[str, Float[ndarray, " joints"]]
     band: Float[ndarray, " joints"]
