@@ -46,8 +46,7 @@ class DataCommand(Command):
     Attributes:
         data: Folder of a data set; with --robot, a log, which is imported into OUT/data first.
         out: Folder for the results.
-        robot: Of a log: the robot's file, or builtin:NAME. What else is to be said of a log, oed
-            import is told.
+        robot: Of a log: the robot's file, or builtin:NAME; oed import takes what else is to be said.
         model: Torque model.
     """
 
