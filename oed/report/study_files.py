@@ -64,7 +64,6 @@ DESIGN = ResultFiles(
         "joint_trajectory.json",
         "joint_trajectory.yaml",
         "motion.csv",
-        "motion.html",
         "motion.script",
         "motion_libfranka.csv",
         "poses.csv",
