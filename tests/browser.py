@@ -7,12 +7,88 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Frame
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
 PATIENCE = 60_000  # [ms] on a machine with other work
+
+# Pairs of words that lie over one another by more than the bearings of letters [px]. What scrolls within the
+# page, as a wide table does, hides what is outside its own edges.
+OVERLAPPING = """() => {
+  const words = [];
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walk.nextNode()) {
+    const node = walk.currentNode, parent = node.parentElement;
+    if (!node.textContent.trim() || parent.closest("script, style, noscript, .modebar, .hoverlayer")) continue;
+    const style = getComputedStyle(parent);
+    if (style.visibility !== "visible" || style.opacity === "0") continue;
+    const range = document.createRange();
+    range.selectNodeContents(node);
+    const scroller = parent.closest(".scroll");
+    const edges = scroller ? scroller.getBoundingClientRect() : { left: 0, right: Infinity };
+    for (const r of range.getClientRects()) {
+      const left = Math.max(r.left, edges.left), right = Math.min(r.right, edges.right);
+      if (right > left) words.push({ text: node.textContent.trim(), left, right, top: r.top, bottom: r.bottom, node });
+    }
+  }
+  words.sort((a, b) => a.top - b.top);
+  const found = [];
+  words.forEach((a, i) => {
+    for (let k = i + 1; k < words.length && words[k].top < a.bottom; k++) {
+      const b = words[k];
+      const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+      const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+      if (a.node !== b.node && wide > 3 && high > 4) found.push(a.text + " | " + b.text);
+    }
+  });
+  return found;
+}"""
+# What a recording shows over its whole length: the box around all pixels that are not background, as
+# shares of the picture, and the picture's share of its frame.
+FILLED = """() => {
+  const animator = viewer.animator, canvas = viewer.renderer.domElement;
+  animator.pause();
+  const copy = document.createElement("canvas");
+  [copy.width, copy.height] = [canvas.width, canvas.height];
+  const pen = copy.getContext("2d", { willReadFrequently: true });
+  let [left, right, top, bottom] = [Infinity, -1, Infinity, -1];
+  const length = animator.duration || Math.max(...animator.actions.map((a) => a.getClip().duration));
+  for (let k = 0; k <= 24; k++) {
+    animator.seek(length * k / 24);
+    viewer.render();
+    pen.drawImage(canvas, 0, 0);
+    const { data } = pen.getImageData(0, 0, copy.width, copy.height);
+    for (let y = 0; y < copy.height; y++) for (let x = 0; x < copy.width; x++) {
+      const at = 4 * (y * copy.width + x);
+      if (Math.abs(data[at] - data[0]) + Math.abs(data[at + 1] - data[1]) + Math.abs(data[at + 2] - data[2]) < 12) continue;
+      [left, right] = [Math.min(left, x), Math.max(right, x)];
+      [top, bottom] = [Math.min(top, y), Math.max(bottom, y)];
+    }
+  }
+  const box = canvas.getBoundingClientRect();
+  return [(right - left + 1) / copy.width, (bottom - top + 1) / copy.height, box.width / innerWidth, box.height / innerHeight];
+}"""
+
+
+@dataclass(frozen=True)
+class Moving:
+    """What a moving picture in three dimensions shows over its length.
+
+    Attributes:
+        filled: Share of its width and of its height between the outermost pixels that the arm is ever in.
+        canvas: Share of its frame's width and height that the picture takes.
+        width: Of the frame [px].
+    """
+
+    filled: tuple[float, float]
+    canvas: tuple[float, float]
+    width: int
 
 
 @dataclass(frozen=True)
@@ -26,6 +102,8 @@ class Seen:
         drawn: Lines and sets of points of interactive figures.
         toolbars: Bars of buttons that lie over figures.
         pictures: Width of each picture's own file, of those that it has for several windows [px].
+        overlapping: Pairs of words that lie over one another.
+        moving: Pictures in three dimensions.
     """
 
     errors: tuple[str, ...]
@@ -34,6 +112,8 @@ class Seen:
     drawn: int
     toolbars: int
     pictures: tuple[int, ...]
+    overlapping: tuple[str, ...]
+    moving: tuple[Moving, ...]
 
 
 class Browser:
@@ -104,9 +184,20 @@ class Browser:
             page.locator(".chart .scatterlayer .trace").count(),
             page.locator(".chart .modebar:visible").count(),
             tuple(page.locator("figure img").evaluate_all("all => all.map(i => i.naturalWidth)")),
+            tuple(page.evaluate(OVERLAPPING)),
+            tuple(_moving(frame) for frame in page.frames[1:]),
         )
         page.close()
         return seen
+
+
+def _moving(frame: Frame) -> Moving:
+    frame.wait_for_function(
+        "window.viewer && viewer.animator.actions.length && document.querySelector('canvas')",
+        timeout=PATIENCE,
+    )
+    across, up, wide, high = frame.evaluate(FILLED)
+    return Moving((across, up), (wide, high), frame.evaluate("innerWidth"))
 
 
 def opened() -> Browser:

@@ -1,4 +1,4 @@
-"""What `oed design` leaves: a motion for a controller, its record, recording and page."""
+"""What `oed design` leaves: a motion for a controller, its record and page."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ from oed.design.design_file import design_record, limits_record
 from oed.design.export import SetPoints
 from oed.report.design_page import design_page
 from oed.report.json_file import write_json
-from oed.report.motion_recording import FRAMES_PER_SECOND, record_motion
+from oed.report.motion_recording import frame_times, record_motion
 from oed.report.page import write_page
 from oed.report.provenance import KEY_PACKAGES, Provenance, package_versions
+from oed.report.replay import Replay
 from oed.robot import JointLimits
 
 FINE = 1000  # instants of a plot
@@ -55,7 +56,7 @@ def evaluations_of(config: Design) -> int:
 
 
 def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
-    """Write motion files, `design.json`, recording, provenance and the page; all notes.
+    """Write motion files, `design.json`, provenance and the page; all notes.
 
     Nothing that a controller could run where the motion is not usable.
     """
@@ -63,9 +64,8 @@ def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
     robot = design.problem.model.robot
     if design.status.is_usable:
         _write_for_controller(design, config, out)
-    frames = design.motion(np.arange(0.0, design.horizon, 1 / FRAMES_PER_SECOND))
-    note = record_motion(robot, frames, out / "motion.html")
-    notes = (*result.notes, *((note,) if note else ()))
+    recorded = record_motion(robot, design.motion(frame_times(design.horizon)))
+    notes = (*result.notes, *((recorded.note,) if recorded.note else ()))
     record = design_record(
         design,
         versions=package_versions(KEY_PACKAGES),
@@ -79,11 +79,13 @@ def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
     write_json(out / "design.json", {**record, **more})
     provenance = Provenance.collect(config, seed=config.seed)
     provenance.write(out / "provenance.json")
-    _write_page(result, told_of(result, config, notes), provenance, out)
+    _write_page(result, told_of(result, config, notes), provenance, recorded.replay, out)
     return notes
 
 
-def _write_page(result: Result, told: Sequence[str], provenance: Provenance, out: Path) -> None:
+def _write_page(
+    result: Result, told: Sequence[str], provenance: Provenance, replay: Replay | None, out: Path
+) -> None:
     design = result.design
     fine = design.motion(np.linspace(0.0, design.horizon, FINE))
     nominal = design.problem.nominal
@@ -91,7 +93,7 @@ def _write_page(result: Result, told: Sequence[str], provenance: Provenance, out
         design, result.limits, result.efficiency, result.clearance,
         notes=told, provenance=provenance, fine=fine,
         torque=None if nominal is None else design.problem.model.torque(nominal, fine),
-        has_recording=(out / "motion.html").exists(),
+        replay=replay,
     )  # fmt: skip
     write_page(out / "report.html", page)
 

@@ -22,6 +22,7 @@ from oed.robot.packages import find_packages
 DRAWN_BY_DRAKE = (".obj", ".gltf", ".glb", ".vtk")
 ELEMENTS = ("visual", "collision")
 # What became of each mesh, drawn or as a hull.
+DETAIL = 1000  # of a mesh that is drawn: a thousandth of it is less than a pixel on a page
 Converted = dict[tuple[Path, bool], Path | None]
 
 
@@ -170,11 +171,26 @@ def _readable(
         target = scratch / f"{len(converted)}_{found.stem}.obj"
         try:
             triangles = load_triangles(found)
-            write_obj(_hull(triangles) if is_hull else triangles, target)
+            write_obj(_hull(triangles) if is_hull else _as_drawn(triangles), target)
             converted[key] = target
         except ValueError:
             converted[key] = None
     return converted[key]
+
+
+def _as_drawn(triangles: Float[ndarray, "triangles 3 3"]) -> Float[ndarray, "kept 3 3"]:
+    """The mesh with its corners on a grid of its largest extent over `DETAIL`.
+
+    No corner moves by more than half a step along any axis. What then has two corners in one place is no
+    triangle, and numbers of few digits take little of a page.
+    """
+    step = float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) / DETAIL
+    if step == 0.0:
+        return triangles
+    decimals = int(np.ceil(-np.log10(step)))  # a decimal step is written with fewest digits
+    placed = np.round(triangles, decimals)
+    sides = placed - np.roll(placed, 1, axis=1)
+    return placed[(sides != 0).any(axis=2).all(axis=1)]
 
 
 def _hull(triangles: Float[ndarray, "triangles 3 3"]) -> Float[ndarray, "faces 3 3"]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
 import casadi
@@ -36,20 +37,21 @@ def write_c(predictor: Predictor, out: Path, name: str = "oed_model") -> tuple[P
         Source and header.
     """
     source, header = out / f"{name}.c", out / f"{name}.h"
-    write_atomically(source, _generated(predictor, name) + _wrappers(predictor, name))
+    generated = generated_code(predictor.functions.values())
+    write_atomically(source, generated + _wrappers(predictor, name))
     write_atomically(header, _header(predictor, name))
     return source, header
 
 
-def _generated(predictor: Predictor, name: str) -> str:
-    """CasADi's own code, its functions known to this file alone."""
+def generated_code(functions: Iterable[casadi.Function]) -> str:
+    """CasADi's own code of functions, which the file that has it knows alone."""
     with tempfile.TemporaryDirectory() as folder:
         options = {"with_export": False, "casadi_int": "int", "unroll_args": False}
-        generator = casadi.CodeGenerator(f"{name}.c", options)
-        for each in predictor.functions.values():
+        generator = casadi.CodeGenerator("generated.c", options)
+        for each in functions:
             generator.add(each)
         generator.generate(f"{folder}/")
-        text = (Path(folder) / f"{name}.c").read_text(encoding="utf-8")
+        text = (Path(folder) / "generated.c").read_text(encoding="utf-8")
     return re.sub(r"^int (?=\w+\(const casadi_real\*\* arg)", "static int ", text, flags=re.M)
 
 

@@ -21,6 +21,7 @@ Trace = Mapping[str, Any]
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY)
 ROW, TITLE = 120, 24  # [px] of a panel with its title, and of the title
 TOP, BOTTOM = 40, 46  # [px] for legend and abscissa
+BARE_TOP = 12  # [px] where there is no legend
 POINTS = 180_000  # on a page: 2 MB of text
 LINE_POINTS = 4_000  # along a line: five times the pixels of a screen
 THINNED = (
@@ -103,13 +104,17 @@ def line(
     return {"type": "scatter", "mode": "lines", "x": _single(x), "y": _single(y), **more}
 
 
-def stacked_panels(titles: Sequence[str], xlabel: str) -> tuple[dict[str, Any], int]:
+def stacked_panels(
+    titles: Sequence[str], xlabel: str, *, has_legend: bool = True
+) -> tuple[dict[str, Any], int]:
     """Axes of panels one below the other that share their abscissa, and the height [px].
 
     Args:
         titles: One a panel, from the top; its traces take `yaxis` of `panel_axis`.
         xlabel: Of the common abscissa.
+        has_legend: Whether room is left for one.
     """
+    top_margin = TOP if has_legend else BARE_TOP
     count = len(titles)
     axes: dict[str, Any] = {"hovermode": "x"}
     notes = []
@@ -123,7 +128,8 @@ def stacked_panels(titles: Sequence[str], xlabel: str) -> tuple[dict[str, Any], 
             | {"xanchor": "left", "yanchor": "bottom", "showarrow": False}
         )
     axes["xaxis"] = {"title": {"text": plain(xlabel)}, "anchor": panel_axis(count - 1)}
-    return {**axes, "annotations": notes}, TOP + BOTTOM + ROW * count
+    axes["margin"] = {**_LAYOUT["margin"], "t": top_margin}
+    return {**axes, "annotations": notes}, top_margin + BOTTOM + ROW * count
 
 
 def panel_axis(panel: int) -> str:

@@ -19,8 +19,9 @@ from oed.dynamics.motion import Motion
 from oed.report.chart import Chart, Trace, line, panel_axis, points_for, stacked_panels
 from oed.report.colours import BLUE, VERMILION
 from oed.report.design_summary import clearance_line, efficiency_line
-from oed.report.page import Frame, Links, Page, Section, Table, Text, Verdict
+from oed.report.page import Links, Page, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
+from oed.report.replay import Replay
 from oed.report.table import Row
 from oed.robot import JointLimits, Robot
 
@@ -49,7 +50,7 @@ def design_page(
     provenance: Provenance,
     fine: Motion,
     torque: Float[ndarray, "samples joints"] | None,
-    has_recording: bool,
+    replay: Replay | None,
 ) -> Page:
     """The whole page.
 
@@ -62,15 +63,14 @@ def design_page(
         provenance: Of the run.
         fine: The motion, sampled finely.
         torque: (N, n) of the nominal model along it [N m]; None where there is none.
-        has_recording: Whether `motion.html` stands beside the page.
+        replay: The arm as it moves; None where it cannot be shown.
     """
     robot = design.problem.model.robot
-    replay = (Frame("motion.html", "The arm, as it will move."),) if has_recording else ()
     return Page(
         title=f"Excitation motion of {robot.name}",
         verdict=_verdict(design),
         sections=(
-            *((Section("The motion", replay),) if replay else ()),
+            *(() if replay is None else (Section("The motion", (replay,)),)),
             Section("What it is worth", _worth(design, efficiency)),
             Section("What it keeps", _kept(design, limits, clearance)),
             Section("Joint by joint", _charts(design, limits, fine, torque)),
@@ -189,7 +189,7 @@ def _charts(
             for j in range(robot.n)
         ]  # fmt: skip
         titles = [f"{name} [{u}]" for name, u in zip(robot.joint_names, units, strict=True)]
-        axes, height = stacked_panels(titles, "time [s]")
+        axes, height = stacked_panels(titles, "time [s]", has_legend=False)
         shapes = [
             shape
             for j in range(robot.n)

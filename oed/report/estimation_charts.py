@@ -20,7 +20,6 @@ from oed.report.chart import (
 )
 from oed.report.colours import BLUE, GREY, VERMILION
 
-BARE_TOP = 12  # [px] where there is no legend
 SPECTRUM = 320  # [px]
 
 
@@ -101,10 +100,8 @@ def residual_chart(
         f"{name}: rms {value:.3g} {unit}"
         for name, value, unit in zip(joints, rms, units, strict=True)
     ]
-    axes, height = stacked_panels(titles, "time [s]")
-    margin = {"l": 8, "r": 8, "t": BARE_TOP, "b": BOTTOM}
-    axes |= {"shapes": bands, "margin": margin}
-    return Chart(traces, axes, caption, height - TOP + BARE_TOP)
+    axes, height = stacked_panels(titles, "time [s]", has_legend=False)
+    return Chart(traces, {**axes, "shapes": bands}, caption, height)
 
 
 def spectrum_chart(

@@ -16,6 +16,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from oed.report.chart import Chart
 from oed.report.json_file import write_atomically
+from oed.report.replay import Replay
 from oed.report.table import Row, column_names, format_cell, is_numeric
 
 if TYPE_CHECKING:  # a page without such figures is written without loading Matplotlib
@@ -135,25 +136,11 @@ class Links:
 
 
 @dataclass(frozen=True)
-class Frame:
-    """Another page, shown within this one.
-
-    Attributes:
-        address: Relative to this page.
-        caption: What it shows.
-    """
-
-    address: str
-    caption: str
-    kind: ClassVar[str] = "frame"
-
-
-@dataclass(frozen=True)
 class Section:
     """A titled part of the page."""
 
     title: str
-    blocks: Sequence[Text | Verdict | Command | Table | Picture | Chart | Links | Frame]
+    blocks: Sequence[Text | Verdict | Command | Table | Picture | Chart | Links | Replay]
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from oed.report.result_folder import ResultFiles
 
+IMPORT = ResultFiles("import")
 CHECK = ResultFiles("check", ("check.json", "recorded_motion.json", "report.html"))
 IDENTIFY = ResultFiles(
     "identify",
@@ -63,7 +64,6 @@ DESIGN = ResultFiles(
         "joint_trajectory.json",
         "joint_trajectory.yaml",
         "motion.csv",
-        "motion.html",
         "motion.script",
         "motion_libfranka.csv",
         "poses.csv",

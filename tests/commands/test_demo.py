@@ -5,14 +5,24 @@ from pathlib import Path
 
 import jsonschema
 import msgspec
+import pytest
 
+from oed.commands.demo import PAGES
 from oed.report.json_file import read_json
+from tests.browser import Browser
 from tests.running import oed, recorded
 
+LARGEST = 6_000_000  # [B] of a page
 
-def test_the_demo_finds_the_cable_and_links_every_page(tmp_path: Path) -> None:
-    out = tmp_path / "demo"
-    assert oed("demo", "--smoke", "--quiet", "--out", out) == 0
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("demo") / "demo"
+    assert oed("demo", "--smoke", "--quiet", "--out", folder) == 0
+    return folder
+
+
+def test_the_demo_finds_the_cable_and_links_every_page(out: Path) -> None:
     (effect,) = read_json(out / "diagnosis" / "diagnosis.json")["effects"]
     assert (effect["name"], effect["joint"]) == ("joint_spring", 1)
     # 1.2 N m/rad is hidden.
@@ -28,3 +38,27 @@ def test_the_demo_finds_the_cable_and_links_every_page(tmp_path: Path) -> None:
     for file, expected in schema.items():
         jsonschema.validate(read_json(file), expected)
     assert {path.name for path in (out / "export").glob("*.py")} == {"simulate_mujoco.py"}
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+@pytest.mark.parametrize(
+    "page", ["index.html", *(page for _, page, _ in PAGES if page.endswith(".html"))]
+)
+def test_a_browser_shows_every_page_whole(
+    out: Path, page: str, width: int, browser: Browser
+) -> None:
+    seen = browser.look(out / page, width)
+    assert (out / page).stat().st_size < LARGEST
+    assert seen.errors == ()
+    assert seen.requests == ()
+    assert seen.width <= width
+    assert seen.overlapping == ()
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_the_arm_fills_the_frame_in_which_it_moves(out: Path, width: int, browser: Browser) -> None:
+    (moving,) = browser.look(out / "design" / "report.html", width).moving
+    assert moving.canvas == (1.0, 1.0)
+    assert moving.width > 0.6 * width
+    assert max(moving.filled) > 0.85
+    assert min(moving.filled) > 0.5

@@ -163,3 +163,18 @@ def test_a_flat_mesh_has_no_hull_and_stays_itself(tmp_path: Path) -> None:
         robot_text(shape("collision", "flat.stl")), tmp_path / "r.urdf", tmp_path / "scratch"
     )
     assert corner_sets(load_triangles(read_back(found.text)[0])) == corner_sets(flat)
+
+
+def test_a_drawn_mesh_keeps_its_shape_to_half_a_thousandth_of_its_extent(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    corners = rng.uniform(-0.2, 0.2, (300, 1, 3)) + rng.normal(0, 0.02, (300, 3, 3))
+    speck = np.full((1, 3, 3), 0.1) + 1e-7 * np.eye(3)  # no pixel of any picture
+    write_binary_stl(np.concatenate([corners, speck]), tmp_path / "rough.stl")
+    (tmp_path / "scratch").mkdir()
+    text = robot_text(shape("visual", "rough.stl"))
+    found = with_readable_meshes(text, tmp_path / "r.urdf", tmp_path / "scratch")
+    drawn = load_triangles(read_back(found.text)[0])
+    assert len(drawn) == len(corners)
+    off = np.abs(drawn - corners).max()
+    extent = np.ptp(corners.reshape(-1, 3), axis=0).max()
+    assert 0 < off <= extent / 1000 / 2 + 1e-6  # single precision of the file

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from oed.report.chart import Chart
 from oed.report.page import Page, Picture, Section, Table, Text, Verdict, write_page
 from oed.report.style import new_figure
 from tests.browser import Browser
@@ -72,3 +73,16 @@ def test_a_narrow_screen_shows_the_figure_that_was_made_for_it(
     page = Page("A", Verdict("good", "B"), [Section("C", [picture])])
     write_page(tmp_path / "a.html", page)
     assert browser.look(tmp_path / "a.html", width).pictures == (shown,)
+
+
+def test_words_that_lie_over_one_another_are_seen(tmp_path: Path, browser: Browser) -> None:
+    """What the tests of real pages rely on."""
+    crowded = Chart(
+        [{"type": "scatter", "x": [0, 1], "y": [0, 1]}],
+        {"annotations": [{"text": text, "x": 0.5, "y": 0.5} for text in ("first", "second")]},
+        "C",
+        200,
+    )
+    write_page(tmp_path / "a.html", Page("A", Verdict("good", "B"), [Section("D", [crowded])]))
+    (pair,) = browser.look(tmp_path / "a.html", 1280).overlapping
+    assert sorted(pair.split(" | ")) == ["first", "second"]

@@ -207,12 +207,11 @@ def test_what_cannot_be_shown_is_told_on_screen(
 ) -> None:
     planar_arm(tmp_path)
     record, _ = designed(tmp_path / "out", "--robot", str(tmp_path / "planar.urdf"))
-    assert "note: no recording" in capsys.readouterr().out
-    assert "no recording" in " ".join(record["notes"])
-    assert not (tmp_path / "out" / "motion.html").exists()
+    assert "note: drawn as lines" in capsys.readouterr().out
+    assert "drawn as lines" in " ".join(record["notes"])
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "<iframe" not in page
-    assert "no recording" in page
+    assert page.count("<iframe srcdoc=") == 1
+    assert "drawn as lines" in page
     assert str(tmp_path) not in page
     assert f"{record['J_k']:.4g}" in page
 

@@ -25,7 +25,7 @@ class Design(Command):
 
     By default it is clear of itself, from rest to rest, and uses 90 % of the velocity and
     acceleration limits. Leaves motion.csv, ROS 2 JointTrajectory files, design.json,
-    report.html and motion.html, in which the arm moves. Where a limit is not kept, nothing for a controller is
+    and report.html, in which the arm moves. Where a limit is not kept, nothing for a controller is
     written and the exit status is 3.
 
     Attributes:

@@ -21,7 +21,7 @@ from numpy import ndarray
 
 from oed.design.optimisers.binary_coding import BinaryCoding
 from oed.design.optimisers.problem import Problem
-from oed.design.optimisers.result import Budget, EvaluationLog, OptimiserResult
+from oed.design.optimisers.result import Budget, EvaluationLog, OptimiserResult, known_digits
 
 
 @dataclass(frozen=True)
@@ -196,12 +196,12 @@ def _evaluate(
     population: Bool[ndarray, "population length"],
     log: EvaluationLog,
 ) -> Float[ndarray, " evaluated"]:
-    """Costs of the individuals in turn, as far as the budget goes."""
+    """Costs of the individuals in turn, to their known digits, as far as the budget goes."""
     costs: list[float] = []
     for z in coding.decode(population):
         if log.is_spent:
             break
-        costs.append(log.evaluate(problem.cost, problem.quick_repair(z)))
+        costs.append(known_digits(log.evaluate(problem.cost, problem.quick_repair(z))))
     return np.array(costs)
 
 

@@ -13,6 +13,17 @@ from numpy import ndarray
 from oed.errors import NoUsableResult
 from oed.progress import tell
 
+KNOWN = 10  # digits of a cost: processors sum in other orders, and differ in the last of sixteen
+
+
+def known_digits(cost: float) -> float:
+    """A cost to the digits that it has on every processor.
+
+    Mirror images of a motion cost the same but for rounding. What is chosen among them, and all
+    that follows from the choice, would hang on the processor.
+    """
+    return float(f"{cost:.{KNOWN}g}")
+
 
 @dataclass(frozen=True)
 class Budget:
@@ -115,8 +126,10 @@ class EvaluationLog:
         tell("searching a motion", self.evaluations, self.budget.evaluations)
 
     def offer(self, z: Float[ndarray, " size"], cost: float) -> bool:
-        """Keep a feasible point if it is the best so far; say whether it is."""
+        """Keep a feasible point if it is the best so far, to `known_digits`; say whether it is."""
         if not cost < self.best_cost:
+            return False
+        if self.best_z is not None and known_digits(cost) == known_digits(self.best_cost):
             return False
         self.best_z, self.best_cost = np.array(z, dtype=float), float(cost)
         self.history.append(HistoryPoint(self.evaluations, self.cpu_s, self.best_cost))

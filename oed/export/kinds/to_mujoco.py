@@ -1,4 +1,4 @@
-"""A model for MuJoCo: MJCF, and a passive force for what that cannot say."""
+"""A model for MuJoCo: MJCF, and a passive force for what that cannot say, in Python and as a plug-in."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from oed.export.effect_torque import not_simulated
 from oed.export.mjcf import write_mjcf
 from oed.export.model import Model
 from oed.export.model_file import NAME, write_model
+from oed.export.mujoco_plugin import write_plugin
 from oed.export.registry import Exported, Target
 from oed.export.shapes import collect_shapes
 from oed.in_comment import in_comment
@@ -35,7 +36,7 @@ finally:
 
 
 def write(model: Model, target: Target) -> Exported:
-    """Write robot_mujoco.xml, model.json and simulate_mujoco.py."""
+    """Write robot_mujoco.xml, model.json and simulate_mujoco.py; for the plug-in, its source and scene."""
     calibrated = calibrated_robot(model)
     shapes = collect_shapes(model.robot, target.folder)
     # Signs are the passive force's: MuJoCo's dry friction turns in another way.
@@ -45,6 +46,8 @@ def write(model: Model, target: Target) -> Exported:
     write_model(model, target.folder / NAME, home=target.home)
     text = SCRIPT.format(robot=in_comment(model.robot.name), step=target.step)
     write_atomically(target.folder / "simulate_mujoco.py", text)
-    files = ("simulate_mujoco.py", path.name, NAME)
+    source, scene = write_plugin(model, target.folder, step=target.step, robot_file=path.name)
+    files = ("simulate_mujoco.py", path.name, NAME, source.name, scene.name)
     notes = tuple(filter(None, [shapes.note]))
-    return Exported(files, "python simulate_mujoco.py", not_simulated(model), notes)
+    use = f"python simulate_mujoco.py; without Python, the plug-in of {source.name}"
+    return Exported(files, use, not_simulated(model), notes)

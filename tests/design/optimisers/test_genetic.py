@@ -13,7 +13,7 @@ from oed.design.optimisers.genetic import (
     selection_probabilities,
 )
 from oed.design.optimisers.result import Budget
-from tests.design.optimisers.toy import Sphere
+from tests.design.optimisers.toy import Box, Sphere
 
 
 def test_fitness_scaling_gives_the_best_its_expected_offspring() -> None:
@@ -105,6 +105,32 @@ def test_an_elite_is_never_lost() -> None:
     _, generations = evolve(Sphere(), Budget(evaluations=400), np.random.default_rng(5), settings)
     best = [g.best_cost for g in generations]
     assert best == sorted(best, reverse=True)
+
+
+class Mirrored(Sphere):
+    """Costs the same at z and -z but for rounding, as a motion and its mirror image."""
+
+    def __init__(self, rounding: float) -> None:
+        super().__init__(Box(np.tile([-1.0, 1.0], (3, 1))))
+        self.rounding = rounding
+
+    def quick_repair(self, z: np.ndarray) -> np.ndarray:
+        return z
+
+    def cost(self, z: np.ndarray) -> float:
+        self.asked.append(z)
+        return float((np.abs(z) - 0.4) @ (np.abs(z) - 0.4)) * (1 + self.rounding * np.sin(z.sum()))
+
+
+def test_the_last_digit_of_a_sum_does_not_choose_among_mirror_images() -> None:
+    runs = [Mirrored(rounding) for rounding in (0.0, 1e-14, -1e-14)]
+    ends = [
+        evolve(p, Budget(evaluations=1200), np.random.default_rng(4), GeneticSettings())[0].z
+        for p in runs
+    ]
+    for other, end in zip(runs[1:], ends[1:], strict=True):
+        assert np.array_equal(runs[0].asked, other.asked)
+        assert np.array_equal(ends[0], end)
 
 
 def test_what_is_evaluated_is_feasible_even_where_the_box_is_not() -> None:
