@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import re
-import warnings
-from argparse import Action, ArgumentParser
 from inspect import getdoc
-from typing import Any
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import tyro
+from tyro.constructors import PrimitiveConstructorSpec
 
 from oed.commands.configurations import Command
 from oed.commands.main import COMMANDS
-from oed.commands.options import STYLE
+from oed.commands.option_fields import Option, options_of
 
-DEFAULT = re.compile(r"\s*\((?:default: (?P<value>[^()]*)|required|optional)\)\s*$", re.DOTALL)
+WORDS = {int: "INT", float: "FLOAT", str: "STR", Path: "PATH", bool: ""}
 
 
 def command_reference() -> str:
@@ -23,51 +24,43 @@ def command_reference() -> str:
 
 
 def _command(name: str, kind: type[Command]) -> str:
-    parser = parser_of(name, kind)
     words = re.sub(r"\n\n\s*Attributes:.*", "", getdoc(kind) or "", flags=re.DOTALL)
-    positional = [action for action in parser._actions if not action.option_strings]  # noqa: SLF001  # argparse has no public list
-    options = [action for action in parser._actions if action.option_strings]  # noqa: SLF001  # likewise
-    usage = " ".join(["oed", name, *(_metavar(action) for action in positional), "[options]"])
-    rows = [_row(action) for action in (*positional, *options) if action.dest != "help"]
-    table = "\n".join(["| option | value | meaning | default |", "|---|---|---|---|", *rows])
-    return f"## `oed {name}`\n\n{words}\n\n```text\n{usage}\n```\n\n{table}"
+    options = sorted(options_of(kind), key=_is_option)
+    usage = ["oed", name, *(value(o.type) for o in options if not _is_option(o)), "[options]"]
+    table = ["| option | value | meaning | default |", "|---|---|---|---|", *map(_row, options)]
+    return f"## `oed {name}`\n\n{words}\n\n```text\n{' '.join(usage)}\n```\n\n" + "\n".join(table)
 
 
-def parser_of(name: str, kind: type[Command]) -> ArgumentParser:
-    """The parser of one command, as `oed NAME --help` shows it."""
-    with warnings.catch_warnings():
-        # tyro announces the end of this function without another that lists the options.
-        warnings.simplefilter("ignore", DeprecationWarning)
-        # Its own copy of argparse, of the same shape.
-        parser: Any = tyro.extras.get_parser(kind, prog=f"oed {name}", config=STYLE)
-        return parser
+def _is_option(option: Option) -> bool:
+    """Whether it has a name on the command line, and not its place alone."""
+    return tyro.conf.Positional not in getattr(option.type, "__metadata__", ())
 
 
-def _row(action: Action) -> str:
-    text = " ".join((action.help or "").split())
-    found = DEFAULT.search(text)
-    meaning = text if found is None else text[: found.start()]
-    default = "" if found is None else _default(found["value"], text)
-    option = ", ".join(f"`{word}`" for word in action.option_strings) or f"`{action.dest}`"
-    value = _escaped(_metavar(action)) if action.nargs != 0 else ""
-    return f"| {option} | {value} | {_escaped(meaning)} | {default} |"
+def _row(option: Option) -> str:
+    name = f"--{option.name.replace('_', '-')}" if _is_option(option) else option.name
+    cells = (f"`{name}`", value(option.type), option.meaning, _default(option))
+    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
 
 
-def _default(value: str | None, text: str) -> str:
-    if value is None:
-        return "**required**" if text.endswith("(required)") else ""
-    return "" if value.strip() in ("", "''", "None", "False") else f"`{value.strip()}`"
+def _default(option: Option) -> str:
+    if option.is_required:
+        return "**required**"
+    if option.is_left_out:
+        return ""
+    several = option.default if isinstance(option.default, tuple) else (option.default,)
+    return f"`{' '.join(map(str, several))}`"
 
 
-def _metavar(action: Action) -> str:
-    metavar = action.metavar if isinstance(action.metavar, str) else action.dest.upper()
-    several = re.match(r"\[*\{?([^\[\]{}]+?)\}? \[", metavar)
-    return f"{_choices(several[1])} …" if several else _choices(metavar)
-
-
-def _choices(metavar: str) -> str:
-    return metavar.strip("{}").replace(",", " or ")
-
-
-def _escaped(text: str) -> str:
-    return text.replace("|", "\\|").replace("<", "&lt;")
+def value(kind: Any) -> str:
+    """What is written after an option of a type; nothing after a switch."""
+    kinds = get_args(kind)
+    if get_origin(kind) is Annotated:
+        own = [x.metavar for x in kinds[1:] if isinstance(x, PrimitiveConstructorSpec)]
+        return own[0] if own else value(kinds[0])
+    if get_origin(kind) is Literal:
+        return " or ".join(map(str, kinds))
+    if get_origin(kind) in (Union, UnionType):
+        return " or ".join(value(other) for other in kinds if other is not NoneType)
+    if get_origin(kind) is tuple:
+        return f"{value(kinds[0])} …" if kinds[1] is Ellipsis else " ".join(map(value, kinds))
+    return WORDS[kind]

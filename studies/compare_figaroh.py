@@ -115,7 +115,6 @@ def _peer_row(problem: DesignProblem, source: str, seed: int, config: Config, ou
     file = out / f"figaroh_{seed}_{digest}.json"
     if not file.is_file():
         out.mkdir(parents=True, exist_ok=True)
-        request = out / f"figaroh_{seed}_request.json"
         asked = {
             "urdf": source,
             "out": str(file),
@@ -123,10 +122,14 @@ def _peer_row(problem: DesignProblem, source: str, seed: int, config: Config, ou
             "iterations": config.iterations,
             "joints": list(robot.joint_names),
         }
-        request.write_text(json.dumps(asked), encoding="utf-8")
-        command = [config.peer_python, str(PEER_SCRIPT), str(request)]
         try:
-            subprocess.run(command, check=True, timeout=config.timeout, capture_output=True)  # noqa: S603 - the caller's own interpreter
+            subprocess.run(  # noqa: S603 - the caller's own interpreter
+                [config.peer_python, str(PEER_SCRIPT)],
+                input=json.dumps(asked).encode(),
+                check=True,
+                timeout=config.timeout,
+                capture_output=True,
+            )
         except subprocess.CalledProcessError as error:
             last = error.stderr.decode(errors="replace").strip().splitlines()[-1:]
             why = last[0] if last else f"exit status {error.returncode}"

@@ -1,6 +1,6 @@
 """Design an excitation with figaroh 1.0.2: run by the interpreter of an environment that has it.
 
-    PYTHON_OF_THAT_ENVIRONMENT studies/figaroh_design.py REQUEST.json
+    PYTHON_OF_THAT_ENVIRONMENT studies/figaroh_design.py < REQUEST.json
 
 `studies.compare_figaroh` runs it.
 
@@ -106,7 +106,7 @@ def main() -> int:
             "Python of an environment that has figaroh 1.0.2\n"
         )
         return 2
-    given = Request(**json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))
+    given = Request(**json.load(sys.stdin))
     joints = given.joints
     np.random.seed(given.seed)  # noqa: NPY002 - figaroh draws from the global generator
     model = pin.buildModelFromUrdf(given.urdf)

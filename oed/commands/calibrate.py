@@ -8,6 +8,7 @@ from pathlib import Path
 
 from oed.commands import diagnose, export, feasible, identify
 from oed.commands.configurations import Calibrate, Diagnose, Export, Feasible, Identify
+from oed.commands.from_log import imported
 from oed.commands.refine import refine
 from oed.commands.rollouts import BASE_OF_BODIES, base_of_bodies, models_in, rollouts
 from oed.commands.telling import say, speak
@@ -34,7 +35,9 @@ def run(config: Calibrate) -> int:
     for name in config.candidates:
         if name not in CATALOGUE:
             raise ValueError(f"--candidates: no effect {name!r}; there are {', '.join(CATALOGUE)}")
-    with CALIBRATE.in_folder(config.out, [config.data]) as results:
+    with CALIBRATE.in_folder(config.out, config.inputs) as results:
+        speak(quiet=config.quiet)
+        config = imported(config, config.out)
         read_dataset(config.data).robot.require_newton_metres(str(config.data))
         steps = _steps(config)
         for number, (title, step) in enumerate(steps, 1):

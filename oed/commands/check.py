@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from oed.checkup.completion import design_command, recorded_motion
 from oed.checkup.finding import Checkup
 from oed.commands.configurations import Check, ModelName
 from oed.commands.from_data_set import Prepared, model_name, prepare, prepare_for
+from oed.commands.from_log import imported
 from oed.commands.telling import say, speak
 from oed.counted import counted
 from oed.experiment.dataset import DataSet
@@ -58,10 +60,27 @@ def _checked(prepared: Prepared) -> Checked:
 
 
 def run(config: Check) -> int:
-    """Check, and leave check.json and report.html; 3 if something has to be mended first."""
+    """Check and print; leave check.json and report.html where a folder is named.
+
+    Returns:
+        3 if something has to be mended first, else 0.
+    """
     speak(quiet=config.quiet)
     start = time.perf_counter()
-    with CHECK.in_folder(config.out, [config.data]) as results:
+    if config.out is None:
+        with tempfile.TemporaryDirectory() as scratch:  # for what is made of a log
+            checkup = _checked(prepare_for(imported(config, Path(scratch)))).checkup
+        _print(checkup)
+        print("name a folder by --out for the page, and the motion that completes these data")
+    else:
+        checkup = _check_into(config, config.out)
+        print(f"open {config.out / 'report.html'} ({time.perf_counter() - start:.1f} s)")
+    return NO_USABLE_RESULT if checkup.level == "red" else 0
+
+
+def _check_into(config: Check, out: Path) -> Checkup:
+    with CHECK.in_folder(out, config.inputs) as results:
+        config = imported(config, out)
         found = _checked(prepare_for(config))
         with results.replaced() as new:
             write_check(
@@ -71,21 +90,24 @@ def run(config: Check) -> int:
                 Provenance.collect(config, seed=None),
                 motion=recorded_motion(found.dataset, found.settings),
                 # A page goes to others, whose folders are elsewhere.
-                command=_command(config, found.model, _shown),
+                command=_command(config, out, found.model, _shown),
             )
-    for finding in found.checkup.findings:
+    _print(found.checkup)
+    print(f"to complete these data: {_command(config, out, found.model, str)}")
+    return found.checkup
+
+
+def _print(checkup: Checkup) -> None:
+    for finding in checkup.findings:
         print(f"{finding.level:5s}  {finding.topic}: {finding.line}")
-    print(f"to complete these data: {_command(config, found.model, str)}")
-    print(f"open {config.out / 'report.html'} ({time.perf_counter() - start:.1f} s)")
-    return NO_USABLE_RESULT if found.checkup.level == "red" else 0
 
 
-def _command(config: Check, model: ModelName, shown: Callable[[Path], str]) -> str:
+def _command(config: Check, out: Path, model: ModelName, shown: Callable[[Path], str]) -> str:
     """The design that completes the data, with paths as they are shown."""
     return design_command(
         shown(config.data),
-        shown(config.out / "recorded_motion.json"),
-        shown(config.out.with_name(f"{config.out.name}-design")),
+        shown(out / "recorded_motion.json"),
+        shown(out.with_name(f"{out.name}-design")),
         model=model,
         joints=config.joints,
     )

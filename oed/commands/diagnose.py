@@ -10,6 +10,7 @@ import numpy as np
 from oed.commands.configurations import Diagnose
 from oed.commands.diagnosed_torques import diagnosed_torques
 from oed.commands.from_data_set import base_model_name, model_for, processing
+from oed.commands.from_log import imported, on_data_set
 from oed.commands.telling import say, speak
 from oed.diagnosis.diagnose import Diagnosis, diagnose
 from oed.diagnosis.discrimination.next_motion import NextExperiment, design_next
@@ -119,6 +120,7 @@ def _started(config: Diagnose, dataset: DataSet) -> Model | None:
 def diagnose_into(config: Diagnose) -> Outcome:
     """Diagnose into a folder, which is refused before the work if results cannot go there."""
     with CLOSE_LOOP.in_folder(config.out, config.inputs) as results:
+        config = imported(config, config.out)
         outcome = find(config, read_dataset(config.data))
         provenance = Provenance.collect(config, seed=config.seed)
         with results.replaced() as new:
@@ -141,7 +143,7 @@ def diagnose_into(config: Diagnose) -> Outcome:
 def run(config: Diagnose) -> int:
     """Diagnose, and leave diagnosis.json, report.html, model.json and figures."""
     speak(quiet=config.quiet)
-    _summarise(diagnose_into(config), config)
+    _summarise(diagnose_into(config), on_data_set(config, config.out))
     return 0
 
 

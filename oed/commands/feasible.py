@@ -11,6 +11,7 @@ import numpy as np
 from oed.checkup.checkup import check_calibration, doubts_of_data
 from oed.commands.configurations import Feasible, ModelName, Prior
 from oed.commands.from_data_set import Prepared, prepare, prepare_for
+from oed.commands.from_log import imported
 from oed.commands.telling import say, speak
 from oed.counted import counted
 from oed.dynamics.motion import Motion
@@ -147,6 +148,7 @@ def run(config: Feasible) -> int:
     speak(quiet=config.quiet)
     start = time.perf_counter()
     with FEASIBLE.in_folder(config.out, config.inputs) as results:
+        config = imported(config, config.out)
         prepared = prepare_for(config)
         result = estimate(prepared, settings_of(config, prepared.model))
         checkup = check_calibration(result.plain)

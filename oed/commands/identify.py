@@ -8,6 +8,7 @@ from pathlib import Path
 from oed.checkup.checkup import check_calibration
 from oed.commands.configurations import Identify, ModelName
 from oed.commands.from_data_set import Prepared, prepare, prepare_for
+from oed.commands.from_log import imported
 from oed.commands.telling import say, speak
 from oed.counted import counted
 from oed.estimation.calibration import Calibration, calibrate, convergence, residual_spectrum
@@ -68,6 +69,7 @@ def run(config: Identify) -> int:
     speak(quiet=config.quiet)
     start = time.perf_counter()
     with IDENTIFY.in_folder(config.out, config.inputs) as results:
+        config = imported(config, config.out)
         prepared = prepare_for(config)
         calibration = estimate(prepared, robust=config.robust)
         checkup = check_calibration(calibration)

@@ -10,7 +10,9 @@ from typing import Never
 
 import tyro
 
+from oed import __version__
 from oed.commands import configurations
+from oed.commands.option_fields import REGISTRY
 from oed.commands.options import STYLE, refused_in_one_line
 from oed.process_end import (
     NOTHING,
@@ -39,7 +41,10 @@ IN_STEPS = ("calibrate", "demo")  # each step leaves a folder of its own
 DESCRIPTION = """From a robot file and a log to a dynamic model that you can trust.
 
 Exit status: 0 done; 1 something disagrees; 2 the input cannot be used; 3 the input is in order, and
-what was asked for cannot be had; 130 interrupted."""
+what was asked for cannot be had; 130 interrupted.
+
+oed --version says which one this is; oed --tyro-print-completion {bash,zsh,fish} prints what a
+shell completes command lines by."""
 
 
 def main() -> Never:
@@ -58,6 +63,9 @@ def run(arguments: Sequence[str]) -> int:
     Raises:
         SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
     """
+    if list(arguments) == ["--version"]:
+        print(f"oed {__version__}")
+        return 0
     config = configuration_of(arguments)
     name, module = next((n, m) for n, (kind, m) in COMMANDS.items() if type(config) is kind)
     # Before `exit_status` turns an interrupt into an error, which compiled modules that are being
@@ -94,6 +102,7 @@ def configuration_of(arguments: Sequence[str]) -> configurations.Command:
             description=DESCRIPTION,
             args=arguments,
             config=STYLE,
+            registry=REGISTRY,
         )
 
 

@@ -1,7 +1,7 @@
 """How a command line becomes a frozen configuration: one way for every command and study.
 
 The fields of the configuration are the options, their types what is accepted, their defaults the
-defaults, and the attributes of its docstring the help (tyro reads them). What cannot be meant is
+defaults, and the attributes of its docstring the help (see `oed.commands.option_fields`). What cannot be meant is
 refused by `__post_init__`, with a ValueError that names the option.
 """
 
@@ -21,6 +21,7 @@ from typing import Annotated, TypeVar, get_args, get_type_hints
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
+from oed.commands.option_fields import REGISTRY
 from oed.largest_number import LARGEST
 
 ConfigT = TypeVar("ConfigT")
@@ -71,7 +72,12 @@ def parse(
     """
     with refused_in_one_line(prog, arguments):
         return tyro.cli(
-            configuration, prog=prog, args=arguments, description=description, config=STYLE
+            configuration,
+            prog=prog,
+            args=arguments,
+            description=description,
+            config=STYLE,
+            registry=REGISTRY,
         )
 
 

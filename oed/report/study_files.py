@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from oed.report.result_folder import ResultFiles
 
+IMPORT = ResultFiles("import")
 CHECK = ResultFiles("check", ("check.json", "recorded_motion.json", "report.html"))
 IDENTIFY = ResultFiles(
     "identify",

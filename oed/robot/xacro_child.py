@@ -7,6 +7,7 @@ memory: here both are bounded.
 from __future__ import annotations
 
 import importlib.util
+import json
 import resource
 import sys
 from pathlib import Path
@@ -18,10 +19,11 @@ MEMORY = 2_000_000_000  # [bytes]; expanding a humanoid takes a twentieth
 
 
 def main() -> None:
-    """Arguments: the file, the seconds of CPU that it may take, and NAME:=VALUE for its own."""
-    path, seconds, *arguments = sys.argv[1:]
+    """As JSON on standard input: the file, seconds of CPU that it may take, its own arguments."""
+    request = json.load(sys.stdin)
+    path, seconds = request["path"], request["seconds"]
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     beside = Path(__file__).with_name("packages.py")
     specification = importlib.util.spec_from_file_location("packages", beside)
     if specification is None or specification.loader is None:
@@ -41,8 +43,7 @@ def main() -> None:
     # Xacro itself looks where ROS 2 is installed only.
     substitution_args._eval_find = find  # noqa: SLF001
     substitution_args._eval_dict["find"] = find  # noqa: SLF001
-    mappings = dict(argument.split(":=", 1) for argument in arguments)
-    sys.stdout.write(xacro.process_file(path, mappings=mappings).toxml())
+    sys.stdout.write(xacro.process_file(path, mappings=request["mappings"]).toxml())
 
 
 if __name__ == "__main__":

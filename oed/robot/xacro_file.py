@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -47,9 +48,16 @@ def expand_xacro(path: Path, arguments: Sequence[str] = ()) -> bytes:
     """
     # -I: no folder of the user's is searched for modules.
     child = Path(__file__).with_name("xacro_child.py")
-    command = [sys.executable, "-I", str(child), str(path), str(SECONDS), *arguments]
+    mappings = dict(argument.split(":=", 1) for argument in arguments)
+    request = {"path": str(path), "seconds": SECONDS, "mappings": mappings}
     try:
-        done = subprocess.run(command, capture_output=True, timeout=SECONDS, check=False)  # noqa: S603  # our own program, without a shell
+        done = subprocess.run(  # noqa: S603  # our own program, without a shell
+            [sys.executable, "-I", str(child)],
+            input=json.dumps(request).encode(),
+            capture_output=True,
+            timeout=SECONDS,
+            check=False,
+        )
     except subprocess.TimeoutExpired as error:
         raise RobotError(
             f"{path}: this is xacro, and expanding it takes more than {SECONDS} s"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import os
+import re
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -11,10 +13,15 @@ from typing import ClassVar
 
 import pytest
 
+from oed import __version__
 from oed.commands.configurations import Design, Diagnose, Feasible, Identify, ImportLog
+from oed.commands.main import COMMANDS
+from oed.commands.option_fields import options_of
 from oed.commands.options import Count, Folder, Seed, parse
 from oed.estimation.feasible.regularisation import Regularisation
 from studies.study_options import CaseOptions
+from tests.paths import REPO
+from tests.running import oed
 
 
 @dataclass(frozen=True)
@@ -178,3 +185,58 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_work(
     with pytest.raises(SystemExit, match="2"):
         parse(Options, prog="which", arguments=["--out", "/proc/oed"])
     assert "--out /proc/oed: cannot be written" in " ".join(capsys.readouterr().err.split())
+
+
+def test_no_command_line_is_parsed_by_hand() -> None:
+    """Every one is made from a configuration; only `oed` itself takes what it was given."""
+    names = subprocess.run(
+        ["git", "ls-files", "*.py"], cwd=REPO, capture_output=True, text=True, check=True
+    )
+    for name in names.stdout.split():
+        tree = ast.parse((REPO / name).read_text(encoding="utf-8"))
+        imported = {
+            alias.name
+            for node in ast.walk(tree)
+            if isinstance(node, (ast.Import, ast.ImportFrom))
+            for alias in (*node.names, ast.alias(getattr(node, "module", "") or ""))
+        }
+        assert not {"argparse", "optparse", "getopt", "click"} & imported, name
+        given = [
+            ast.unparse(node)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Subscript) and ast.unparse(node).startswith("sys.argv[")
+        ]
+        # The first is how the program was started.
+        own = ("oed/commands/main.py", "oed/commands/options.py", "oed/report/folder_lock.py")
+        assert name.startswith("tests/") or name in own or set(given) <= {"sys.argv[0]"}, name
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_shows_a_default_only_where_there_is_one(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert oed(name, "--help") == 0
+    text = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert not re.findall(r"\(default: ?(?:None|False|''|)\)", text)
+    options = options_of(COMMANDS[name][0])
+    assert text.count("(default: ") == sum(not (o.is_required or o.is_left_out) for o in options)
+    assert text.count("(required)") == sum(o.is_required for o in options)
+    assert [o.name for o in options if not o.meaning] == []
+
+
+def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert oed("--version") == 0
+    assert capsys.readouterr().out == f"oed {__version__}\n"
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_shell_gets_what_it_completes_by(
+    shell: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert oed("--tyro-print-completion", shell) == 0
+    script = capsys.readouterr().out
+    assert [name for name in COMMANDS if name not in script] == []
+    assert "--sign-width" in script
+    if shell == "bash":
+        (tmp_path / "oed").write_text(script)
+        subprocess.run(["bash", "-n", "oed"], cwd=tmp_path, check=True)

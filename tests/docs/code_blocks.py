@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 
 from tests.paths import REPO
@@ -43,3 +44,20 @@ def blocks(page: Path, language: str) -> list[str]:
     if page.suffix == ".py":
         text = COMMENT.sub("", text)
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def command_words(line: str) -> list[str]:
+    """The words of a command line, without what the shell does with its output."""
+    words = shlex.split(line, comments=True)
+    return words[: words.index(">")] if ">" in words else words
+
+
+def oed_lines() -> dict[tuple[str, ...], Path]:
+    """What `oed` is told on any page in a block, once each, with the first page that shows it."""
+    found: dict[tuple[str, ...], Path] = {}
+    for page in pages():
+        for block in blocks(page, "bash"):
+            for line in block.splitlines():
+                if line.startswith("oed "):
+                    found.setdefault(tuple(command_words(line)[1:]), page)
+    return found

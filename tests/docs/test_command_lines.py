@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import importlib
 import re
-import shlex
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import pytest
 
 from oed.commands.main import COMMANDS, configuration_of
-from tests.docs.code_blocks import IN_PACKAGES, blocks, pages, study_lines
+from tests.docs.code_blocks import IN_PACKAGES, blocks, command_words, pages, study_lines
 from tests.paths import REPO
 
 LINES = sorted(
@@ -32,8 +31,12 @@ class Parsed(Exception):  # it ends a command that was only to be parsed
 
 @pytest.mark.parametrize("line", LINES)
 def test_is_accepted(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    words = shlex.split(line, comments=True)
-    if words[0] == "oed":
+    words = command_words(line)
+    if words[:2] == ["oed", "--tyro-print-completion"]:
+        with pytest.raises(SystemExit) as end:
+            configuration_of(words[1:])
+        assert not end.value.code
+    elif words[0] == "oed":
         assert type(configuration_of(words[1:])) is COMMANDS[words[1]][0]
     elif words[:2] == ["python", "-m"]:
         _accepted_by_study(words[2], words[3:], monkeypatch)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import shlex
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from oed.commands.main import configuration_of
+from oed.commands.main import COMMANDS, configuration_of
 from oed.experiment.dataset import DataSet
 from oed.experiment.write_dataset import write_dataset
 from oed.robot import Robot, load_robot
 from oed.robot.inertia import transform_parameters
-from tests.docs.code_blocks import blocks, pages
+from tests.docs.code_blocks import oed_lines
 from tests.experiment.importing.laboratory_logs import (
     TORQUE_CONSTANT,
     bag_mcap,
@@ -24,18 +24,12 @@ from tests.experiment.importing.laboratory_logs import (
 )
 from tests.running import oed
 
-LINES = list(
-    dict.fromkeys(
-        tuple(shlex.split(line, comments=True)[1:])
-        for page in pages()
-        for block in blocks(page, "bash")
-        for line in block.splitlines()
-        if line.startswith("oed ")
-    )
-)
+LINES = list(oed_lines())
 IMPORT = next(words for words in LINES if words[0] == "import")
-# The demo has a test of its own. It diagnoses too, and so does calibrate; that takes longest.
-OTHERS = [words for words in LINES if words[0] not in ("import", "demo", "diagnose")]
+# The demo has a test of its own, and so has what a shell completes by.
+OTHERS = [words for words in LINES if words[0] != "demo" and words[0] in COMMANDS]
+# A diagnosis takes the time that it is given.
+LESS = {name: ["--smoke", "--budget", "0"] for name in ("diagnose", "calibrate")}
 # What the pages' examples say of the load: its mass [kg] and centre in the last link's frame [m].
 MASS, CENTRE = 2.805, np.array([0.0, 0.0, 0.06])
 LIGHTER = 1.0  # [kg]
@@ -89,13 +83,28 @@ def laboratory(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("b", MASS),
     ):
         log(robot, folder / "currents" / name, mass, currents)
+    logs = folder / "logs"
+    logs.mkdir()
+    for name in ("log.mcap", "arm.urdf"):
+        shutil.copy(folder / name, logs)
+    for name in ("bare", "loaded"):
+        shutil.copy(min((folder / name).glob("*.csv")), logs / f"{name}.csv")
     return folder
+
+
+# What the logs of a page lie in, where that is not the laboratory itself.
+PLACES = {"gains": "currents", "import": "logs"}
 
 
 @pytest.mark.parametrize("words", OTHERS, ids=" ".join)
 def test_runs(words: tuple[str, ...], laboratory: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(laboratory / "currents" if words[0] == "gains" else laboratory)
+    monkeypatch.chdir(laboratory / PLACES.get(words[0], ""))
     config = configuration_of(words)
-    less = ["--smoke"] if hasattr(config, "smoke") else []
+    less = LESS.get(words[0], ["--smoke"] if hasattr(config, "smoke") else [])
     assert oed(*words, *less) == 0
-    assert any(path.is_file() for path in Path(words[words.index("--out") + 1]).iterdir())
+    if "--out" in words:
+        assert any(path.is_file() for path in Path(words[words.index("--out") + 1]).iterdir())
+
+
+def test_every_command_is_on_a_page() -> None:
+    assert {words[0] for words in LINES} >= {*COMMANDS} - {"cross-check"}

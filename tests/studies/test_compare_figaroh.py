@@ -25,11 +25,11 @@ MOTION = Motion(
     0.1 * RATES * np.cos(T[:, None] * RATES),
     -0.1 * RATES**2 * np.sin(T[:, None] * RATES),
 )
-# Takes the place of an interpreter: called with the script and the request.
+# Takes the place of an interpreter: called with the script, and told the request.
 STAND_IN = f"""#!{sys.executable}
 import json, sys
 from pathlib import Path
-asked = json.loads(Path(sys.argv[2]).read_text())
+asked = json.load(sys.stdin)
 Path(asked["out"]).write_text((Path(__file__).parent / "answer.json").read_text())
 """
 

@@ -122,7 +122,7 @@ def test_data_sets_are_found_alone_or_in_a_folder(tmp_path: Path, count: int) ->
 )
 def test_the_script_for_another_environment_says_what_it_lacks() -> None:
     run = subprocess.run(
-        [sys.executable, "-m", "studies.figaroh_design", "request.json"],
+        [sys.executable, "-m", "studies.figaroh_design"],
         check=False,
         capture_output=True,
         text=True,

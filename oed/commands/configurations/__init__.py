@@ -5,7 +5,13 @@ here as text; a test holds that they are those of the library.
 """
 
 from oed.commands.configurations.chains import Calibrate, Demo
-from oed.commands.configurations.command import Command, DataSetCommand, ModelName, Prior
+from oed.commands.configurations.command import (
+    Command,
+    DataCommand,
+    DataSetCommand,
+    ModelName,
+    Prior,
+)
 from oed.commands.configurations.designing import CLEARANCE, MOST_CLEARANCE, MOST_POINTS, Design
 from oed.commands.configurations.estimating import Check, Diagnose, Feasible, Identify
 from oed.commands.configurations.importing import ImportLog
@@ -20,6 +26,7 @@ __all__ = [
     "Check",
     "Command",
     "CrossCheck",
+    "DataCommand",
     "DataSetCommand",
     "Demo",
     "Design",

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-import tyro
-
-from oed.commands.configurations.command import Command, ModelName, Prior
+from oed.commands.configurations.command import Command, DataCommand, ModelName, Prior
 from oed.commands.options import NotNegative, OutFolder, Rate, Seed, Whole
 
 
 @dataclass(frozen=True, kw_only=True)
-class Calibrate(Command):
+class Calibrate(DataCommand):
     """From recordings to a model that runs: identify, diagnose, estimate bodies, export.
 
     What the model lacks is found before bodies are estimated, so that it does not end up in masses.
     Leaves a folder for each step and index.html, which links their pages.
 
     Attributes:
-        data: Folder of the data set.
-        out: Folder for everything.
         model: Base model of all steps: standard, offset or rotor; as of oed identify if not given.
         to: Forms that the model is exported to, as of oed export.
         rate: At which a controller or a simulation asks for torque [Hz].
@@ -35,9 +31,7 @@ class Calibrate(Command):
         seed: Of everything random.
     """
 
-    data: Annotated[Path, tyro.conf.Positional]
-    out: OutFolder
-    model: ModelName | None = None
+    model: ModelName | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
     to: tuple[str, ...] = ("c", "mujoco")
     rate: Rate = 1000.0
     prior: Prior = "auto"

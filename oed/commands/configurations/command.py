@@ -40,26 +40,20 @@ class Command:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DataSetCommand(Command):
-    """A command that starts from a data set.
+class DataCommand(Command):
+    """A command that starts from a data set, or from a log that one is made of.
 
     Attributes:
-        data: Folder of the data set.
+        data: Folder of a data set; with --robot, a log, which is imported into OUT/data first.
         out: Folder for the results.
-        joints: Names of the joints to identify; all if not given.
-        cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
-        model: Torque model: rigid body with friction (standard), with constant torques besides
-            (offset), or with rotor inertias besides (rotor); if not given, rotor where the data set
-            declares gears and determines it, else standard.
-        sign_width: Velocity over which Coulomb friction turns [rad/s]; from the data if not given.
+        robot: Of a log: the robot's file, or builtin:NAME; oed import takes what else is to be said.
+        model: Torque model.
     """
 
     data: Annotated[Path, tyro.conf.Positional]
     out: OutFolder
-    joints: tuple[str, ...] = ()
-    cutoff: Positive | None = None
-    model: ModelName | None = None
-    sign_width: NotNegative | None = None
+    robot: str | None = None
+    model: ModelName | Path | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -68,4 +62,24 @@ class DataSetCommand(Command):
     @property
     def inputs(self) -> tuple[Path, ...]:
         """What is read."""
-        return (self.data, *([self.model] if isinstance(self.model, Path) else []))
+        files = (self.robot, self.model if isinstance(self.model, Path) else None)
+        return (self.data, *(Path(file) for file in files if file is not None))
+
+
+@dataclass(frozen=True, kw_only=True)
+class DataSetCommand(DataCommand):
+    """A command that estimates from a data set.
+
+    Attributes:
+        joints: Names of the joints to identify; all if not given.
+        cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
+        model: Torque model: rigid body with friction (standard), with constant torques besides
+            (offset), or with rotor inertias besides (rotor); if not given, rotor where the data set
+            declares gears and determines it, else standard.
+        sign_width: Velocity over which Coulomb friction turns [rad/s]; from the data if not given.
+    """
+
+    joints: tuple[str, ...] = ()
+    cutoff: Positive | None = None
+    model: ModelName | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
+    sign_width: NotNegative | None = None

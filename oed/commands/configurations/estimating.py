@@ -6,15 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
-
-from oed.commands.configurations.command import (
-    Command,
-    DataSetCommand,
-    ModelName,
-    Prior,
-    check_model,
-)
+from oed.commands.configurations.command import DataCommand, DataSetCommand, ModelName, Prior
 from oed.commands.options import Mass, NotNegative, OutFolder, Range, Seed, Whole
 from oed.estimation.feasible.weight_range import LEAST_WEIGHT, MOST_WEIGHT
 
@@ -26,7 +18,12 @@ class Check(DataSetCommand):
     Each finding is green, amber or red; a cause is named only if it alone repairs the fit. Leaves
     check.json and report.html, and says which design completes the data. The exit status is 3 if
     something has to be mended first.
+
+    Attributes:
+        out: Folder for check.json and report.html; the findings are only printed if not given.
     """
+
+    out: OutFolder | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +73,7 @@ class Feasible(DataSetCommand):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Diagnose(Command):
+class Diagnose(DataCommand):
     """Find out what the torque model lacks, add it, and show the error before and after.
 
     Every term is added, dropped and named by one criterion; test recordings report, and have no
@@ -84,8 +81,6 @@ class Diagnose(Command):
     told apart, the motion that tells them apart.
 
     Attributes:
-        data: Folder of the data set.
-        out: Folder for the results.
         model: Base model; as of oed identify if not given. Or a model.json: a second round, which looks
             for what that lacks.
         max_effects: Most effects to add; three a joint if not given, at least six;
@@ -96,20 +91,8 @@ class Diagnose(Command):
         budget: CPU time after which nothing more is looked for [s].
     """
 
-    data: Annotated[Path, tyro.conf.Positional]
-    out: OutFolder
-    model: ModelName | Path | None = None
     max_effects: Whole | None = None
     candidates: tuple[str, ...] = ()
     smoke: bool = False
     seed: Seed = 0
     budget: NotNegative | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_model(self.model)
-
-    @property
-    def inputs(self) -> tuple[Path, ...]:
-        """What is read."""
-        return (self.data, *([self.model] if isinstance(self.model, Path) else []))

@@ -51,6 +51,7 @@ class ImportChoices:
         gravity: In the base frame [m/s^2].
         roles: One a log.
         reference: Whether logs stay where they are, instead of being copied.
+        name: Of the data set; that of its folder if empty.
     """
 
     robot: str
@@ -67,6 +68,7 @@ class ImportChoices:
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
     roles: tuple[Role, ...] = ()
     reference: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,8 @@ def propose_import(logs: Sequence[str | Path], choices: ImportChoices, out: str 
     )
     values = read_values(columns, robot, choices.units or {}, choices.rate, choices.ticks_per_turn)
     parts, why = _roles(paths, values, choices)
-    content = _content(paths, choices, robot, values[0], parts) | {"name": Path(out).resolve().name}
+    name = choices.name or Path(out).resolve().name
+    content = _content(paths, choices, robot, values[0], parts) | {"name": name}
     dataset = _read(content, Path(out))
     notes = (*columns[0].notes, *values[0].notes, *_fixed_notes(robot), *dataset.notes, why)
     return Import(dataset, content, paths, tuple(dict.fromkeys(notes)))
@@ -132,26 +135,34 @@ def write_import(found: Import, out: str | Path, *, reference: bool = False) -> 
     check_new_folder(target)
     target.parent.mkdir(parents=True, exist_ok=True)
     try:
-        _write(found, target, reference=reference)
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as temporary:
+            folder = Path(temporary) / target.name
+            folder.mkdir()
+            place_import(found, folder, target, reference=reference)
+            folder.rename(target)
     except OSError as error:
         reason = error.strerror or str(error)
         raise OSError(f"--out {target}: {reason}: nothing was written") from error
 
 
-def _write(found: Import, target: Path, *, reference: bool) -> None:
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as temporary:
-        folder = Path(temporary) / target.name
-        folder.mkdir()
-        names = _placed(found.logs, folder, target, reference=reference)
-        content = dict(found.content)
-        content["robot"] = write_robot(found.dataset.robot, folder)
-        content["recording"] = [
-            entry | {"file": names[entry["file"]]}
-            for entry in found.content["recording"]  # type: ignore[attr-defined]
-        ]
-        text = manifest_text(content, found.notes)
-        (folder / MANIFEST).write_text(text, encoding="utf-8")
-        folder.rename(target)
+def place_import(found: Import, folder: Path, target: Path, *, reference: bool = False) -> None:
+    """Write the data set's files into a folder that is there and empty.
+
+    Args:
+        found: To write.
+        folder: To write to.
+        target: Folder that the files are moved to when all are whole.
+        reference: Whether logs stay where they are, instead of being copied.
+    """
+    names = _placed(found.logs, folder, target, reference=reference)
+    content = dict(found.content)
+    content["robot"] = write_robot(found.dataset.robot, folder)
+    content["recording"] = [
+        entry | {"file": names[entry["file"]]}
+        for entry in found.content["recording"]  # type: ignore[attr-defined]
+    ]
+    text = manifest_text(content, found.notes)
+    (folder / MANIFEST).write_text(text, encoding="utf-8")
 
 
 def _columns(paths: Sequence[Path], choices: ImportChoices) -> list[ColumnProposal]:
