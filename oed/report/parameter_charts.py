@@ -138,7 +138,7 @@ def _intervals(
         | {"showgrid": False, "zeroline": False},
         "margin": {"l": 8, "r": 8, "t": 12, "b": BOTTOM},
     }
-    has = np.flatnonzero(np.isfinite(file))
+    has = np.flatnonzero(np.isfinite(file)).tolist()
     of_file = {
         "type": "scatter",
         "mode": "markers",
@@ -148,6 +148,6 @@ def _intervals(
         "text": [f"{plain(names[k])}: {file[k]:.4g} {unit} in the file" for k in has],
         "hovertemplate": "%{text}<extra></extra>",
     }
-    traces = [of_file, trace] if has.size else [trace]
+    traces = [of_file, trace] if has else [trace]
     axes["showlegend"] = False
     return Chart(traces, axes, caption, TOP + BOTTOM + INTERVAL * len(names))

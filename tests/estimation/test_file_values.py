@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import oed
+from oed.commands.configurations import ModelName
 from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from oed.estimation.calibration import Calibration
@@ -28,7 +29,7 @@ LIFT = f"""<robot name="lift"><link name="base"/>
 <limit lower="-3" upper="3" velocity="5" effort="90"/></joint></robot>"""
 
 
-def identified(robot: Robot, *, heavier: float = 1.0, model: str = "standard") -> Calibration:
+def identified(robot: Robot, *, heavier: float = 1.0, model: ModelName = "standard") -> Calibration:
     """From recordings of an arm whose links are all heavier than in its file by a factor."""
     rng = np.random.default_rng(5)
     truth = np.concatenate([heavier * robot.parameters, np.tile(FRICTION, robot.n)])
