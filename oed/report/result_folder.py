@@ -6,11 +6,12 @@
             write(..., new)
 
 Before the work, a folder is refused that cannot be written, holds what is read, holds results of
-another command, or in which another run works. The results are written within the folder, in a
-part of it that a listing does not show, and moved into their places when they are whole. That
-survives a folder that is a mount of its own, and a run that is killed at any moment: the next one
-finishes the move, or clears away what was half written. Only what the record of an earlier run
-lists is ever replaced, and only as that run left it, by the hash of its content.
+another command or files without the record of a run, or in which another run works. The results
+are written within the folder, in a part of it that a listing does not show, and moved into their
+places when they are whole. That survives a folder that is a mount of its own, and a run that is
+killed at any moment: the next one finishes the move, or clears away what was half written. Only
+what the record of an earlier run lists is ever replaced, and only as that run left it, by the hash
+of its content.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from oed.report.output_folder import check_output_folder, is_committed, is_scrat
 NEW, READY, RECORD = "new", "ready.json", "record.json"
 LISTED = 3  # names of files in a message
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+OF_A_DISK = "lost+found"  # a folder in which a file system keeps what it mends
 NO_FILE = "no file"  # in place of a hash, where a folder, a link or a device lies
 
 
@@ -70,8 +72,7 @@ class ResultFiles:
     Attributes:
         command: Its name.
         names: Of all files that it may leave, relative to the folder, the one that says most
-            first; empty where they depend on its input, so that a folder in which something lies
-            has to be its own.
+            first; empty where they depend on its input.
     """
 
     command: str
@@ -117,7 +118,7 @@ class ResultFiles:
         )
 
     def _check(self, folder: Path) -> None:
-        """Refuse a folder of another command, a data set's, or one with files of the same name."""
+        """Refuse a folder of another command, a data set's, or one in which somebody else's files lie."""
         record = Record.read(folder / STATE / RECORD)
         if record is not None and record.command != self.command:
             raise ValueError(
@@ -133,14 +134,11 @@ class ResultFiles:
         started = (folder / STATE / READY).exists()
         if record is not None or started or is_committed(folder) or is_scratch(folder):
             return
-        taken = [name for name in self.names if (folder / name).exists()]
-        if not self.names and folder.is_dir():
-            taken = sorted(entry.name for entry in folder.iterdir() if entry.name != STATE)
-        if taken:
+        if taken := _of_others(folder):
             more = f" and {len(taken) - LISTED} more" if len(taken) > LISTED else ""
             raise ValueError(
-                f"--out {folder}: {', '.join(taken[:LISTED])}{more} in it would be lost: no run is "
-                "recorded there; choose an empty or a new folder"
+                f"--out {folder}: holds {', '.join(taken[:LISTED])}{more}, and no run is recorded "
+                "there; choose an empty or a new folder"
             )
 
 
@@ -240,6 +238,27 @@ class ResultFolder:
             return False
         known = now in ("", None if record is None else record.files.get(name))
         return known or is_committed(self.folder) or (record is None and is_scratch(self.folder))
+
+
+def _of_others(folder: Path) -> list[str]:
+    """What lies in a folder and no run left there."""
+    if not folder.is_dir():
+        return []
+    return sorted(entry.name for entry in folder.iterdir() if _is_of_others(entry))
+
+
+def _is_of_others(entry: Path) -> bool:
+    """Whether it is a file, or a folder that holds one, at whatever depth, and is no run's."""
+    if entry.name in (STATE, OF_A_DISK):
+        return False
+    if entry.is_symlink() or not entry.is_dir():
+        return True
+    try:
+        # Steps of a longer run have folders of their own, which are there before its own record.
+        is_a_run_s = (entry / STATE / RECORD).is_file()
+        return not is_a_run_s and any(map(_is_of_others, entry.iterdir()))
+    except PermissionError:
+        return True
 
 
 def _remove(path: Path, folder: Path) -> None:
