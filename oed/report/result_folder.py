@@ -26,15 +26,14 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from oed.experiment.manifest import MANIFEST
-from oed.report.folder_lock import STATE, held
+from oed.report.folder_lock import RECORD, STATE, held
 from oed.report.input_files import check_apart
 from oed.report.json_file import read_json, write_json
-from oed.report.output_folder import check_output_folder, is_committed, is_scratch
+from oed.report.output_folder import check_output_folder, is_committed, is_scratch, of_others
 
-NEW, READY, RECORD = "new", "ready.json", "record.json"
+NEW, READY = "new", "ready.json"
 LISTED = 3  # names of files in a message
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-OF_A_DISK = "lost+found"  # a folder in which a file system keeps what it mends
 NO_FILE = "no file"  # in place of a hash, where a folder, a link or a device lies
 
 
@@ -73,10 +72,13 @@ class ResultFiles:
         command: Its name.
         names: Of all files that it may leave, relative to the folder, the one that says most
             first; empty where they depend on its input.
+        goes_on: Whether a run leaves other files in the folder before it has a record there, from
+            which the next goes on.
     """
 
     command: str
     names: tuple[str, ...] = ()
+    goes_on: bool = False
 
     @contextmanager
     def in_folder(self, folder: Path, inputs: Sequence[str | Path] = ()) -> Iterator[ResultFolder]:
@@ -126,15 +128,17 @@ class ResultFiles:
                 "choose another folder"
             )
         recorded = {} if record is None else record.files
-        own = not self.names and is_scratch(
-            folder
-        )  # which wrote data sets before there were records
+        # Which wrote data sets before there were records.
+        own = not self.names and is_scratch(folder)
         if (folder / MANIFEST).exists() and MANIFEST not in recorded and not own:
             raise ValueError(f"--out {folder}: is a data set; choose another folder")
         started = (folder / STATE / READY).exists()
         if record is not None or started or is_committed(folder) or is_scratch(folder):
             return
-        if taken := _of_others(folder):
+        taken = of_others(folder)
+        if self.goes_on:
+            taken = [name for name in taken if name in self.names]
+        if taken:
             more = f" and {len(taken) - LISTED} more" if len(taken) > LISTED else ""
             raise ValueError(
                 f"--out {folder}: holds {', '.join(taken[:LISTED])}{more}, and no run is recorded "
@@ -238,27 +242,6 @@ class ResultFolder:
             return False
         known = now in ("", None if record is None else record.files.get(name))
         return known or is_committed(self.folder) or (record is None and is_scratch(self.folder))
-
-
-def _of_others(folder: Path) -> list[str]:
-    """What lies in a folder and no run left there."""
-    if not folder.is_dir():
-        return []
-    return sorted(entry.name for entry in folder.iterdir() if _is_of_others(entry))
-
-
-def _is_of_others(entry: Path) -> bool:
-    """Whether it is a file, or a folder that holds one, at whatever depth, and is no run's."""
-    if entry.name in (STATE, OF_A_DISK):
-        return False
-    if entry.is_symlink() or not entry.is_dir():
-        return True
-    try:
-        # Steps of a longer run have folders of their own, which are there before its own record.
-        is_a_run_s = (entry / STATE / RECORD).is_file()
-        return not is_a_run_s and any(map(_is_of_others, entry.iterdir()))
-    except PermissionError:
-        return True
 
 
 def _remove(path: Path, folder: Path) -> None:

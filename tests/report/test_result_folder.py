@@ -86,6 +86,16 @@ def test_a_folder_that_holds_anything_but_what_runs_left_is_refused(
     assert listing(tmp_path) == {name: "mine"}
 
 
+def test_what_a_study_goes_on_from_is_no_other_s_file(tmp_path: Path) -> None:
+    (tmp_path / "lines.csv").write_text("1")
+    study = ResultFiles("study", ("summary.md",), goes_on=True)
+    with study.in_folder(tmp_path):
+        pass
+    (tmp_path / "summary.md").write_text("mine")
+    with pytest.raises(ValueError, match="holds summary"), study.in_folder(tmp_path):
+        pass
+
+
 def test_the_root_is_no_folder_for_results() -> None:
     with pytest.raises(ValueError, match="no run is recorded there"), FILES.in_folder(Path("/")):
         pass
