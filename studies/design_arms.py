@@ -198,8 +198,9 @@ def write(rows: Sequence[Row], config: Config, out: Path | None = None) -> None:
 
 `studies.design --robot FILE --out DIR`, one process an arm, one thread, the file and nothing else:
 {len(good)} of {len(rows)} arms have a motion that is proven to keep its limits for all t, from rest to rest, and
-a finite J_k; {len(clear)} of these are proven clear of themselves, for all t, by the default clearance. The
-others have no shapes in their file, or lack meshes. The longest took {max(walls):.1f} s of wall and {max(cpus):.1f} s of CPU time,
+a finite J_k; {len(clear)} of these are proven clear of themselves, for all t, by the default clearance. Of the
+others some link has no collision shape, lacks its mesh, or overlaps another in nearly all postures, which
+cannot be judged; what can be is proven. The longest took {max(walls):.1f} s of wall and {max(cpus):.1f} s of CPU time,
 imports, compilation, bound, pictures and recording included. J_k = cond Lambda and
 J_d = log10 det Lambda are without column scaling, R_v = I, at {_all(rows, "instants")} instants of a period of
 {_all(rows, "horizon_s")} s, a row for each joint and instant. `..._not_clear` is the best motion found in the same run that

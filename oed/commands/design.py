@@ -115,11 +115,16 @@ def find(config: Design, robot: Robot) -> Result:
     slowed = _slowed(problem, config)
     budget = Budget(evaluations_of(config), config.budget)
     search = search_clear(problem, kept, budget, rng, optimise)
-    found = search.found
+    found, beyond = search.found, search.found.evaluations - evaluations_of(config)
     if search.is_cut_short:
         notes.append(
-            f"stopped by --budget {config.budget:g} CPU s after {found.evaluations} of "
-            f"{counted(evaluations_of(config), 'evaluation')}: the same seed may give another motion"
+            f"stopped by --budget {config.budget:g} CPU s after "
+            f"{counted(found.evaluations, 'evaluation')}: the same seed may give another motion"
+        )
+    if beyond > 0:
+        why = "until a motion was clear" if search.is_kept_on else f"by {config.optimiser} itself"
+        notes.append(
+            f"{counted(beyond, 'evaluation')} beyond the {evaluations_of(config)} of --evaluations, {why}"
         )
     say(f"found after {counted(found.evaluations, 'evaluation')}; proving what it keeps")
     problem = slowed

@@ -143,7 +143,7 @@ def _clearance(robot: Robot, config: Design) -> _Checked:
         if walls is not None:
             raise
         return _Checked(lambda _: True, within, f"not checked: clear of itself: {error}")
-    words = f"{within}, and clear of itself" if around.has_shapes else within
+    words = f"{within}, and clear of itself" if around.is_judged else within
     note = "not checked: clear of itself: --no-clearance" if config.no_clearance else around.note
     return _Checked(around.is_clear, words, note)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from oed.commands.configurations import Diagnose, ModelName
+from oed.commands.diagnosed_torques import diagnosed_torques
 from oed.commands.from_data_set import base_model_name, model_for, processing
 from oed.commands.from_log import imported, on_data_set
 from oed.commands.telling import say, speak
@@ -31,6 +32,7 @@ from oed.report.next_steps import Run, next_steps
 from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
 from oed.report.term_words import in_words, words_of_terms
+from oed.report.torque_charts import RoleTorques
 from oed.report.unnamed_terms import unnamed_terms
 
 MOTIONS = 48  # random motions of which the most discriminating is proposed
@@ -46,6 +48,7 @@ class Outcome:
         notes: What is doubtful about its numbers, and where its logs paused.
         found: The diagnosis.
         following: The motion that tells apart what is open; None where no name is.
+        torques: Measured torque and that of the model before and after, role by role.
         started: The model that it started from; None where it is a named one.
     """
 
@@ -53,6 +56,7 @@ class Outcome:
     notes: tuple[str, ...]
     found: Diagnosis
     following: NextExperiment | None
+    torques: tuple[RoleTorques, ...]
     started: Model | None = None
 
 
@@ -124,7 +128,8 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     rng = np.random.default_rng(config.seed)
     motions = FEW_MOTIONS if config.smoke else MOTIONS
     following = design_next(found, rng, candidates=motions)
-    return Outcome(dataset, (*notes, *found.notes), found, following, started)
+    torques = tuple(diagnosed_torques(found, dataset, settings))
+    return Outcome(dataset, (*notes, *found.notes), found, following, torques, started)
 
 
 def _started(config: Diagnose, dataset: DataSet) -> Model | None:
@@ -147,6 +152,7 @@ def diagnose_into(config: Diagnose) -> Outcome:
             write_diagnosis(
                 outcome.found,
                 outcome.following,
+                torques=outcome.torques,
                 data=outcome.dataset.name,
                 joints=outcome.dataset.robot.joint_names,
                 notes=outcome.notes,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +16,7 @@ from oed.design.collision import Surroundings
 from oed.design.collision_free import find_clear_motion
 from oed.design.optimisers.interior_point import optimise as interior_point
 from oed.design.optimisers.registry import Optimiser
-from oed.design.optimisers.result import Budget, OptimiserResult
+from oed.design.optimisers.result import Budget, EvaluationLog, OptimiserResult
 from oed.design.problem import DesignProblem
 
 
@@ -28,13 +27,15 @@ class ClearSearch:
     Attributes:
         found: The motion that keeps clear, if there is something to keep clear of.
         free: (size,) the best motion found that need not; None if that is the same.
-        is_cut_short: The first search ended before it had all its evaluations.
+        is_cut_short: CPU time ended the search before it had all its evaluations.
+        is_kept_on: The second search went on beyond its evaluations, as nothing was clear before.
         check: What is proven of the distances of `found`; None where nothing had to be kept.
     """
 
     found: OptimiserResult
     free: Float[ndarray, " size"] | None
     is_cut_short: bool
+    is_kept_on: bool = False
     check: ClearanceCheck | None = None
 
 
@@ -47,8 +48,8 @@ def search_clear(
 ) -> ClearSearch:
     """Search without distances to keep, then from there with them, by an interior point.
 
-    Half of the evaluations go to the first search. The second counts its rounds instead: with
-    too few it would not be clear. Half of the CPU seconds go to each.
+    Half of the budget goes to the first search, the second has what is left. Where that comes to
+    no clear motion with its evaluations, it makes more, until the first one that is clear.
 
     Args:
         problem: As for `find_clear_motion`.
@@ -63,31 +64,26 @@ def search_clear(
     if surroundings is None:
         found = optimise(problem, budget, rng)
         return ClearSearch(found, None, _is_cut_short(found, budget))
-    started, half = time.process_time(), _half(budget)
+    log = EvaluationLog(budget)
+    half = log.half()
     clear_posture(problem.limits, surroundings, rng.spawn(1)[0])  # before all work, if none is
     free = optimise(problem, half, rng)
-    clear = find_clear_motion(problem, free.z, surroundings, half, rng)
+    log.evaluations = free.evaluations
+    clear = find_clear_motion(problem, free.z, surroundings, log, rng)
     found = dataclasses.replace(
         free,
         z=clear.z,
         cost=clear.cost,
-        evaluations=free.evaluations + clear.evaluations,
-        cpu_s=time.process_time() - started,
+        evaluations=log.evaluations,
+        cpu_s=log.cpu_s,
         status=f"{free.status}; {counted(clear.rounds, 'round')} to keep clear",
     )
     before = free.z if clear.rounds else None
-    return ClearSearch(found, before, _is_cut_short(free, half), clear.check)
+    is_kept_on = log.left <= 0 and log.evaluations > (budget.evaluations or 0) >= free.evaluations
+    is_cut_short = log.is_late or _is_cut_short(free, half)
+    return ClearSearch(found, before, is_cut_short, is_kept_on, clear.check)
 
 
 def _is_cut_short(found: OptimiserResult, budget: Budget) -> bool:
     # Not by the CPU time spent: a solver may stop a moment before its limit.
     return budget.evaluations is not None and found.evaluations < budget.evaluations
-
-
-def _half(budget: Budget) -> Budget:
-    evaluations, seconds = budget.evaluations, budget.cpu_seconds
-    return dataclasses.replace(
-        budget,
-        evaluations=None if evaluations is None else max(1, evaluations // 2),
-        cpu_seconds=None if seconds is None else seconds / 2,
-    )

@@ -55,6 +55,8 @@ class ClearanceCheck:
         instants: Number of instants looked at.
         note: What could not be checked, or is not held to `wanted`.
         missing: Meshes of collision shapes that were not found: the check says nothing of them.
+        unjudged: What else it says nothing of, in words.
+        nearer: Pairs that are held to less than `wanted`, and to what, in words.
         short: The worst instant of each stretch of time that is not proven [s].
     """
 
@@ -64,6 +66,8 @@ class ClearanceCheck:
     instants: int
     note: str
     missing: tuple[str, ...] = ()
+    unjudged: tuple[str, ...] = ()
+    nearer: str = ""
     short: tuple[float, ...] = ()
 
     @classmethod
@@ -117,6 +121,8 @@ def prove_clearance(
         instants,
         surroundings.note,
         surroundings.missing,
+        surroundings.unjudged,
+        surroundings.nearer,
         worst_of_each(bodies.short + walls.short, trajectory.horizon / FIRST_INTERVALS),
     )
 
@@ -201,13 +207,18 @@ def clearance_status(
 
 def _of_bodies(check: ClearanceCheck, is_wanted: bool) -> tuple[Standing, str]:
     wanted = f"{1e3 * check.wanted:g} mm"
+    wanted += f" ({check.nearer}, too close by design)" if check.nearer else ""
     if check.bodies is not None and check.bodies.spare < 0.0:
         return ("not kept" if is_wanted else "given up"), _shortfall(check.bodies, check.wanted)
+    unknown = list(check.unjudged)
     if check.missing:
         names = ", ".join(check.missing)
-        rest = "" if check.bodies is None else f"; the others keep {wanted}"
         lost = counted(len(check.missing), "collision mesh is", "collision meshes are")
-        return "not checked", f"{lost} not found ({names}): name --package NAME=DIR{rest}"
+        unknown.append(f"{lost} not found ({names}): name --package NAME=DIR")
+    if unknown and check.bodies is not None:
+        unknown.append(f"all else keeps {wanted}")
+    if unknown:
+        return "not checked", "; ".join(unknown)
     if check.bodies is None:
         return "not checked", check.note.removeprefix("not checked: ")
     return "proven", f"by {wanted}" if check.wanted > 0.0 else ""

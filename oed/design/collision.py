@@ -24,7 +24,7 @@ ALWAYS = 0.95
 OFTEN = (
     0.5  # share of postures, above which a pair by itself explains that no motion is clear: most
 )
-WORST = 3  # pairs, in a message
+WORST = 3  # pairs, or links, in a message
 WALLS = ("x", "y", "z")
 
 
@@ -71,7 +71,13 @@ class Surroundings:
         self._drifts: dict[Pair, Float[ndarray, " joints"]] = {}
         self._judge(robot)
         lacking = () if self.has_shapes else ("no shapes to check for collision",)
-        self.note = "; ".join((*self._shapes.notes, *lacking, *self._exceptions()))
+        self.unjudged = self._unjudged()
+        near = f"too close by design, so half of the most that they part: {self.nearer}"
+        exceptions = (
+            f"not judged: {', '.join(self.unjudged)}" if self.unjudged else "",
+            near if self.nearer else "",
+        )
+        self.note = "; ".join(filter(None, (self._shapes.note, *lacking, *exceptions)))
 
     def near(self, q: Float[ndarray, " joints"], ahead: float = FAR) -> list[Nearness]:
         """All pairs within a distance in a posture, each once, and all bodies near a wall.
@@ -80,14 +86,14 @@ class Surroundings:
             q: The posture.
             ahead: The distance [m].
         """
-        between = self._shapes.near(q, ahead, self._overlapping) if self.has_shapes else []
+        between = self._shapes.near(q, ahead) if self.has_shapes else []
         return [*between, *self._near_walls(q, ahead)]
 
     def distances(self, q: Float[ndarray, " joints"], ahead: float = FAR) -> dict[Pair, float]:
         """As `near`, without the slopes [m]."""
         between: dict[Pair, float] = {}
         if self.has_shapes:
-            between = self._shapes.distances(q, ahead, self._overlapping)
+            between = self._shapes.distances(q, ahead)
         return between | self._wall_distances(q, ahead)
 
     def wanted(self, pair: Pair) -> float:
@@ -144,6 +150,7 @@ class Surroundings:
             for pair, found in seen.items()
         }
         self._overlapping = frozenset(pair for pair, most in apart.items() if most <= 0.0)
+        self._shapes.leave_out(self._overlapping)
         self._tight = {p: m / 2 for p, m in apart.items() if 0.0 < m / 2 < self.clearance}
         self._short = {
             pair: sum(d < self.wanted(pair) for d in found) / POSTURES
@@ -165,17 +172,31 @@ class Surroundings:
             "collision shapes: split the shapes of those links in the file"
         )
 
-    def _exceptions(self) -> list[str]:
-        """What is not held to the clearance, in words."""
-        overlapping = ", ".join(" and ".join(pair) for pair in sorted(self._overlapping))
-        tight = ", ".join(
+    @property
+    def nearer(self) -> str:
+        """Pairs that are held to less than the clearance, in words; empty if none is."""
+        return ", ".join(
             f"{a} and {b} {1e3 * wanted:.1f} mm" for (a, b), wanted in sorted(self._tight.items())
         )
-        found = [f"not judged, as they overlap in nearly all postures: {overlapping}"]
-        found = found if overlapping else []
-        if tight:
-            found.append(f"too close by design, so half of the most that they part: {tight}")
-        return found
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether shapes are known of all that is drawn, and every pair of them is looked at."""
+        return self.has_shapes and not self.missing and not self.unjudged
+
+    def _unjudged(self) -> tuple[str, ...]:
+        """What has shapes, or is drawn, and cannot be judged, in words."""
+        if not self.has_shapes:
+            return ()
+        pairs = ", ".join(" and ".join(pair) for pair in sorted(self._overlapping))
+        bare, found = self._shapes.bare, [*filter(None, [self._shapes.planes])]
+        if pairs:
+            found.append(f"{pairs} overlap in nearly all postures")
+        if bare:
+            more = f" and {len(bare) - WORST} more" if len(bare) > WORST else ""
+            shapes = "a collision shape" if len(bare) == 1 else "collision shapes"
+            found.append(f"{', '.join(bare[:WORST])}{more} drawn without {shapes}")
+        return tuple(found)
 
     def _room(self, q: Float[ndarray, " joints"]) -> tuple[Float[ndarray, "bodies 3 2"], Poses]:
         """Of the origin of each body that a joint moves to the walls [m]; and all poses."""

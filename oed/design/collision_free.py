@@ -24,7 +24,7 @@ from oed.design.collision import Surroundings
 from oed.design.constraints import TrustRegion
 from oed.design.optimisers.interior_point import optimise
 from oed.design.optimisers.local_solution import LocalSettings, solve_near, violated
-from oed.design.optimisers.result import Budget, EvaluationLog
+from oed.design.optimisers.result import EvaluationLog
 from oed.design.problem import DesignProblem
 from oed.design.trajectories import TrajectoryClass
 from oed.errors import NoUsableResult
@@ -38,12 +38,13 @@ BUFFER = 0.003
 # [decades] at first, of a distance that is `BUFFER` short all the time: hitting one's way through
 # is not worth it then, but a corner may be cut on the way out.
 PRICE = 3.0
-# Times the price, where it does not keep distances; two rises reach `DEAREST` and no design gains
-# as much by being short for a hundredth of the time.
-DEARER, DEAREST = 5.0, 100.0
+# Times the price, where it does not keep distances: a price is exact above the gain per distance
+# (Nocedal and Wright, Numerical Optimization, section 17.2), which no number bounds for all arms.
+DEARER = 10.0
 # [rad or m] that a round may move: what a linear model of distances is good for is found by
 # halving and growing, so that the first matters little; below the least one it moves by a degree.
 FIRST_STEP, LARGEST_STEP, LEAST_STEP = 0.3, 0.6, 0.02
+STUCK = 2  # rises of the price without a step in between: what bars the way is no longer the price
 ROUNDS = 40  # twice what arms of six and seven joints took
 LEAST_GAIN = (
     0.02  # [decades] of a round that is worth another at the same price: 0.1 % of an estimate
@@ -66,14 +67,12 @@ class ClearMotion:
         z: (size,) the motion.
         cost: Its exact criterion.
         rounds: Linearisations that were solved; 0 if the search began there.
-        evaluations: Of the criterion.
         check: What is proven of its distances; None before that.
     """
 
     z: Float[ndarray, " size"]
     cost: float
     rounds: int
-    evaluations: int
     check: ClearanceCheck | None = None
 
 
@@ -139,7 +138,7 @@ def find_clear_motion(
     problem: DesignProblem,
     z: Float[ndarray, " size"],
     surroundings: Surroundings,
-    budget: Budget,
+    log: EvaluationLog,
     rng: np.random.Generator,
 ) -> ClearMotion:
     """The best motion, by local searches, that is proven to keep its distances.
@@ -154,21 +153,24 @@ def find_clear_motion(
         problem: Any; of a class without an offset, without a second beginning.
         z: A motion within its limits, such as the best one without distances to keep.
         surroundings: What may be hit.
-        budget: Of the search for another beginning; the others keep to its CPU seconds and to
-            `ROUNDS`, not to its evaluations.
+        log: Counts evaluations, and says when to stop; where nothing clear was found with its
+            evaluations, more are made until the first motion that is.
         rng: Of the second beginning.
 
     Raises:
         NoClearPosture: If no posture is clear.
         NoClearMotion: If no motion is found.
     """
-    for start in _beginnings(problem, z, surroundings, budget, rng):
-        found = _proven(problem, start, surroundings, budget)
+    for start in _beginnings(problem, z, surroundings, log, rng):
+        found = _proven(problem, start, surroundings, log)
         if found is not None:
             return found
+        if log.is_late:
+            break
+    in_time, more = (" in time", "allow more (--budget), ") if log.is_late else ("", "")
     raise NoClearMotion(
-        f"no motion was found that keeps the arm clear of itself and its box by "
-        f"{1e3 * surroundings.clearance:g} mm: ask for less (--clearance), or narrow the "
+        f"no motion was found{in_time} that keeps the arm clear of itself and its box by "
+        f"{1e3 * surroundings.clearance:g} mm: {more}ask for less (--clearance), or narrow the "
         f"limits of positions yourself{surroundings.mostly_short}"
     )
 
@@ -177,17 +179,18 @@ def _beginnings(
     problem: DesignProblem,
     z: Float[ndarray, " size"],
     surroundings: Surroundings,
-    budget: Budget,
+    log: EvaluationLog,
     rng: np.random.Generator,
 ) -> Iterator[Float[ndarray, " size"]]:
     """Motions from which to search, the most promising first, each when it is asked for."""
 
     def toll(start: Float[ndarray, " size"]) -> float:
         seen = Distances.at(problem.trajectory, start, surroundings)
-        return problem.cost(start) + seen.price(start, PRICE)[0]
+        return log.evaluate(problem.cost, start) + seen.price(start, PRICE)[0]
 
     is_clear = Distances.at(problem.trajectory, z, surroundings).spare >= ENOUGH
-    if is_clear or not problem.trajectory.has_offset:  # which fits no range but its own
+    # Without an offset a class fits no range but its own.
+    if is_clear or log.is_late or not problem.trajectory.has_offset:
         yield z
         return
     try:
@@ -200,7 +203,9 @@ def _beginnings(
         limits = room.limits.with_(position=position)
         trajectory = problem.trajectory.with_limits(limits)
         narrow = dataclasses.replace(problem, trajectory=trajectory, limits=limits)
-        return optimise(narrow, budget, rng).z
+        found = optimise(narrow, log.half(), rng)
+        log.count(found.evaluations)
+        return found.z
 
     position, centre = room.limits.position, room.centre[:, None]
     yield from sorted((z, within(position)), key=toll)
@@ -213,11 +218,10 @@ def _proven(
     problem: DesignProblem,
     z: Float[ndarray, " size"],
     surroundings: Surroundings,
-    budget: Budget,
+    log: EvaluationLog,
 ) -> ClearMotion | None:
     """Descend until what was found is proven between instants too; None if that fails."""
-    seconds = np.inf if budget.cpu_seconds is None else budget.cpu_seconds
-    log, instants = EvaluationLog(Budget(cpu_seconds=seconds)), np.zeros(0)
+    instants = np.zeros(0)
     for _ in range(DESCENTS):
         found = descend(problem, z, surroundings, log, instants)
         if found is None:
@@ -247,9 +251,11 @@ def descend(
     """
     seen = Distances.at(problem.trajectory, z, surroundings, instants)
     cost, peaks = log.evaluate(problem.cost, z), np.zeros(0)
-    weight, step, rounds = PRICE, FIRST_STEP, 0
+    weight, step, rounds, stuck = PRICE, FIRST_STEP, 0, 0
     best = (np.array(z), cost) if seen.spare >= ENOUGH else None
-    while rounds < ROUNDS and weight <= DEAREST and not log.is_spent:
+    while rounds < ROUNDS and stuck < STUCK:
+        if log.is_late or (best is not None and log.is_spent):
+            break
         rounds += 1
         near = solve_near(
             problem,
@@ -258,7 +264,9 @@ def descend(
             LOCAL,
             trust=TrustRegion(z, step),
             penalty=partial(seen.price, weight=weight),
+            dearer=weight / PRICE,
             peaks=peaks,
+            may_exceed=best is None,
         )
         peaks = np.union1d(peaks, violated(problem, near))
         candidate = problem.repair(near)
@@ -268,12 +276,12 @@ def descend(
         if new.spare >= ENOUGH and (best is None or new_cost < best[1]):
             best = candidate, new_cost
         if gain > 0.0:
-            z, cost, seen = candidate, new_cost, new
+            z, cost, seen, stuck = candidate, new_cost, new, 0
             step = min(1.5 * step, LARGEST_STEP)
         else:
             step /= 3
         if step < LEAST_STEP or 0.0 < gain < LEAST_GAIN:
             if seen.spare >= ENOUGH:
                 break
-            weight, step = DEARER * weight, FIRST_STEP
-    return None if best is None else ClearMotion(*best, rounds, log.evaluations)
+            weight, step, stuck = DEARER * weight, FIRST_STEP, stuck + 1
+    return None if best is None else ClearMotion(*best, rounds)

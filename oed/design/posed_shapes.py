@@ -5,7 +5,7 @@ Drake looks at the convex hull of every collision mesh.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,10 +18,12 @@ from pydrake.geometry import (
     HalfSpace,
     Role,
     SceneGraph,
+    SceneGraphInspector,
     SignedDistancePair,
     Sphere,
 )
-from pydrake.multibody.tree import BodyIndex, PrismaticJoint
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, PrismaticJoint, RigidBody
 from pydrake.multibody.tree import Joint as DrakeJoint
 
 from oed.design.reach import reaches
@@ -49,11 +51,11 @@ class Nearness:
 
 @dataclass(frozen=True)
 class Poses:
-    """Where bodies and joints are in one posture, in the world.
+    """Where the bodies that a joint moves and the joints are in one posture, in the world.
 
     Attributes:
-        rotation: (bodies, 3, 3) of each body's frame.
-        origin: (bodies, 3) of each body's frame [m].
+        rotation: (bodies, 3, 3) of each body's frame; 0 of those that nothing moves.
+        origin: (bodies, 3) of each body's frame [m]; likewise.
         axes: (n, 3) of each joint.
         moments: (n, 3) velocity that each joint gives a point at 0: a point p that joint j moves
             has the velocity axis_j x p + moment_j per unit of it.
@@ -68,7 +70,7 @@ class Poses:
         self, points: Float[ndarray, "points 3"], directions: Float[ndarray, "points 3"]
     ) -> Float[ndarray, "points joints"]:
         """Speed of each point along its direction, per unit of each joint that moves it."""
-        return np.cross(points, directions) @ self.axes.T + directions @ self.moments.T
+        return _cross(points, directions) @ self.axes.T + directions @ self.moments.T
 
 
 class PosedShapes:
@@ -84,10 +86,12 @@ class PosedShapes:
         RobotError: If the robot has no file, or the file cannot be read.
     """
 
+    bare: tuple[str, ...]  # bodies that are drawn and have no collision shape
+
     def __init__(self, robot: Robot) -> None:
         self._scene: Scene = load_scene(robot)
         plant, scene_graph = self._scene.plant, self._scene.scene_graph
-        planes = _leave_out_planes(scene_graph)
+        self.planes = _leave_out_planes(scene_graph)
         self.moved_by = _joints_below(self._scene)
         _leave_out_rigid(self._scene, self.moved_by)
         with warnings_off():  # of planes and soft bodies
@@ -109,7 +113,7 @@ class PosedShapes:
         self.is_slide = np.array([isinstance(joint, PrismaticJoint) for joint in self._joints])
         self._read_shapes()
         self.missing = self._scene.missing
-        self.notes = tuple(filter(None, (self._scene.note, planes)))
+        self.note = self._scene.note
 
     def _read_shapes(self) -> None:
         """Numbers in place of Drake's objects: looking these up takes longer than distances do."""
@@ -122,30 +126,37 @@ class PosedShapes:
             self._body_of[shape.get_value()] = int(body.index())
             self._in_body[shape.get_value()] = inspector.GetPoseInFrame(shape).GetAsMatrix34()
         self._pairs: dict[tuple[int, int], Pair] = {}
+        self.bare = tuple(body.name() for body in self._bodies if _is_bare(body, inspector, plant))
 
-    def near(
-        self, q: Float[ndarray, " joints"], ahead: float, left_out: frozenset[Pair] = frozenset()
-    ) -> list[Nearness]:
+    def near(self, q: Float[ndarray, " joints"], ahead: float) -> list[Nearness]:
         """All pairs of bodies within a distance in a posture, each once, by its nearest shapes.
 
         Args:
             q: The posture.
             ahead: The distance [m].
-            left_out: Pairs that do not count.
         """
-        nearest = self._nearest(q, ahead, left_out)
+        nearest = self._nearest(q, ahead)
         slopes = self._slopes(list(nearest.values()))
         return [
             Nearness(pair, float(found.distance), slope)
             for (pair, found), slope in zip(nearest.items(), slopes, strict=True)
         ]
 
-    def distances(
-        self, q: Float[ndarray, " joints"], ahead: float, left_out: frozenset[Pair] = frozenset()
-    ) -> dict[Pair, float]:
+    def distances(self, q: Float[ndarray, " joints"], ahead: float) -> dict[Pair, float]:
         """As `near`, without the slopes [m]."""
-        nearest = self._nearest(q, ahead, left_out)
+        nearest = self._nearest(q, ahead)
         return {pair: float(found.distance) for pair, found in nearest.items()}
+
+    def leave_out(self, pairs: Iterable[Pair]) -> None:
+        """Do not look at some pairs again: of shapes that overlap deeply a distance takes long."""
+        plant, graph = self._scene.plant, self._scene.scene_graph
+        filters = graph.collision_filter_manager(graph.GetMyMutableContextFromRoot(self._root[1]))
+        for pair in pairs:
+            of_each = (
+                GeometrySet(plant.GetCollisionGeometriesForBody(self._bodies[index]))
+                for index in (self.body_index[name] for name in pair)
+            )
+            filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*of_each))
 
     def origins(self, q: Float[ndarray, " joints"]) -> tuple[Float[ndarray, "bodies 3"], Poses]:
         """Of all bodies that a joint moves, and all poses."""
@@ -171,7 +182,7 @@ class PosedShapes:
         self._scene.plant.SetPositions(self._context, posture)  # pyright: ignore[reportArgumentType]  # the stub has the dtype in place of the shape
 
     def _nearest(
-        self, q: Float[ndarray, " joints"], ahead: float, left_out: frozenset[Pair]
+        self, q: Float[ndarray, " joints"], ahead: float
     ) -> dict[Pair, SignedDistancePair]:
         """Pose the arm; of each pair of bodies the two shapes that are nearest."""
         self._pose(q)
@@ -181,7 +192,7 @@ class PosedShapes:
         for found in query.ComputeSignedDistancePairwiseClosestPoints(ahead):
             pair = self._pair(found.id_A.get_value(), found.id_B.get_value())
             distance = found.distance
-            if distance < least.get(pair, np.inf) and pair not in left_out:
+            if distance < least.get(pair, np.inf):
                 nearest[pair], least[pair] = found, distance
         return nearest
 
@@ -195,33 +206,47 @@ class PosedShapes:
     def _poses(self) -> Poses:
         """In the present posture."""
         plant, context = self._scene.plant, self._context
-        X_WB = np.array(
-            [plant.EvalBodyPoseInWorld(context, b).GetAsMatrix34() for b in self._bodies]
-        )
+        X_WB = np.zeros((len(self._bodies), 3, 4))
+        for index in self.movable:
+            X_WB[index] = plant.EvalBodyPoseInWorld(context, self._bodies[index]).GetAsMatrix34()
         rotation, origin = X_WB[:, :, :3], X_WB[:, :, 3]
         carrier = rotation[self._joint_body]
         along = np.einsum("jik,jk->ji", carrier, self._joint_axis)
         at = origin[self._joint_body] + np.einsum("jik,jk->ji", carrier, self._joint_origin)
         slides = self.is_slide[:, None]
         axes = np.where(slides, 0.0, along)
-        return Poses(rotation, origin, axes, np.where(slides, along, np.cross(at, axes)))
+        return Poses(rotation, origin, axes, np.where(slides, along, _cross(at, axes)))
 
     def _slopes(self, found: Sequence[SignedDistancePair]) -> Float[ndarray, "pairs joints"]:
         """Change of each distance with the joints, in the present posture."""
-        slopes = np.zeros((len(found), len(self._joints)))
         if not found:
-            return slopes
+            return np.zeros((0, len(self._joints)))
         poses, n = self._poses(), np.array([pair.nhat_BA_W for pair in found])
-        for sign, shapes, points in (
-            (1.0, [pair.id_A.get_value() for pair in found], [pair.p_ACa for pair in found]),
-            (-1.0, [pair.id_B.get_value() for pair in found], [pair.p_BCb for pair in found]),
-        ):
-            body = [self._body_of[shape] for shape in shapes]
-            X_BG = np.array([self._in_body[shape] for shape in shapes])
-            p_B = np.einsum("kij,kj->ki", X_BG[:, :, :3], np.array(points)) + X_BG[:, :, 3]
-            p_W = np.einsum("kij,kj->ki", poses.rotation[body], p_B) + poses.origin[body]
-            slopes += sign * self._is_moved[body] * poses.rates(p_W, n)
-        return slopes
+        shapes = [f.id_A.get_value() for f in found] + [f.id_B.get_value() for f in found]
+        points = np.array([f.p_ACa for f in found] + [f.p_BCb for f in found])
+        body = [self._body_of[shape] for shape in shapes]
+        X_BG = np.array([self._in_body[shape] for shape in shapes])
+        p_B = np.einsum("kij,kj->ki", X_BG[:, :, :3], points) + X_BG[:, :, 3]
+        p_W = np.einsum("kij,kj->ki", poses.rotation[body], p_B) + poses.origin[body]
+        rates = self._is_moved[body] * poses.rates(p_W, np.concatenate([n, -n]))
+        return rates[: len(found)] + rates[len(found) :]
+
+
+def _is_bare(body: RigidBody, inspector: SceneGraphInspector, plant: MultibodyPlant) -> bool:
+    """Whether a body is drawn and has nothing that could be found to collide."""
+    frame = plant.GetBodyFrameIdIfExists(body.index())
+    if frame is None:
+        return False
+    drawn, shapes = (
+        inspector.NumGeometriesForFrameWithRole(frame, role)
+        for role in (Role.kIllustration, Role.kProximity)
+    )
+    return drawn > 0 and shapes == 0
+
+
+def _cross(a: Float[ndarray, "k 3"], b: Float[ndarray, "k 3"]) -> Float[ndarray, "k 3"]:
+    """NumPy's cross product, which spends its time on the shapes of so few vectors."""
+    return a[:, [1, 2, 0]] * b[:, [2, 0, 1]] - a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
 
 
 def _on_body(joint: DrakeJoint) -> tuple[ndarray, ndarray]:

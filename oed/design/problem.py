@@ -159,6 +159,7 @@ class DesignProblem:
         *,
         sign_width: float | None = None,
         exponent: float = np.inf,
+        dearer: float = 1.0,
     ) -> tuple[float, Float[ndarray, " size"]]:
         """The criterion with a smooth sign, and its gradient.
 
@@ -166,6 +167,7 @@ class DesignProblem:
             z: The motion.
             sign_width: Of the smooth sign [rad/s]; the problem's own if None.
             exponent: Of the Schatten norms that smooth J_k and E; infinite for the criterion.
+            dearer: Times the usual price of excess torque.
         """
         width = self.sign_width if sign_width is None else sign_width
         motion = self.trajectory.motion(z, self.instants)
@@ -178,7 +180,7 @@ class DesignProblem:
         adjoint = self.fast.adjoint(entries, slope)
         if self.limits_torque:
             penalty, push = self._torque.penalty(entries)
-            value, adjoint = value + penalty, adjoint + push
+            value, adjoint = value + dearer * penalty, adjoint + dearer * push
         adjoints = self.regressor.pull_back(motion, adjoint, width)
         return value, self.trajectory.pull_back(z, self.instants, adjoints)
 

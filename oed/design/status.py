@@ -68,7 +68,7 @@ class DesignStatus:
 
     def __str__(self) -> str:
         """One sentence that names everything that is not proven."""
-        proven = ", ".join(limit.limit for limit in self.limits if limit.standing == "proven")
+        proven = ", ".join(str(limit) for limit in self.limits if limit.standing == "proven")
         if not self.is_usable:
             opened = [
                 f"{limit} ({limit.standing})" if limit.standing == "not checked" else str(limit)

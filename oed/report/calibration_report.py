@@ -16,6 +16,7 @@ from oed.counted import counted
 from oed.estimation.calibration import Calibration
 from oed.estimation.reach import LARGEST_REACH
 from oed.estimation.recursive import RecursiveEstimate
+from oed.estimation.validation import Validation
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import HELD_OUT, Role
 from oed.report.calibration_record import (
@@ -24,8 +25,8 @@ from oed.report.calibration_record import (
     parameter_rows,
     validation_rows,
 )
-from oed.report.chart import THINNED, Chart, points_for
-from oed.report.estimation_charts import residual_chart, spectrum_chart, torque_chart
+from oed.report.chart import THINNED, points_for
+from oed.report.estimation_charts import spectrum_chart
 from oed.report.joint_words import torque_label, torque_units
 from oed.report.json_file import write_json
 from oed.report.origin_section import origin_section
@@ -33,6 +34,7 @@ from oed.report.page import Page, Section, Table, Text, Verdict, write_page
 from oed.report.parameter_charts import convergence_chart, interval_charts
 from oed.report.provenance import Provenance
 from oed.report.table import text_table, write_csv
+from oed.report.torque_charts import RoleTorques, Rows, torque_charts
 
 VALIDATION_CAPTION = (
     "rms: of measured less predicted {}, a row counted less where the direction of motion is uncertain; "
@@ -117,10 +119,15 @@ def _page(
 
 
 def _prediction_section(calibration: Calibration, checkup: Checkup) -> Section:
-    charts = [
-        chart
+    robot = calibration.dataset.robot
+    roles = [
+        RoleTorques(
+            role,
+            Rows.end_to_end(_rows(calibration.validation[role], recordings)),
+            {"predicted": calibration.validation[role].rms},
+            calibration.validation[role].rms,
+        )
         for role, recordings in calibration.recordings.items()
-        for chart in _role_charts(calibration, role, recordings)
     ]
     return Section(
         "How well it predicts",
@@ -128,51 +135,21 @@ def _prediction_section(calibration: Calibration, checkup: Checkup) -> Section:
             *(Text(f"Note: {note}.") for note in doubts(checkup)),
             Table(
                 validation_rows(calibration),
-                caption=VALIDATION_CAPTION.format(torque_label(calibration.dataset.robot.joints)),
+                caption=VALIDATION_CAPTION.format(torque_label(robot.joints)),
             ),
-            *charts,
+            *torque_charts(robot, roles, band="± rms"),
             Text(THINNED),
         ),
     )
 
 
-def _role_charts(
-    calibration: Calibration, role: Role, recordings: Sequence[ProcessedRecording]
-) -> tuple[Chart, Chart]:
-    """Torque and residual of a role's recordings, one after another."""
-    robot, result = calibration.dataset.robot, calibration.validation[role]
-    joints, units = robot.joint_names, torque_units(robot.joints)
-    points = points_for(3 * robot.n * len(calibration.recordings))
-    ends = np.cumsum([len(recording.motion) for recording in recordings])[:-1]
-    t, measured, residual = (
-        np.insert(values, ends, np.nan, axis=0)  # no line leads from one recording to the next
-        for values in (
-            _joined_time(recordings),
-            np.concatenate([recording.tau for recording in recordings]),
-            result.residual,
-        )
-    )
-    return (
-        torque_chart(
-            t, measured, measured - residual, joints, units, points=points,
-            caption=f"Measured and reconstructed torque, recordings with role {role}.",
-        ),
-        residual_chart(
-            t, residual, result.rms, joints, units, points=points,
-            caption=f"Measured minus reconstructed torque, recordings with role {role}; the "
-            "lines are at ± rms.",
-        ),
-    )  # fmt: skip
-
-
-def _joined_time(recordings: Sequence[ProcessedRecording]) -> Float[ndarray, " samples"]:
-    """Times of recordings set one after another [s]."""
-    pieces: list[ndarray] = []
-    start = 0.0
-    for recording in recordings:
-        pieces.append(recording.motion.t - recording.motion.t[0] + start)
-        start = pieces[-1][-1] + 1 / recording.rate
-    return np.concatenate(pieces)
+def _rows(found: Validation, recordings: Sequence[ProcessedRecording]) -> list[Rows]:
+    """Each recording with its part of the residual."""
+    ends = np.cumsum([len(recording) for recording in recordings])[:-1]
+    return [
+        Rows(recording.motion.t, recording.tau, {"predicted": recording.tau - residual})
+        for recording, residual in zip(recordings, np.split(found.residual, ends), strict=True)
+    ]
 
 
 def _parameter_section(calibration: Calibration, history: RecursiveEstimate) -> Section:

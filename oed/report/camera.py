@@ -12,6 +12,7 @@ FIELD_OF_VIEW = 40.0  # [deg] of the picture's height: about that of a photograp
 FILLED = 0.95  # share of the picture's height or width, whichever is full first
 # Directions that are tried: from above the floor, and never so steeply that heights are lost.
 ELEVATIONS = np.radians([20.0, 35.0, 50.0])
+ASPECTS = np.linspace(1.0, 16 / 9, 15)  # of pictures: from a square to a screen
 AZIMUTHS = np.radians(np.arange(0.0, 360.0, 30.0))
 
 
@@ -22,21 +23,22 @@ class Camera:
     Attributes:
         position: (3,) where it stands [m].
         target: (3,) the middle of its picture [m].
+        aspect: Width of its picture over the height.
     """
 
     position: Float[ndarray, "3"]
     target: Float[ndarray, "3"]
+    aspect: float
 
 
-def framing(points: Float[ndarray, "points 3"], aspect: float) -> Camera:
-    """The camera that shows all points as large as the picture allows.
+def framing(points: Float[ndarray, "points 3"]) -> Camera:
+    """The camera that shows all points as large as the picture allows, which takes their shape.
 
     Of the directions that are tried, that from which the points spread over the largest area: where
     least of their extent is hidden in the depth.
 
     Args:
         points: (P, 3) what must be seen [m], not all in one place.
-        aspect: Width of the picture over its height.
     """
     directions = [
         np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
@@ -46,7 +48,9 @@ def framing(points: Float[ndarray, "points 3"], aspect: float) -> Camera:
     toward = max(
         directions, key=lambda d: np.ptp(points @ np.stack(_axes(d), axis=1), axis=0).prod()
     )
-    return _framed(points, toward, aspect)
+    aspect = min(ASPECTS, key=lambda a: np.ptp(_distances(points, toward, a)[0]))
+    distances, target = _distances(points, toward, aspect)
+    return Camera(target + distances.max() * toward, target, float(aspect))
 
 
 def half_height() -> float:
@@ -61,10 +65,10 @@ def _axes(toward: Float[ndarray, "3"]) -> tuple[Float[ndarray, "3"], Float[ndarr
     return right, np.cross(toward, right)
 
 
-def _framed(
+def _distances(
     points: Float[ndarray, "points 3"], toward: Float[ndarray, "3"], aspect: float
-) -> Camera:
-    """The nearest camera in a direction that sees all points.
+) -> tuple[Float[ndarray, "2"], Float[ndarray, "3"]]:
+    """How far off a camera in a direction sees all points across and upwards, and its target [m].
 
     A point at height z above the target, toward the camera at distance D, is inside if
     |x - c| <= (D - z) s, with s the slope of the picture's edge: of all points, the largest x + s z and the
@@ -72,10 +76,10 @@ def _framed(
     """
     z = points @ toward
     slope = FILLED * half_height()
-    target, distances = np.zeros(3), []
-    for axis, edge in zip(_axes(toward), (aspect * slope, slope), strict=True):
+    target, distances = np.zeros(3), np.zeros(2)
+    for k, (axis, edge) in enumerate(zip(_axes(toward), (aspect * slope, slope), strict=True)):
         along = points @ axis
         high, low = (along + edge * z).max(), (along - edge * z).min()
         target += (high + low) / 2 * axis
-        distances.append((high - low) / (2 * edge))
-    return Camera(target + max(distances) * toward, target)
+        distances[k] = (high - low) / (2 * edge)
+    return distances, target

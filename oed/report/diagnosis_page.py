@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from oed.diagnosis.diagnose import Diagnosis
 from oed.diagnosis.discrimination.next_motion import NextExperiment
 from oed.diagnosis.inference.answer import FoundEffect
+from oed.report.chart import THINNED
 from oed.report.diagnosis_record import NEXT
 from oed.report.joint_words import joint_labels, over_floor, place_words, torque_units
 from oed.report.next_steps import Run, next_steps
@@ -15,6 +16,7 @@ from oed.report.page import Page, Picture, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
 from oed.report.table import Row
 from oed.report.term_words import TermWords, in_words, words_of_terms
+from oed.report.torque_charts import RoleTorques, torque_charts
 from oed.report.unnamed_terms import Unnamed, unnamed_terms
 
 
@@ -22,6 +24,7 @@ def diagnosis_page(
     found: Diagnosis,
     following: NextExperiment | None,
     *,
+    torques: Sequence[RoleTorques],
     data: str,
     joints: Sequence[str],
     notes: Sequence[str],
@@ -34,6 +37,7 @@ def diagnosis_page(
     Args:
         found: The diagnosis.
         following: The motion that tells apart what is open, if anything is.
+        torques: Measured torque and that of both models, role by role.
         data: Name of the data set.
         joints: (n,) names.
         notes: What is doubtful about its numbers.
@@ -51,6 +55,7 @@ def diagnosis_page(
         _budget_section(found, labels, words),
         *(Section("What each addition does", [picture]) for picture in additions),
         _error_section(found, labels, pictures["proof"]),
+        _torque_section(found, torques),
         *(_effect_section(effect, labels, words) for effect in found.effects),
         *([] if following is None else [_next_section(following, words)]),
         *([Section("Notes on the data", [Text(f"{n}.") for n in notes])] if notes else []),
@@ -158,6 +163,19 @@ def _error_section(found: Diagnosis, labels: Sequence[str], picture: Picture) ->
         + _below_floor(found, labels)
     )
     return Section("Errors before and after", [picture, Table(rows, caption, digits=3), noise])
+
+
+def _torque_section(found: Diagnosis, torques: Sequence[RoleTorques]) -> Section:
+    known = (
+        " Torque that was found before is taken off what was measured."
+        if found.known.effects
+        else ""
+    )
+    said = Text(
+        f"In the band up to {found.cutoff:.3g} Hz: the base model (before), and with what was added (after).{known} {THINNED}"
+    )
+    charts = torque_charts(found.before.model.robot, torques, band="± the noise floor")
+    return Section("Torque before and after", [said, *charts])
 
 
 def _below_floor(found: Diagnosis, labels: Sequence[str]) -> str:

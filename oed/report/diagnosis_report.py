@@ -27,12 +27,14 @@ from oed.report.page import Picture, write_page
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
 from oed.report.term_words import TermWords, in_words, words_of_terms
+from oed.report.torque_charts import RoleTorques
 
 
 def write_diagnosis(
     found: Diagnosis,
     following: NextExperiment | None,
     *,
+    torques: Sequence[RoleTorques],
     data: str,
     joints: Sequence[str],
     notes: Sequence[str] = (),
@@ -45,6 +47,7 @@ def write_diagnosis(
     Args:
         found: The diagnosis.
         following: The motion that tells apart what is open, if anything is.
+        torques: Measured torque and that of both models, role by role.
         data: Name of the data set.
         joints: Names of its joints.
         notes: What is doubtful about its numbers.
@@ -70,6 +73,7 @@ def write_diagnosis(
     page = diagnosis_page(
         found,
         following,
+        torques=torques,
         data=data,
         joints=joints,
         notes=notes,

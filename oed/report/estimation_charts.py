@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -18,43 +18,45 @@ from oed.report.chart import (
     plain,
     stacked_panels,
 )
-from oed.report.colours import BLUE, GREY, VERMILION
+from oed.report.colours import BLACK, BLUE, GREEN, GREY, VERMILION
 
 SPECTRUM = 320  # [px]
+BAND = {"color": VERMILION, "width": 1.2}
+BAND_OF_SEVERAL = {"color": BLACK, "width": 1.0, "dash": "dot"}  # beside lines of all colours
 
 
 def torque_chart(
     t: Float[ndarray, " samples"],
     measured: Float[ndarray, "samples joints"],
-    predicted: Float[ndarray, "samples joints"],
+    predicted: Mapping[str, Float[ndarray, "samples joints"]],
     joints: Sequence[str],
     units: Sequence[str],
     *,
     points: int,
     caption: str,
 ) -> Chart:
-    """Measured torque and the torque that the model reconstructs (figure 6).
+    """Measured torque and the torque that models reconstruct (figure 6).
 
     Args:
         t: (N,) time [s].
         measured: (N, n) [N m, N at prismatic joints]; NaN in all joints is a gap.
-        predicted: (N, n) likewise.
+        predicted: (N, n) likewise, by the name of each model.
         joints: (n,) names.
         units: (n,) of the torques.
         points: At most so many a line.
         caption: What it shows.
     """
-    traces = []
-    for j, unit in enumerate(units):
-        for name, values, colour in (("measured", measured, GREY), ("predicted", predicted, BLUE)):
-            traces.append(
-                line(
-                    t, values[:, j], points,
-                    name=name, legendgroup=name, showlegend=j == 0, yaxis=panel_axis(j),
-                    line={"color": colour, "width": 1.6 if name == "measured" else 1.0},
-                    hovertemplate=f"%{{y:.4g}} {unit} at %{{x:.3f}} s",
-                )
-            )  # fmt: skip
+    drawn = [("measured", measured, GREY), *_coloured(predicted)]
+    traces = [
+        line(
+            t, values[:, j], points,
+            name=name, legendgroup=name, showlegend=j == 0, yaxis=panel_axis(j),
+            line={"color": colour, "width": 1.6 if name == "measured" else 1.0},
+            hovertemplate=f"%{{y:.4g}} {unit} at %{{x:.3f}} s",
+        )
+        for j, unit in enumerate(units)
+        for name, values, colour in drawn
+    ]  # fmt: skip
     titles = [f"{name} [{unit}]" for name, unit in zip(joints, units, strict=True)]
     axes, height = stacked_panels(titles, "time [s]")
     return Chart(traces, axes, caption, height)
@@ -62,46 +64,56 @@ def torque_chart(
 
 def residual_chart(
     t: Float[ndarray, " samples"],
-    residual: Float[ndarray, "samples joints"],
-    rms: Float[ndarray, " joints"],
+    residual: Mapping[str, Float[ndarray, "samples joints"]],
+    rms: Mapping[str, Float[ndarray, " joints"]],
     joints: Sequence[str],
     units: Sequence[str],
     *,
+    band: Float[ndarray, " joints"],
     points: int,
     caption: str,
 ) -> Chart:
-    """What the model leaves unexplained, with the band of one rms (figures 5 and 8).
+    """What models leave unexplained, with a band to compare it with (figures 5 and 8).
 
     Args:
         t: (N,) time [s].
-        residual: (N, n) measured minus predicted [N m, N at prismatic joints].
-        rms: (n,) root mean square of the residual.
+        residual: (N, n) measured minus predicted [N m, N at prismatic joints], by the name of each model.
+        rms: (n,) root mean square of each residual.
         joints: (n,) names.
         units: (n,) of the torques.
+        band: (n,) distance of two lines from zero, such as that rms or the noise floor.
         points: At most so many a line.
         caption: What it shows.
     """
+    several = len(residual) > 1
     traces, bands = [], []
     for j, unit in enumerate(units):
-        traces.append(
+        traces += [
             line(
-                t, residual[:, j], points,
-                name=plain(joints[j]), showlegend=False, yaxis=panel_axis(j),
-                line={"color": BLUE, "width": 0.8},
-                hovertemplate=f"%{{y:.4g}} {unit} at %{{x:.3f}} s<extra></extra>",
+                t, values[:, j], points,
+                name=name, legendgroup=name, showlegend=several and j == 0, yaxis=panel_axis(j),
+                line={"color": colour, "width": 0.8},
+                hovertemplate=f"%{{y:.4g}} {unit} at %{{x:.3f}} s" + ("" if several else "<extra></extra>"),
             )
-        )  # fmt: skip
+            for name, values, colour in _coloured(residual)
+        ]  # fmt: skip
         bands += [
             {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": panel_axis(j)}
-            | {"y0": edge, "y1": edge, "line": {"color": VERMILION, "width": 1.2}}
-            for edge in (-rms[j], rms[j])
+            | {"y0": edge, "y1": edge, "line": BAND_OF_SEVERAL if several else BAND}
+            for edge in (-band[j], band[j])
         ]
     titles = [
-        f"{name}: rms {value:.3g} {unit}"
-        for name, value, unit in zip(joints, rms, units, strict=True)
+        f"{name}: rms {' → '.join(f'{value[j]:.3g}' for value in rms.values())} {units[j]}"
+        for j, name in enumerate(joints)
     ]
-    axes, height = stacked_panels(titles, "time [s]", has_legend=False)
+    axes, height = stacked_panels(titles, "time [s]", has_legend=several)
     return Chart(traces, {**axes, "shapes": bands}, caption, height)
+
+
+def _coloured(models: Mapping[str, ndarray]) -> list[tuple[str, ndarray, str]]:
+    """Name, values and colour of each model's line; the last, which is drawn over the others, is blue."""
+    colours = (BLUE, VERMILION, GREEN)[: len(models)][::-1]
+    return [(name, models[name], colour) for name, colour in zip(models, colours, strict=True)]
 
 
 def spectrum_chart(

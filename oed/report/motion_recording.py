@@ -25,7 +25,7 @@ from oed.design.scene import Scene, load_scene
 from oed.dynamics.motion import Motion
 from oed.errors import OedError
 from oed.report.camera import FIELD_OF_VIEW, framing
-from oed.report.replay import ASPECT, Replay
+from oed.report.replay import Replay
 from oed.report.skeleton import body_poses, skeleton
 from oed.robot import Robot
 from oed.robot.robot_file import warnings_off
@@ -173,9 +173,9 @@ def _played(
         meshcat.SetProperty(unseen, "visible", False)
     for edge in ("top_color", "bottom_color"):
         meshcat.SetProperty("/Background/<object>", edge, list(BACKGROUND))
-    camera = framing(points, ASPECT)
+    camera = framing(points)
     meshcat.SetCamera(
-        Meshcat.PerspectiveCamera(fov=FIELD_OF_VIEW, aspect=ASPECT, near=NEAR, far=FAR)
+        Meshcat.PerspectiveCamera(fov=FIELD_OF_VIEW, aspect=camera.aspect, near=NEAR, far=FAR)
     )
     meshcat.SetCameraPose(camera.position, camera.target)
-    return Replay.of(meshcat.StaticHtml())
+    return Replay.of(meshcat.StaticHtml(), camera.aspect)

@@ -8,7 +8,6 @@ import html
 from dataclasses import dataclass
 from typing import ClassVar
 
-ASPECT = 4 / 3  # width of the picture over its height, on every screen
 # Unpacks the viewer in a frame of its own, whose scripts and styles do not meet the page's.
 LOADER = """<!doctype html><meta charset="utf-8"><body><script>
 (async () => {
@@ -38,7 +37,8 @@ FITTED = """<style>
   addEventListener("load", fit);
 </script>
 </body>"""
-STYLE = f"width:100%;aspect-ratio:{ASPECT:.4f};border:0;display:block"
+# As wide as the page, unless that would be higher than a window shows at once.
+STYLE = "width:min(100%%, 85vh * %.4f);aspect-ratio:%.4f;border:0;display:block;margin:auto"
 
 
 @dataclass(frozen=True)
@@ -47,26 +47,29 @@ class Replay:
 
     Attributes:
         packed: Its page, compressed, in base64.
+        aspect: Width of the picture over its height, on every screen.
         caption: What it shows; also read out in its place.
     """
 
     packed: str
+    aspect: float
     caption: str = "The arm, as it will move: drag to turn it, scroll to come nearer."
     kind: ClassVar[str] = "replay"
 
     @classmethod
-    def of(cls, viewer: str) -> Replay:
+    def of(cls, viewer: str, aspect: float) -> Replay:
         """Of the page of a viewer that was made with Drake's Meshcat."""
-        fitted = viewer.replace("</body>", FITTED % ASPECT)
+        fitted = viewer.replace("</body>", FITTED % aspect)
         content = gzip.compress(fitted.encode("utf-8"), compresslevel=6, mtime=0)
-        return cls(base64.b64encode(content).decode("ascii"))
+        return cls(base64.b64encode(content).decode("ascii"), aspect)
 
     @property
     def frame(self) -> str:
         """The frame that shows it, as HTML."""
         inner = html.escape(LOADER % self.packed)
         title = html.escape(self.caption)
-        return f'<iframe srcdoc="{inner}" title="{title}" style="{STYLE}" allowfullscreen></iframe>'
+        style = STYLE % (self.aspect, self.aspect)
+        return f'<iframe srcdoc="{inner}" title="{title}" style="{style}" allowfullscreen></iframe>'
 
     def _repr_html_(self) -> str:
         return self.frame

@@ -60,5 +60,4 @@ def test_the_arm_fills_the_frame_in_which_it_moves(out: Path, width: int, browse
     (moving,) = browser.look(out / "design" / "report.html", width).moving
     assert moving.canvas == (1.0, 1.0)
     assert moving.width > 0.6 * width
-    assert max(moving.filled) > 0.85
-    assert min(moving.filled) > 0.5
+    assert min(moving.filled) > 0.8

@@ -135,7 +135,9 @@ def test_links_that_always_overlap_are_not_judged_but_named(tmp_path: Path) -> N
     # Spheres about base and elbow reach each other at any angle; the post is a stranger.
     base = sphere(0.3) + sphere(0.1, "0 0 0.35")
     surroundings = Surroundings(planar_arm(tmp_path, base=base, lower=sphere(0.3)))
-    assert "overlap in nearly all postures: base and lower" in surroundings.note
+    assert surroundings.unjudged == ("base and lower overlap in nearly all postures",)
+    assert "not judged: base and lower overlap in nearly all postures" in surroundings.note
+    assert not surroundings.is_judged
     assert surroundings.distances(np.zeros(2)) == {}
 
 

@@ -1,4 +1,4 @@
-"""Ranges in which collisions are rare, and motions that are moved clear of them."""
+"""Motions that are moved clear of collisions."""
 
 from __future__ import annotations
 
@@ -7,11 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.clear_limits import ClearLimits, clear_limits
-from oed.design.clear_posture import clear_posture
 from oed.design.collision import CLEARANCE, Surroundings
 from oed.design.collision_free import (
     BUFFER,
@@ -30,30 +27,14 @@ from oed.design.trajectories import FourierClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
-from oed.robot import JointLimits, Robot, load_robot
+from oed.robot import Robot
 from tests.design.primitive_arm import (
-    LENGTH,
-    POST,
-    TIP,
     arm_and_post,
-    elbow_at,
-    planar_arm,
-    sphere,
-    tip_at,
     to_post,
 )
 
 HORIZON = 10.0
 FINE = np.linspace(0.0, HORIZON, 7001)  # many more instants than a motion is built with
-
-
-def narrowed(robot: Robot, box: ndarray | None = None) -> ClearLimits:
-    return clear_limits(robot.limits, Surroundings(robot, box), np.random.default_rng(0))
-
-
-def random_postures(limits: JointLimits) -> Float[ndarray, "postures 2"]:
-    lower, upper = limits.position.T
-    return np.random.default_rng(99).uniform(lower, upper, (20_000, 2))
 
 
 def problem_of(robot: Robot, **given) -> DesignProblem:
@@ -73,52 +54,6 @@ def starts(problem: DesignProblem, *, hits_post: bool) -> ndarray:
         if least < -0.03 if hits_post else least > 0.05:
             return z
     raise AssertionError("no such motion among 200")
-
-
-def test_collisions_are_rare_within_the_narrowed_range(tmp_path: Path) -> None:
-    robot = arm_and_post(tmp_path, post=0.4, reach=(2.5, 2.0))
-    assert (to_post(random_postures(robot.limits), 0.4) < 0).mean() > 0.15
-    room = narrowed(robot)
-    # Two in a hundred among at least 200 postures: three standard deviations above is 0.05.
-    assert (to_post(random_postures(room.limits), 0.4) < 0).mean() < 0.05
-
-
-def test_the_range_is_a_share_of_the_given_one_about_a_clear_centre(tmp_path: Path) -> None:
-    robot = arm_and_post(tmp_path)
-    room = narrowed(robot)
-    given = robot.limits.position
-    assert to_post(room.centre) > 0
-    assert (room.limits.position[:, 0] >= given[:, 0] - 1e-12).all()
-    assert (room.limits.position[:, 1] <= given[:, 1] + 1e-12).all()
-    share = np.diff(room.limits.position, axis=1) / np.diff(given, axis=1)
-    np.testing.assert_allclose(share[:, 0], room.factors)
-    np.testing.assert_array_equal(room.limits.velocity, robot.limits.velocity)
-
-
-def test_the_range_stays_where_nothing_collides(tmp_path: Path) -> None:
-    robot = planar_arm(tmp_path)
-    room = narrowed(robot)
-    np.testing.assert_array_equal(room.factors, 1.0)
-    np.testing.assert_allclose(room.limits.position, robot.limits.position)
-
-
-def test_the_centre_moves_where_mid_range_is_outside_the_box(tmp_path: Path) -> None:
-    robot = planar_arm(tmp_path)
-    wall = 0.2  # the elbow is at 0.5 in mid-range
-    room = narrowed(robot, np.array([[-1.0, wall], [-1.0, 1.0], [-1.0, 1.0]]))
-    assert elbow_at(robot.limits.position.mean(axis=1))[0] > wall
-    assert elbow_at(room.centre)[0] < wall
-    assert (elbow_at(random_postures(room.limits))[:, 0] > wall).mean() < 0.05
-
-
-def test_no_range_where_the_box_cannot_hold_the_arm(tmp_path: Path) -> None:
-    with pytest.raises(NoUsableResult, match="check the box"):
-        narrowed(planar_arm(tmp_path), np.array([[5.0, 6.0], [-1.0, 1.0], [-1.0, 1.0]]))
-
-
-def test_the_same_seed_gives_the_same_range(tmp_path: Path) -> None:
-    robot = arm_and_post(tmp_path)
-    np.testing.assert_array_equal(narrowed(robot).factors, narrowed(robot).factors)
 
 
 def moved(problem: DesignProblem, z: ndarray, surroundings: Surroundings) -> ClearMotion:
@@ -183,6 +118,53 @@ def test_a_clear_motion_of_least_cost_stays_clear(tmp_path: Path) -> None:
     assert to_post(problem.trajectory.motion(found.z, FINE).q).min() > CLEARANCE - 1e-3
 
 
+def test_torque_gets_dearer_with_distances_and_a_way_that_is_barred_is_given_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dearer = []
+
+    def nowhere(_problem: DesignProblem, start: ndarray, *_, **given) -> ndarray:
+        dearer.append(given["dearer"])
+        return start
+
+    monkeypatch.setattr("oed.design.collision_free.solve_near", nowhere)
+    robot = arm_and_post(tmp_path)
+    problem = problem_of(robot)
+    z, log = starts(problem, hits_post=True), EvaluationLog(Budget(evaluations=100))
+    assert descend(problem, z, Surroundings(robot), log) is None
+    # Steps of 0.3, 0.1 and 0.03 at each price.
+    assert dearer == [1.0, 1.0, 1.0, 10.0, 10.0, 10.0]
+
+
+def test_excess_torque_costs_as_much_as_it_is_dear(tmp_path: Path) -> None:
+    robot = arm_and_post(tmp_path)
+    free = problem_of(robot)
+    z = starts(free, hits_post=True)
+    nominal = np.zeros(len(free.model.parameters))
+    nominal[: len(robot.parameters)] = robot.parameters
+    tight = free.limits.with_(torque=np.array([[-1.0, 1.0], [-1.0, 1.0]]))
+    problem = dataclasses.replace(free, limits=tight, nominal=nominal)
+    base, slope = free.cost_and_gradient(z)
+    once, push = problem.cost_and_gradient(z)
+    tenfold, hard = problem.cost_and_gradient(z, dearer=10.0)
+    assert once > base + 1.0
+    assert tenfold - base == pytest.approx(10 * (once - base))
+    np.testing.assert_allclose(hard - slope, 10 * (push - slope))
+
+
+def test_evaluations_end_the_search_once_a_motion_is_clear_and_not_before(tmp_path: Path) -> None:
+    robot = arm_and_post(tmp_path)
+    problem = problem_of(robot)
+    z, spent = starts(problem, hits_post=True), {}
+    for evaluations in (0, 600):
+        log = EvaluationLog(Budget(evaluations))
+        found = descend(problem, z, Surroundings(robot), log)
+        assert found is not None
+        assert to_post(problem.trajectory.motion(found.z, FINE).q).min() > CLEARANCE - 1e-3
+        spent[evaluations] = log.evaluations
+    assert 0 < spent[0] < spent[600] <= 600
+
+
 def test_where_no_way_leads_out_the_search_begins_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -192,7 +174,9 @@ def test_where_no_way_leads_out_the_search_begins_anew(
     problem = problem_of(robot)
     z = starts(problem, hits_post=True)
     rng = np.random.default_rng(0)
-    found = find_clear_motion(problem, z, Surroundings(robot), Budget(evaluations=30), rng)
+    found = find_clear_motion(
+        problem, z, Surroundings(robot), EvaluationLog(Budget(evaluations=30)), rng
+    )
     assert to_post(problem.trajectory.motion(found.z, FINE).q, 0.3).min() > CLEARANCE - 1e-3
     assert np.isfinite(found.cost)
 
@@ -207,7 +191,7 @@ def test_where_no_beginning_leads_out_the_range_is_halved_about_its_clear_centre
     problem = problem_of(robot)
     z = starts(problem, hits_post=True)
     surroundings, rng = Surroundings(robot), np.random.default_rng(0)
-    found = find_clear_motion(problem, z, surroundings, Budget(evaluations=30), rng)
+    found = find_clear_motion(problem, z, surroundings, EvaluationLog(Budget(evaluations=30)), rng)
     q = problem.trajectory.motion(found.z, FINE).q
     assert to_post(q, 0.3).min() > CLEARANCE - 1e-3
     assert (np.ptp(q, axis=0) <= 0.55 * np.ptp(problem.limits.position, axis=1)).all()
@@ -223,8 +207,8 @@ def test_torque_limits_are_kept_too(tmp_path: Path) -> None:
     largest = np.abs(free.model.torque(nominal, motion)).max(axis=0)
     tight = free.limits.with_(torque=np.stack([-0.9 * largest, 0.9 * largest], axis=1))
     problem = dataclasses.replace(free, limits=tight, nominal=nominal)
-    budget, rng = Budget(evaluations=100), np.random.default_rng(0)
-    found = find_clear_motion(problem, problem.repair(z), Surroundings(robot), budget, rng)
+    log, rng = EvaluationLog(Budget(evaluations=100)), np.random.default_rng(0)
+    found = find_clear_motion(problem, problem.repair(z), Surroundings(robot), log, rng)
     design = Design.from_result(problem, OptimiserResult(found.z, 0.0, (), 0, 0.0, "moved"))
     assert design.certificate.violation <= 0.0
     after = design.motion(FINE)
@@ -238,37 +222,4 @@ def test_no_motion_where_no_posture_is_clear(tmp_path: Path) -> None:
     surroundings = Surroundings(robot, np.array([[5.0, 6.0]] * 3))
     z, rng = starts(problem, hits_post=False), np.random.default_rng(0)
     with pytest.raises(NoUsableResult, match="check the box"):
-        find_clear_motion(problem, z, surroundings, Budget(evaluations=30), rng)
-
-
-def test_joints_of_two_turns_and_links_that_are_always_near_leave_a_wide_range(
-    tmp_path: Path,
-) -> None:
-    # Narrowing a joint of two turns to one changes nothing, and base and elbow are 1.2 cm apart
-    # at any angle: neither may hide how wide the range is that the post leaves.
-    at = " ".join(map(str, POST))
-    robot = planar_arm(
-        tmp_path, base=sphere(0.238) + sphere(0.3, at), reach=(6.28, 6.28),
-        lower=sphere(0.25) + sphere(TIP, f"{LENGTH} 0 0"),
-    )  # fmt: skip
-    room = narrowed(robot)
-    assert to_post(room.centre, 0.3) > 0.1
-    assert np.diff(room.limits.position, axis=1).min() > 0.3
-    assert (to_post(random_postures(room.limits), 0.3) < 0).mean() < 0.05
-
-
-def test_links_that_are_near_in_any_posture_do_not_choose_one(tmp_path: Path) -> None:
-    # Bodies a and c are 1.2 cm apart and no more than 1.3 cm, where the arm is stretched towards
-    # a post and 2 cm from it.
-    (tmp_path / "arm.xml").write_text("""<mujoco model="arm"><worldbody>
-<geom name="post" type="sphere" size="0.3" pos="1 0.42 0"/>
-<body name="a"><joint name="j1" axis="0 0 1" range="-6 6"/><geom type="sphere" size="0.238"/>
-<body name="b" pos="0.5 0 0"><joint name="j2" axis="0 0 1" range="-50 50"/>
-<body name="c"><joint name="j3" axis="0 0 1" range="-50 50"/>
-<geom type="sphere" size="0.25" pos="0.001 0 0"/>
-<geom type="sphere" size="0.1" pos="0.5 0 0"/>
-</body></body></body></worldbody></mujoco>""")
-    robot = load_robot(tmp_path / "arm.xml")
-    q = clear_posture(robot.limits, Surroundings(robot), np.random.default_rng(0))
-    tip = tip_at(np.array([q[0], q[1] + q[2]]))
-    assert np.linalg.norm(tip - np.array([1.0, 0.42, 0.0])) - 0.1 - 0.3 > 0.2
+        find_clear_motion(problem, z, surroundings, EvaluationLog(Budget(evaluations=30)), rng)

@@ -1,5 +1,6 @@
 """The interior-point optimiser: known optima, budgets, and always a proven design."""
 
+import dataclasses
 import signal
 from collections.abc import Iterator
 
@@ -8,10 +9,12 @@ import pytest
 
 from oed.design.constraints import LimitConstraints, implied_velocity
 from oed.design.design import Design
+from oed.design.optimisers import hopping
 from oed.design.optimisers.bfgs import DampedBfgs
 from oed.design.optimisers.interior_point import optimise
 from oed.design.optimisers.nonlinear_program import solve_program
 from oed.design.optimisers.result import Budget
+from oed.design.problem import DesignProblem
 from oed.design.trajectories import FourierClass
 from oed.robot import JointLimits
 from tests.design.problems import HORIZON, classes, lopsided, paper_problem, scara
@@ -159,3 +162,25 @@ def test_a_search_that_is_cut_short_is_worth_what_it_had_come_to() -> None:
     assert [p.evaluations for p in found.history] == sorted(p.evaluations for p in found.history)
     assert found.cost == problem.cost(found.z)
     assert problem.certificate(found.z).is_feasible
+
+
+@pytest.mark.parametrize("evaluations", [1, 2, 37, 90, 250])
+def test_the_budget_of_evaluations_is_kept_exactly(evaluations: int) -> None:
+    problem = paper_problem(CLASSES["fourier"], "J_k")
+    seen: list[int] = []
+
+    class Counted(DesignProblem):
+        def cost(self, z: np.ndarray) -> float:
+            seen.append(1)
+            return super().cost(z)
+
+        def cost_and_gradient(self, z: np.ndarray, **given) -> tuple[float, np.ndarray]:
+            seen.append(1)
+            return super().cost_and_gradient(z, **given)
+
+    fields = {f.name: getattr(problem, f.name) for f in dataclasses.fields(problem)}
+    for optimiser in (optimise, hopping.optimise):
+        seen.clear()
+        found = optimiser(Counted(**fields), Budget(evaluations), np.random.default_rng(0))
+        assert found.evaluations == len(seen) == evaluations
+        assert found.cost == problem.cost(found.z)

@@ -26,8 +26,19 @@ def charts(samples: int = 40_000) -> list[Chart]:
     settling = values + rng.normal(size=(steps.size, 6)) / steps[:, None]
     given = {"points": 2000, "caption": "What <it> shows."}
     return [
-        torque_chart(t, measured, measured - residual, JOINTS, UNITS, **given),
-        residual_chart(t, residual, rms, JOINTS, UNITS, **given),
+        torque_chart(t, measured, {"predicted": measured - residual}, JOINTS, UNITS, **given),
+        residual_chart(
+            t, {"predicted": residual}, {"predicted": rms}, JOINTS, UNITS, band=rms, **given
+        ),
+        residual_chart(
+            t,
+            {"before": 2 * residual, "after": residual},
+            {"before": 2 * rms, "after": rms},
+            JOINTS,
+            UNITS,
+            band=rms,
+            **given,
+        ),
         spectrum_chart(frequency, np.ones((301, 3)), JOINTS, UNITS, cutoff=30.0, **given),
         *interval_charts(names, values, spread, ["kg"] * 3 + ["kg m^2"] * 3, caption="All."),
         convergence_chart(

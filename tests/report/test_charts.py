@@ -25,8 +25,10 @@ def test_is_a_figure_that_plotly_knows(chart: Chart) -> None:
 def test_numbers_arrive_as_they_were() -> None:
     t = np.arange(500) * 0.5
     torque = np.sin(t)[:, None]
-    chart = torque_chart(t, torque, 2 * torque, ["a"], ["N m"], points=1000, caption="")
-    measured, predicted = json.loads(chart.json)["data"]
+    models = {"before": 3 * torque, "after": 2 * torque}
+    chart = torque_chart(t, torque, models, ["a"], ["N m"], points=1000, caption="")
+    measured, before, predicted = json.loads(chart.json)["data"]
+    assert [measured["name"], before["name"], predicted["name"]] == ["measured", "before", "after"]
     np.testing.assert_array_equal(read(measured["x"]), t.astype(np.float32))
     np.testing.assert_array_equal(read(measured["y"]), torque[:, 0].astype(np.float32))
     np.testing.assert_array_equal(read(predicted["y"]), 2 * torque[:, 0].astype(np.float32))
@@ -47,16 +49,20 @@ def test_points_of_a_page_are_bounded_whatever_the_arm() -> None:
 
 def test_units_and_names_are_those_of_the_joints() -> None:
     t, torque = np.arange(10.0), np.ones((10, 3))
-    chart = residual_chart(t, torque, np.ones(3), JOINTS, UNITS, points=100, caption="")
+    rms, left = {"m": np.ones(3)}, {"m": torque}
+    chart = residual_chart(t, left, rms, JOINTS, UNITS, band=rms["m"], points=100, caption="")
     titles = [note["text"] for note in chart.figure["layout"]["annotations"]]
     assert titles == ["shoulder &lt;b&gt;: rms 1 N m", "$elbow_{: rms 1 N m", "slide: rms 1 N"]
     assert [t["hovertemplate"].split()[1:3] for t in chart.traces][2] == ["N", "at"]
     assert [trace["yaxis"] for trace in chart.traces] == ["y", "y2", "y3"]
 
 
-def test_the_band_of_a_residual_is_the_rms_given() -> None:
-    t, rms = np.arange(10.0), np.array([0.1, 0.25])
-    chart = residual_chart(t, np.ones((10, 2)), rms, ["a", "b"], ["N m"] * 2, points=9, caption="")
+def test_the_band_of_a_residual_is_the_one_given() -> None:
+    t, band = np.arange(10.0), np.array([0.1, 0.25])
+    left = {"m": np.ones((10, 2))}
+    chart = residual_chart(
+        t, left, {"m": np.ones(2)}, ["a", "b"], ["N m"] * 2, band=band, points=9, caption=""
+    )
     edges = [(s["yref"], s["y0"], s["y1"]) for s in chart.figure["layout"]["shapes"]]
     assert edges == [("y", -0.1, -0.1), ("y", 0.1, 0.1), ("y2", -0.25, -0.25), ("y2", 0.25, 0.25)]
 
@@ -84,3 +90,15 @@ def test_each_unit_has_a_chart_of_its_own() -> None:
     values, interval = np.ones(3), np.tile([0.5, 1.5], (3, 1))
     made = interval_charts(["a", "b", "c"], values, interval, ["kg", "N m", "kg"], caption="")
     assert [len(chart.traces[0]["x"]) for chart in made] == [2, 1]
+
+
+def test_residuals_of_two_models_are_told_apart_by_name_colour_and_rms() -> None:
+    t, left = np.arange(10.0), {"before": np.full((10, 1), 3.0), "after": np.ones((10, 1))}
+    rms = {"before": np.array([3.0]), "after": np.array([1.0])}
+    chart = residual_chart(t, left, rms, ["a"], ["N"], band=rms["after"], points=20, caption="")
+    before, after = chart.traces
+    assert (before["name"], after["name"]) == ("before", "after")
+    assert before["line"]["color"] != after["line"]["color"]
+    assert before["hovertemplate"] == "%{y:.4g} N at %{x:.3f} s"
+    assert chart.figure["layout"]["annotations"][0]["text"] == "a: rms 3 → 1 N"
+    np.testing.assert_array_equal(before["y"], 3.0)

@@ -10,7 +10,8 @@ from oed.report.code_digest import code_digest
 FILES = {
     "studies/__init__.py": "",
     "studies/top.py": '"""Top."""\nfrom oed import deep\nimport studies.beside\n',
-    "studies/beside.py": "y = 2\n",
+    "studies/beside.py": "y = ['-m', 'studies.process']\n",
+    "studies/process.py": "a = 1\n",
     "studies/unused.py": "z = 3\n",
     "oed/__init__.py": "",
     "oed/deep/__init__.py": "from oed.deep.inner import x\n",
@@ -29,12 +30,10 @@ def digest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         if name:
             (tmp_path / name).write_text(text)
         code_digest.cache_clear()
-        module._code.cache_clear()
         return code_digest("studies.top")
 
     yield of
     code_digest.cache_clear()
-    module._code.cache_clear()
 
 
 @pytest.mark.parametrize(
@@ -42,6 +41,7 @@ def digest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     [
         ("oed/deep/inner.py", "def x():\n    return 2\n"),
         ("studies/beside.py", "y = 3\n"),
+        ("studies/process.py", "a = 2\n"),
         ("oed/__init__.py", "import math\n"),
     ],
 )

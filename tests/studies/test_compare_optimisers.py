@@ -223,7 +223,7 @@ def test_hits_and_time_are_counted_to_the_same_limit() -> None:
 
 
 def test_a_hopping_that_never_hopped_says_so() -> None:
-    made = "1 chain, 7 local solutions, {} hops; budget used up"
+    made = "1 chain, 7 local solutions, {} hops"
     never = cells_of([row("hopping", seed, 1.0, made.format(0)) for seed in range(2)])[0]
     once = cells_of([row("hopping", seed, 1.0, made.format(seed)) for seed in range(2)])[0]
     assert "(0 hops)" in str(reached_rows(never, (1.0,)))

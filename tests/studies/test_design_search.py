@@ -9,6 +9,7 @@ import pytest
 from oed.design.default_problem import ProblemSettings, default_problem
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import Robot, imi_scara
+from tests.design.primitive_arm import arm_and_post
 from tests.studies.designed import designed, experiment_information
 
 
@@ -20,10 +21,21 @@ def test_the_same_seed_and_evaluations_give_the_same_motion(tmp_path: Path) -> N
     assert first["coefficients"] == second["coefficients"]
     pd.testing.assert_frame_equal(one, two, check_exact=True)
     assert first["coefficients"] != other["coefficients"]
-    assert first["evaluations"] == second["evaluations"] >= 60
+    assert first["evaluations"] == second["evaluations"] == 60
     assert first["evaluations_asked"] == 60
     assert first["criterion"] == "J_k"
     assert first["J_k_scaled"] is None
+
+
+def test_evaluations_beyond_those_asked_for_are_told_with_the_reason(tmp_path: Path) -> None:
+    arm_and_post(tmp_path, post=0.35)
+    for evaluations, beyond in ((8, 1), (100, 0)):
+        wishes = ("--robot", str(tmp_path / "planar.urdf"), "--evaluations", str(evaluations))
+        record, _ = designed(tmp_path / str(evaluations), *wishes, "--seed", "1")
+        assert record["evaluations"] == evaluations + beyond
+        reason = f"1 evaluation beyond the {evaluations} of --evaluations, until a motion was clear"
+        assert (reason in record["notes"]) == (beyond == 1)
+        assert "budget used up" not in record["status"]
 
 
 def test_a_budget_that_ends_the_search_first_is_said(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
 from oed.design.collision import Surroundings
+from oed.design.status import DesignStatus
 from oed.design.trajectories import FourierClass
 from oed.report.design_summary import clearance_line
 from oed.robot import Robot
@@ -41,6 +42,41 @@ def test_with_every_shape_there_nothing_comes_near(tmp_path: Path) -> None:
     assert clearance_line(check).startswith("nothing comes near")
     (status,) = clearance_status(check, is_wanted=True, is_asked=True, has_box=False)
     assert (status.standing, status.evidence) == ("proven", "by 10 mm")
+
+
+@pytest.mark.parametrize(
+    ("shapes", "told"),
+    [
+        # Spheres about base and elbow reach each other at any angle; the post is a stranger.
+        (
+            {"base": sphere(0.3) + sphere(0.1, "0 0.9 0"), "lower": sphere(0.3)},
+            "base and lower overlap in nearly all postures",
+        ),
+        (
+            {"base": sphere(0.05), "upper": sphere(0.1, kind="visual"), "lower": sphere(0.05)},
+            "upper drawn without a collision shape",
+        ),
+    ],
+)
+def test_what_cannot_be_judged_is_in_the_status_and_not_called_clear(
+    shapes: dict[str, str], told: str, tmp_path: Path
+) -> None:
+    check = still(planar_arm(tmp_path, **shapes))
+    assert check.is_kept
+    (status,) = clearance_status(check, is_wanted=True, is_asked=False, has_box=False)
+    assert status.standing == "not checked"
+    assert status.evidence == f"{told}; all else keeps 10 mm"
+    (asked,) = clearance_status(check, is_wanted=True, is_asked=True, has_box=False)
+    assert asked.is_open
+
+
+def test_links_that_are_close_by_design_are_told_with_what_they_keep(tmp_path: Path) -> None:
+    # Base and elbow are 1.2 cm apart at any angle.
+    check = still(planar_arm(tmp_path, base=sphere(0.238), lower=sphere(0.25)))
+    (status,) = clearance_status(check, is_wanted=True, is_asked=True, has_box=False)
+    assert status.standing == "proven"
+    assert status.evidence == "by 10 mm (base and lower 6.0 mm, too close by design)"
+    assert "clear of itself: by 10 mm (base and lower 6.0 mm" in str(DesignStatus((status,)))
 
 
 def test_an_overlap_is_not_kept_or_given_up(tmp_path: Path) -> None:

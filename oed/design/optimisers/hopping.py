@@ -65,7 +65,7 @@ def optimise(
         solved, hopped = _chain(problem, log, rng, settings)
         solutions, hops = solutions + solved, hops + hopped
     made = f"{counted(chains, 'chain')}, {counted(solutions, 'local solution')}"
-    return log.result(f"{made}, {counted(hops, 'hop')}; budget used up")
+    return log.result(f"{made}, {counted(hops, 'hop')}")
 
 
 def _chain(
@@ -104,6 +104,8 @@ def _solve(
     """A local solution and its exact cost; the start itself once the budget is spent."""
     if log.is_spent:
         return start, log.evaluate(problem.cost, start) if log.best_z is None else np.inf
-    log.evaluate(problem.cost, start)
+    value = log.evaluate(problem.cost, start)
+    if log.is_spent:
+        return start, value
     z, _ = solve_locally(problem, start, log, settings, is_warm=is_warm)
     return z, log.evaluate(problem.cost, z)

@@ -73,15 +73,15 @@ def optimise(
         else:
             start = problem.random_start(rng)
         log.evaluate(problem.cost, start)
-        solution, _ = solve_locally(problem, start, log, settings.local, is_warm=is_hop)
         starts, hops = starts + 1, hops + is_hop
+        if log.is_spent:
+            break
+        solution, _ = solve_locally(problem, start, log, settings.local, is_warm=is_hop)
         before = log.best_cost
         value = log.evaluate(problem.cost, solution)
         if value <= before + settings.promising and not log.is_spent:
             polish(problem, solution, value, log, rng, evaluations=settings.polish_evaluations)
-    return log.result(
-        f"{counted(starts, 'local solution')}, {counted(hops, 'hop')}; budget used up"
-    )
+    return log.result(f"{counted(starts, 'local solution')}, {counted(hops, 'hop')}")
 
 
 def _hop(

@@ -18,13 +18,13 @@ from oed.design.constraints import LimitConstraints, TrustRegion
 from oed.design.limits import KINEMATIC
 from oed.design.optimisers.nonlinear_program import solve_program
 from oed.design.optimisers.result import EvaluationLog
-from oed.design.optimisers.smooth_program import ProgramSolver, ValueAndGradient
+from oed.design.optimisers.smooth_program import ProgramSolver, Spent, ValueAndGradient
 from oed.design.problem import DesignProblem
 
 # Every so many evaluations of a solver, the point it is at is repaired and offered: a run that the
 # budget cuts short is worth what it had come to, at a twentieth more CPU time.
 OFFERED_EVERY = 20
-UNBOUNDED = 1_000_000  # iterations, where a budget does not bound them
+LAST = 1  # evaluation of a budget, which no solver gets: of the exact criterion where it ends
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,9 @@ def solve_near(
     *,
     trust: TrustRegion,
     penalty: ValueAndGradient,
+    dearer: float,
     peaks: Float[ndarray, " peaks"],
+    may_exceed: bool,
 ) -> Float[ndarray, " size"]:
     """A solution of the last smooth problem near a motion, at a price besides.
 
@@ -118,15 +120,17 @@ def solve_near(
         settings: How to work.
         trust: How far the motion may move.
         penalty: The price of a point [decades], and its gradient.
+        dearer: Times the usual price of excess torque, which a dear penalty would outbid.
         peaks: Instants at which limits stand besides the equally spaced ones [s].
+        may_exceed: Whether evaluations may exceed the budget.
 
     Returns:
         A point that may violate limits between the instants.
     """
     instants = problem.trajectory.limit_instants(settings.constraint_instants)
     instants = np.union1d(instants, peaks)
-    smooth = _Smooth(problem, settings.stages[-1], instants, settings, trust, penalty)
-    return smooth.solve(start, log, is_warm=True)[0]
+    smooth = _Smooth(problem, settings.stages[-1], instants, settings, trust, penalty, dearer)
+    return smooth.solve(start, log, is_warm=True, may_exceed=may_exceed)[0]
 
 
 @dataclass(frozen=True)
@@ -139,12 +143,13 @@ class _Smooth:
     settings: LocalSettings
     trust: TrustRegion | None = None
     penalty: ValueAndGradient | None = None
+    dearer: float = 1.0
 
     def cost_and_gradient(
         self, z: Float[ndarray, " size"]
     ) -> tuple[float, Float[ndarray, " size"]]:
         value, slope = self.problem.cost_and_gradient(
-            z, sign_width=self.stage.sign_width, exponent=self.stage.exponent
+            z, sign_width=self.stage.sign_width, exponent=self.stage.exponent, dearer=self.dearer
         )
         if self.penalty is None:
             return value, slope
@@ -152,16 +157,21 @@ class _Smooth:
         return value + price, slope + push
 
     def solve(
-        self, z: Float[ndarray, " size"], log: EvaluationLog, *, is_warm: bool
+        self,
+        z: Float[ndarray, " size"],
+        log: EvaluationLog,
+        *,
+        is_warm: bool,
+        may_exceed: bool = False,
     ) -> tuple[Float[ndarray, " size"], bool]:
-        iterations, seconds = _left(log)
-        asked = itertools.count(1)
+        asked, seconds = itertools.count(1), log.budget.cpu_seconds
 
         def objective(point: Float[ndarray, " size"]) -> tuple[float, Float[ndarray, " size"]]:
+            if log.left <= LAST and not may_exceed:
+                raise Spent
             log.count()
-            if self.penalty is None and next(asked) % OFFERED_EVERY == 0:
-                within = self.problem.quick_repair(point)
-                log.offer(within, self.problem.cost(within))
+            if self.penalty is None and next(asked) % OFFERED_EVERY == 0 and log.left > LAST:
+                log.evaluate(self.problem.cost, self.problem.quick_repair(point))
             return self.cost_and_gradient(point)
 
         solution = self.settings.solver(
@@ -173,20 +183,11 @@ class _Smooth:
                 trust=self.trust,
             ),
             z,
-            iterations=min(self.settings.iterations, iterations),
-            cpu_seconds=seconds,
+            iterations=self.settings.iterations,
+            cpu_seconds=np.inf if seconds is None else seconds - log.cpu_s,
             is_warm=is_warm,
         )
         return solution.z, solution.is_converged
-
-
-def _left(log: EvaluationLog) -> tuple[int, float]:
-    """Iterations and CPU seconds that the budget leaves to one run of the solver."""
-    budget = log.budget
-    seconds = np.inf if budget.cpu_seconds is None else budget.cpu_seconds - log.cpu_s
-    if budget.evaluations is None:
-        return UNBOUNDED, seconds
-    return max(1, budget.evaluations - log.evaluations), seconds
 
 
 def violated(problem: DesignProblem, z: Float[ndarray, " size"]) -> Float[ndarray, " samples"]:

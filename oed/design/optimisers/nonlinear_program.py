@@ -18,7 +18,7 @@ from numpy import ndarray
 from oed.design.constraints import LimitConstraints
 from oed.design.optimisers.bfgs import DampedBfgs
 from oed.design.optimisers.held_interrupt import HeldInterrupt, hold_interrupt
-from oed.design.optimisers.smooth_program import SINGULAR, LocalSolution, ValueAndGradient
+from oed.design.optimisers.smooth_program import SINGULAR, LocalSolution, Spent, ValueAndGradient
 
 CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 WARM_BARRIER = 1e-3  # first barrier parameter of a start that is close to a solution
@@ -111,9 +111,14 @@ class _Scaled:
         # CasADi stores column by column; our entries come row by row.
         self._order = np.lexsort((constraints.rows, constraints.columns))
         self._objective, self._middle, self._half = objective, middle, half
-        self._held = held
+        self._held, self._is_spent = held, False
         self._key, self._last = b"", (np.nan, np.zeros(0))
         self._jacobian: casadi.DM | None = None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more is to be evaluated."""
+        return self._held.came or self._is_spent
 
     def inward(self, z: ndarray) -> ndarray:
         return (z - self._middle) / self._half
@@ -122,8 +127,15 @@ class _Scaled:
         return self._middle + self._half * u
 
     def objective(self, u: ndarray) -> tuple[float, ndarray]:
-        if self._held.came:  # IPOPT ends, silently unlike after an exception
-            return np.nan, np.full(self.size, np.nan)
+        try:
+            return self._evaluated(u)
+        except Spent:
+            self._is_spent = True
+        return np.nan, np.full(self.size, np.nan)  # IPOPT ends, silently unlike after an exception
+
+    def _evaluated(self, u: ndarray) -> tuple[float, ndarray]:
+        if self.is_over:
+            raise Spent
         key = u.tobytes()
         if key != self._key:
             value, gradient = self._objective(self.outward(u))
@@ -133,7 +145,7 @@ class _Scaled:
         return self._last
 
     def limits(self, u: ndarray) -> ndarray:
-        if self._held.came:  # while feasibility is restored, only limits are evaluated
+        if self.is_over:  # while feasibility is restored, only limits are evaluated
             return np.full(self.constraints.count, np.nan)
         return self.constraints.values(self.outward(u))
 

@@ -99,9 +99,26 @@ class EvaluationLog:
     @property
     def is_spent(self) -> bool:
         """Whether the budget is used up."""
+        return self.left <= 0 or self.is_late
+
+    @property
+    def is_late(self) -> bool:
+        """Whether its CPU time is used up."""
+        return self.budget.cpu_seconds is not None and self.cpu_s >= self.budget.cpu_seconds
+
+    @property
+    def left(self) -> float:
+        """Evaluations that the budget leaves; infinite where it does not bound them."""
+        bound = self.budget.evaluations
+        return np.inf if bound is None else max(0.0, float(bound - self.evaluations))
+
+    def half(self) -> Budget:
+        """Half of what the budget leaves, one evaluation at the least."""
         budget = self.budget
-        bounds = ((budget.evaluations, self.evaluations), (budget.cpu_seconds, self.cpu_s))
-        return any(spent >= bound for bound, spent in bounds if bound is not None)
+        return Budget(
+            None if budget.evaluations is None else max(1, int(self.left) // 2),
+            None if budget.cpu_seconds is None else max(0.0, budget.cpu_seconds - self.cpu_s) / 2,
+        )
 
     def count(self, evaluations: int = 1) -> None:
         """Record evaluations that are offered to no one."""

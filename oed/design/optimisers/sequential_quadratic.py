@@ -15,7 +15,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.design.constraints import LimitConstraints
-from oed.design.optimisers.smooth_program import SINGULAR, LocalSolution, ValueAndGradient
+from oed.design.optimisers.smooth_program import SINGULAR, LocalSolution, Spent, ValueAndGradient
 
 # Evaluations between two looks at the clock of CPU time, which can take longer than one of them.
 CLOCK_EVERY = 10
@@ -79,6 +79,8 @@ def solve_quadratic(
             callback=keep,
             options={"maxiter": iterations, "ftol": tolerance},
         )
+    except Spent:
+        return LocalSolution(last, evaluations, False, "out of evaluations")
     except _OutOfTime:
         return LocalSolution(last, evaluations, False, "out of time")
     point = np.clip(middle + half * result.x, lower, upper)

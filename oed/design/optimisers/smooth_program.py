@@ -18,6 +18,10 @@ ValueAndGradient = Callable[[Float[ndarray, " size"]], tuple[float, Float[ndarra
 SINGULAR = 1e3
 
 
+class Spent(Exception):
+    """Raised by an objective that will not be evaluated again: a solver ends where it is."""
+
+
 @dataclass(frozen=True)
 class LocalSolution:
     """Where a solver stopped.
@@ -49,5 +53,5 @@ class ProgramSolver(Protocol):
         cpu_seconds: float = np.inf,
         is_warm: bool = False,
     ) -> LocalSolution:
-        """A local solution."""
+        """A local solution; where it had come to, if the objective raises `Spent`."""
         ...

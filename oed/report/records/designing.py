@@ -80,6 +80,8 @@ class ClearanceRecord(Record, frozen=True, kw_only=True):
     instants: int
     note: str
     missing: list[str]
+    unjudged: list[str]
+    nearer: str
     short: Numbers
 
 
