@@ -97,6 +97,8 @@ def test_the_record_states_its_proofs(results: Path) -> None:
     assert record["solver"]["relative_difference"] < 1e-6
     assert all(link["per reference"] > 0 for link in record["links"])
     assert all(row["Drake"] < 1e-9 for row in record["exports"])
+    for row in record["parameters"]:
+        assert row["lower95"] <= row["value"] <= row["upper95"]
     held = [r for r in record["validation"] if r["recordings"] == "validation"]
     assert held[-1]["price [%]"] < 2.0
 
@@ -235,6 +237,10 @@ def test_a_short_log_of_a_seven_joint_arm_gives_masses_near_its_files(tmp_path: 
     masses = [row["identified [kg]"] for row in record["changes_from_file"]]
     assert 10 < masses[-1] < 35  # the file's are 18.6 kg, the makers state 22 kg with the base
     assert max(masses[:-1]) < 10
+    # Half as heavy again as in the file, which no torque in this log asks for.
+    beyond = [r["link"] for r in record["changes_from_file"] if "mass" in r["beyond reason"]]
+    assert beyond == ["link_4", "link_7"]
+    assert any("link_7: mass 0.7" in warning for warning in record["warnings"])
     held = [r for r in record["validation"] if r["recordings"] == "validation"][-1]
     assert held["feasible rms / torque rms"] < 0.22  # plain least squares: 0.42
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.stats import t as student
 
 from oed.estimation.feasible.data_factor import DataFactor
 from oed.estimation.feasible.estimate import FeasibleEstimate
@@ -21,30 +22,62 @@ class Bootstrap:
     """Estimates from resampled blocks of the data.
 
     Attributes:
+        estimate: (p,) parameters from all data.
         samples: (r, p) parameters of each resample, all of them feasible.
         failures: Resamples that no solver solved; they are in no interval.
         method: In words.
     """
 
+    estimate: Float[ndarray, " p"]
     samples: Float[ndarray, "r p"]
     failures: int
     method: str
 
     def interval(self, level: float = 0.95) -> Float[ndarray, "p 2"]:
-        """Percentile intervals [lower, upper] at a confidence level.
+        """Intervals [lower, upper] at a confidence level, as `interval_about`.
 
         Raises:
             ValueError: If the level is not between 0 and 1.
         """
-        if not 0 < level < 1:
-            raise ValueError(f"{level=} must lie between 0 and 1")
-        tail = 50 * (1 - level)
-        return np.percentile(self.samples, [tail, 100 - tail], axis=0).T
+        return interval_about(self.estimate, self.samples, level)
 
     @property
     def std(self) -> Float[ndarray, " p"]:
         """Standard deviation over resamples."""
         return self.samples.std(axis=0, ddof=1)
+
+
+def interval_about(
+    estimate: Float[ndarray, "..."], samples: Float[ndarray, "draws ..."], level: float
+) -> Float[ndarray, "... 2"]:
+    """Intervals [lower, upper] by draws, each of which holds the estimate.
+
+    Percentiles at k/(r + 1), of which one more draw falls inside as often as they say. Fewer draws
+    than have such percentiles give Student's t of their spread about the estimate (Efron and
+    Tibshirani 1993, An Introduction to the Bootstrap, sections 12.2 and 13.3).
+
+    Args:
+        estimate: (...) values from all data.
+        samples: (draws, ...) from resampled data, two or more.
+        level: Between 0 and 1.
+
+    Raises:
+        ValueError: If the level is not between 0 and 1.
+    """
+    if not 0 < level < 1:
+        raise ValueError(f"{level=} must lie between 0 and 1")
+    if has_percentiles(len(samples), level):
+        tail = 50 * (1 - level)
+        lower, upper = np.percentile(samples, [tail, 100 - tail], axis=0, method="weibull")
+    else:
+        width = student.ppf((1 + level) / 2, len(samples) - 1) * samples.std(axis=0, ddof=1)
+        lower, upper = estimate - width, estimate + width
+    return np.stack([np.minimum(lower, estimate), np.maximum(upper, estimate)], axis=-1)
+
+
+def has_percentiles(draws: int, level: float = 0.95) -> bool:
+    """Whether a draw lies at or beyond each end of an interval: 39 at 95 %."""
+    return (draws + 1) * (1 - level) / 2 > 1 - 1e-9
 
 
 def bootstrap(
@@ -85,8 +118,10 @@ def bootstrap(
     failures = resamples - len(found)
     if len(found) < max(2, resamples / 2):
         raise SolverFailed(f"{failures} of {resamples} resamples failed", ())
+    rule = "percentiles" if has_percentiles(len(found)) else "Student's t of the spread"
     return Bootstrap(
+        estimate=estimate.parameters,
         samples=np.array(found),
         failures=failures,
-        method=f"percentiles of {len(found)} block-bootstrap estimates over {len(blocks)} blocks",
+        method=f"{rule} of {len(found)} block-bootstrap estimates over {len(blocks)} blocks",
     )

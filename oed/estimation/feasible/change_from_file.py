@@ -1,9 +1,8 @@
 """What an estimate makes of the robot file's links: before, after, and whether the data asked for it.
 
-One rule for mass, centre of mass and moments of inertia. A value moved beyond reason if the data alone do
-not determine it and the body is twice what it was: the mass doubled or halved, the moments about the
-centre of mass doubled or halved, or the centre moved so far that the moment about where it was doubled,
-J + m d^2 > 2 J, which is by the radius of gyration.
+A value moved beyond reason if the data alone do not determine it and it is another body's: a mass that is off
+by more than makers' are, moments about the centre of mass that doubled or halved, or a centre so far that the
+moment about where it was doubled, J + m d^2 > 2 J, which is by the radius of gyration.
 """
 
 from __future__ import annotations
@@ -15,12 +14,16 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import svd
 
+from oed.estimation.feasible.bootstrap import interval_about
 from oed.estimation.feasible.coordinates import ENTRIES
 from oed.estimation.feasible.problem import FeasibleProblem
 
-# Makers' masses of whole links agree with identified ones within some ten per cent where both are
-# told apart (Gaz and others 2019, Panda): twice as much is another body.
-FACTOR = 2.0
+# Share of a mass. Makers' masses of whole links agree with identified ones within some ten per cent where
+# both are told apart (Gaz and others 2019, Panda): beyond three times that is another body.
+MASS = 0.3
+FACTOR = (
+    2.0  # of moments, which no maker's table has been held against: twice as much is another body
+)
 # Standard deviation, per value, up to which least squares on the data alone determine it.
 DETERMINED = 0.3
 # Share of a unit vector outside the data's row space that is taken for rounding.
@@ -130,10 +133,9 @@ def link_changes(
         problem: Whose data say what they determine.
         level: Of the intervals.
     """
-    tail = [50 * (1 - level), 50 * (1 + level)]
     old, new = (_values(p.reshape(-1, ENTRIES)) for p in (before, after))
     drawn = _values(samples[:, : len(after)].reshape(len(samples), -1, ENTRIES))
-    intervals = np.moveaxis(np.percentile(drawn, tail, axis=0), 0, -1)
+    intervals = interval_about(new, drawn, level)
     deviations = deviations_from_data(problem, _slopes(after, problem.coordinates.size))
     total, each = deviations[-1], deviations[:-1].reshape(new.shape)
     changes = []
@@ -151,7 +153,7 @@ def link_changes(
             for i in range(len(NAMES))
         )
         changes.append(LinkChange(link, mass, tuple(centre), inertia))
-    masses = np.percentile(drawn[:, :, 0].sum(axis=1), tail)
+    masses = interval_about(np.asarray(new[:, 0].sum()), drawn[:, :, 0].sum(axis=1), level)
     sums = old[:, 0].sum(), new[:, 0].sum()
     whole = _moved(0, *sums, interval=masses, deviation=total, gyration=np.nan)
     return (*changes, LinkChange("all links", whole))
@@ -167,7 +169,13 @@ def _moved(
     gyration: float,
 ) -> Moved:
     is_centre = NAMES[kind].startswith("centre")
-    far = (FACTOR - 1) ** 0.5 * gyration
+    if NAMES[kind] == "mass":
+        reason = (before * (1 - MASS), before * (1 + MASS))
+    elif is_centre:
+        far = (FACTOR - 1) ** 0.5 * gyration
+        reason = (before - far, before + far)
+    else:
+        reason = (before / FACTOR, before * FACTOR)
     return Moved(
         NAMES[kind],
         UNITS[kind],
@@ -176,7 +184,7 @@ def _moved(
         interval,
         float(deviation),
         size=gyration if is_centre else abs(float(after)),
-        reason=(before - far, before + far) if is_centre else (before / FACTOR, before * FACTOR),
+        reason=reason,
     )
 
 

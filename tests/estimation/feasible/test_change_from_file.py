@@ -79,14 +79,27 @@ def test_a_mass_that_moved_undetermined_is_told_with_interval_and_file():
     assert [moved.name for moved in first.unreasonable] == ["mass", "inertia"]
     assert second.warning == third.warning == ""
     assert total.mass.after == pytest.approx(after[::10].sum())
-    assert bool(total.warning) == (total.mass.after > 2 * total.mass.before)
+    assert bool(total.warning) == (total.mass.after > 1.3 * total.mass.before)
     assert f"mass {after[0]:.3g} kg, in the file {before[0]:.3g} kg" in first.warning
     assert "no torque in the data depends on it" in first.warning
-    assert first.mass.interval == pytest.approx(after[0] * np.array([0.905, 1.095]), rel=1e-3)
+    # Five draws whose standard deviation is 0.079: 2.776 of them, by Student's t.
+    assert first.mass.interval == pytest.approx(after[0] * np.array([0.7805, 1.2195]), rel=1e-3)
     # Thirty times the same body: its centre stays, its moments are thirty times as large.
     for moved in first.centre:
         assert moved.after == pytest.approx(moved.before)
     assert inertia(first).after == pytest.approx(30 * inertia(first).before)
+
+
+@pytest.mark.parametrize(
+    ("factor", "is_told"), [(0.69, True), (0.71, False), (1.29, False), (1.31, True)]
+)
+def test_a_mass_may_be_off_as_makers_are_where_no_torque_tells(factor, is_told):
+    def heavier(body):
+        body[0] *= factor
+        return body
+
+    _, _, (first, *_) = changes_of(heavier)
+    assert ("mass" in [moved.name for moved in first.unreasonable]) == is_told
 
 
 @pytest.mark.parametrize(("share", "is_told"), [(0.9, False), (1.1, True)])

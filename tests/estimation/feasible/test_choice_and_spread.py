@@ -5,7 +5,7 @@ import pytest
 
 from oed.dynamics.motion import random_motion
 from oed.estimation.feasible import cross_validation
-from oed.estimation.feasible.bootstrap import bootstrap
+from oed.estimation.feasible.bootstrap import bootstrap, interval_about
 from oed.estimation.feasible.cross_validation import choose_weight, cross_validate
 from oed.estimation.feasible.data_factor import DataFactor, JointFactors
 from oed.estimation.feasible.estimate import estimate_feasible
@@ -138,6 +138,23 @@ def test_resamples_are_feasible_and_repeatable():
         assert estimate.problem.slack(x).min() > -1e-7
     interval = first.interval()
     assert np.all(interval[:, 0] <= interval[:, 1])
+
+
+@pytest.mark.parametrize("draws", [2, 3, 38, 39, 60])
+def test_an_interval_holds_its_estimate_and_as_many_further_draws_as_it_says(draws):
+    rng = np.random.default_rng(7)
+    inside = []
+    for _ in range(2000):
+        *samples, further = rng.standard_normal(draws + 1)
+        for estimate in (0.0, 3.0):
+            low, high = interval_about(np.array([estimate]), np.array(samples)[:, None], 0.95)[0]
+            assert low <= estimate <= high
+            if estimate == 0.0:
+                inside.append(low <= further <= high)
+    # 0.95, within four standard deviations of 2000 draws; about a known centre a little more.
+    assert 0.95 - 0.02 < np.mean(inside) < 0.98
+    with pytest.raises(ValueError, match="level"):
+        interval_about(np.zeros(1), np.zeros((3, 1)), 1.0)
 
 
 def test_intervals_cover_well_determined_parameters():
