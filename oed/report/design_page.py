@@ -16,21 +16,14 @@ from oed.design.controller_files import files_for
 from oed.design.design import Design
 from oed.design.limits import Certificate
 from oed.dynamics.motion import Motion
-from oed.report.chart import Chart, Trace, line, panel_axis, points_for, stacked_panels
-from oed.report.colours import BLUE, VERMILION
 from oed.report.design_summary import clearance_line, efficiency_line
+from oed.report.motion_charts import SIGNALS, motion_charts
 from oed.report.page import Links, Page, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
 from oed.report.replay import Replay
 from oed.report.table import Row
 from oed.robot import JointLimits, Robot
 
-SIGNALS = (
-    ("position", "q", "rad"),
-    ("velocity", "dq", "rad/s"),
-    ("acceleration", "ddq", "rad/s^2"),
-)
-FAR = 1.6  # a limit further off than this many times the motion's own reach is not drawn
 SENDING = (
     "With ROS 2, play the YAML file to the arm's trajectory controller: `ros2 topic pub --once "
     "/joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory "
@@ -73,7 +66,7 @@ def design_page(
             *(() if replay is None else (Section("The motion", (replay,)),)),
             Section("What it is worth", _worth(design, efficiency)),
             Section("What it keeps", _kept(design, limits, clearance)),
-            Section("Joint by joint", _charts(design, limits, fine, torque)),
+            Section("Joint by joint", motion_charts(robot, limits, fine, torque)),
             Section("What is assumed", tuple(Text(f"{note}.") for note in notes)),
             Section("How to run it", _running(design)),
             Section(
@@ -166,48 +159,6 @@ def _limit_rows(robot: Robot, limits: JointLimits, certificate: Certificate) -> 
                 }
             )
     return rows
-
-
-def _charts(
-    design: Design, limits: JointLimits, fine: Motion, torque: ndarray | None
-) -> tuple[Chart, ...]:
-    """One chart a quantity, a panel a joint."""
-    robot = design.problem.model.robot
-    signals = [(kind, getattr(fine, field), unit) for kind, field, unit in SIGNALS]
-    if torque is not None:
-        signals.append(("torque", torque, "N m"))
-    points = points_for(len(signals) * robot.n)
-    charts = []
-    for kind, values, unit in signals:
-        units = [joint.unit(unit) for joint in robot.joints]
-        traces: list[Trace] = [
-            line(
-                fine.t, values[:, j], points, name=kind, showlegend=False, yaxis=panel_axis(j),
-                line={"color": BLUE, "width": 1.2},
-                hovertemplate=f"%{{y:.4g}} {units[j]} at %{{x:.3f}} s<extra></extra>",
-            )
-            for j in range(robot.n)
-        ]  # fmt: skip
-        titles = [f"{name} [{u}]" for name, u in zip(robot.joint_names, units, strict=True)]
-        axes, height = stacked_panels(titles, "time [s]", has_legend=False)
-        shapes = [
-            shape
-            for j in range(robot.n)
-            for shape in _bounds(j, values[:, j], getattr(limits, kind)[j])
-        ]
-        caption = f"{kind.capitalize()} of every joint; limits are dashed where they are near."
-        charts.append(Chart(traces, {**axes, "shapes": shapes}, caption, height))
-    return tuple(charts)
-
-
-def _bounds(joint: int, values: ndarray, limit: ndarray) -> list[dict[str, object]]:
-    middle, reach = (values.max() + values.min()) / 2, (values.max() - values.min()) / 2
-    return [
-        {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": panel_axis(joint)}
-        | {"y0": float(bound), "y1": float(bound), "line": {"color": VERMILION, "dash": "dash"}}
-        for bound in limit
-        if abs(bound - middle) <= FAR * reach
-    ]
 
 
 def _running(design: Design) -> tuple[Text | Links, ...]:

@@ -12,7 +12,7 @@ from oed.report.diagnosis_record import NEXT
 from oed.report.joint_words import joint_labels, over_floor, place_words, torque_units
 from oed.report.next_steps import Run, next_steps
 from oed.report.open_sections import steps_sections, unnamed_sections
-from oed.report.page import Page, Picture, Section, Table, Text, Verdict
+from oed.report.page import Links, Page, Picture, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
 from oed.report.table import Row
 from oed.report.term_words import TermWords, in_words, words_of_terms
@@ -242,4 +242,9 @@ def _next_section(following: NextExperiment, words: Mapping[str, TermWords]) -> 
         f"{following.error_rate:.2%} (now {following.error_rate_now:.2%}). Best of {following.tried} "
         "motions within the limits."
     )
-    return Section("The next experiment", [Text(said), *(Text(f"{n}.") for n in following.notes)])
+    page = Links(
+        [("Its page", f"{NEXT}/report.html", "the moving arm, and every joint against its limits")]
+    )
+    return Section(
+        "The next experiment", [Text(said), page, *(Text(f"{n}.") for n in following.notes)]
+    )

@@ -22,12 +22,14 @@ from oed.report.diagnosis_plots import (
 from oed.report.diagnosis_record import FORMAT, NEXT, diagnosis_record
 from oed.report.joint_words import coordinate_label, joint_labels, torque_units
 from oed.report.json_file import plain_value, write_json
+from oed.report.next_page import FILE, next_page
 from oed.report.next_steps import Run
 from oed.report.page import Picture, write_page
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
 from oed.report.term_words import TermWords, in_words, words_of_terms
 from oed.report.torque_charts import RoleTorques
+from oed.robot import Robot
 
 
 def write_diagnosis(
@@ -69,7 +71,7 @@ def write_diagnosis(
         narrow = plot_contributions(shown, narrow=True)
         pictures["additions"] = Picture(files[0], ADDITIONS, narrow=narrow)
     if following is not None:
-        write_next(following, joints, out / NEXT, words_of_terms(found))
+        write_next(following, found.before.model.robot, joints, out / NEXT, words_of_terms(found))
     page = diagnosis_page(
         found,
         following,
@@ -107,13 +109,15 @@ def _proof(found: Diagnosis, joints: Sequence[str], out: Path) -> Picture:
 
 def write_next(
     following: NextExperiment,
+    robot: Robot,
     joints: Sequence[str],
     folder: Path,
     words: Mapping[str, TermWords],
 ) -> None:
-    """The discriminating motion as set points, and what it promises."""
+    """The discriminating motion as set points, its page, and what it promises."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_csv(SetPoints(tuple(joints), following.motion), folder / "trajectory.csv")
+    write_csv(SetPoints(tuple(joints), following.motion), folder / FILE)
+    write_page(folder / "report.html", next_page(following, robot, words))
     record = {
         "format": FORMAT,
         "pairs": [in_words(pair, words) for pair in following.pairs],

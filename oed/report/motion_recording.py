@@ -75,8 +75,7 @@ def show_motion(robot: Robot, motion: Motion) -> Replay:
     Raises:
         OedError: If no picture can be made on this machine.
     """
-    step = -(-len(motion) // FRAMES)
-    found = record_motion(robot, motion[::step])
+    found = record_motion(robot, motion)
     if found.replay is None:
         raise OedError(found.note)
     if not found.note:
@@ -92,7 +91,7 @@ def record_motion(robot: Robot, motion: Motion, *, largest: int = LARGEST) -> Re
 
     Args:
         robot: The arm; Meshcat's server lives only inside this call.
-        motion: At `frame_times`.
+        motion: N instants, such as those of `frame_times`; of more than `FRAMES`, some are left out.
         largest: What it may add to a page [B].
 
     Returns:
@@ -103,6 +102,7 @@ def record_motion(robot: Robot, motion: Motion, *, largest: int = LARGEST) -> Re
             meshcat = Meshcat()
     except RuntimeError as error:  # no free port, or no network at all
         return Recorded(None, f"no recording: Meshcat cannot start: {error}")
+    motion = motion[:: max(1, -(-(len(motion) - 1) // FRAMES))]
     instead, why = "", f"{robot.name} has no shapes to show"
     for role, kind in WAYS:
         try:

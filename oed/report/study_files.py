@@ -53,6 +53,7 @@ CLOSE_LOOP = ResultFiles(
         "additions.png",
         "proof.png",
         "next_experiment/design.json",
+        "next_experiment/report.html",
         "next_experiment/trajectory.csv",
         "report.html",
     ),

@@ -291,4 +291,9 @@ def test_hands_on_the_motion_that_tells_alternatives_apart(found, tmp_path):
     rows = (tmp_path / "next" / "next_experiment" / "trajectory.csv").read_text().splitlines()
     assert len(rows) == 1 + len(t)
     record = json.loads((tmp_path / "next" / "diagnosis.json").read_text())
-    assert (tmp_path / "next" / record["next_experiment"] / "design.json").is_file()
+    folder = tmp_path / "next" / record["next_experiment"]
+    assert (folder / "design.json").is_file()
+    shown = (folder / "report.html").read_text(encoding="utf-8")
+    assert shown.count("<iframe srcdoc=") == 1
+    assert "To tell a or b." in shown
+    assert 'href="next_experiment/report.html"' in (tmp_path / "next" / "report.html").read_text()

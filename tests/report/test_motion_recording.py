@@ -162,7 +162,7 @@ def test_a_notebook_shows_a_long_motion_in_few_frames_and_tells_what_is_not_show
     assert "drawn as lines between its joints" in shown.caption
     assert shown._repr_html_().startswith("<iframe srcdoc=")
     times, position, _ = tracks(shown, "bodies/1")
-    assert len(times) <= FRAMES
+    assert len(times) <= FRAMES + 1
     np.testing.assert_allclose(np.hypot(*position[:, :2].T), 0.359, atol=1e-6)
 
 
