@@ -47,9 +47,8 @@ def blocks(page: Path, language: str) -> list[str]:
 
 
 def command_words(line: str) -> list[str]:
-    """The words of a command line, without what the shell does with its output."""
-    words = shlex.split(line, comments=True)
-    return words[: words.index(">")] if ">" in words else words
+    """The words of a command line."""
+    return shlex.split(line, comments=True)
 
 
 def oed_lines() -> dict[tuple[str, ...], Path]:
