@@ -51,6 +51,15 @@ def command_words(line: str) -> list[str]:
     return shlex.split(line, comments=True)
 
 
+def oed_lines_in_sentences() -> set[tuple[str, ...]]:
+    """Whole command lines of `oed` outside of blocks: those that say where results go."""
+    return {
+        tuple(command_words(line)[1:])
+        for page in pages()
+        for line in re.findall(r"`(oed [^`\n]*--out [^`\n]*)`", page.read_text(encoding="utf-8"))
+    }
+
+
 def oed_lines() -> dict[tuple[str, ...], Path]:
     """What `oed` is told on any page in a block, once each, with the first page that shows it."""
     found: dict[tuple[str, ...], Path] = {}
