@@ -39,7 +39,7 @@ from oed.report.provenance import Provenance
 from oed.report.result_folder import ResultFiles
 from oed.report.table import Row, text_table, write_csv
 
-FILES = ResultFiles("loop", ("rounds.csv", "provenance.json"))
+FILES = ResultFiles("loop", ("rounds.csv", "provenance.json"), goes_on=True)
 PERIOD = 10.0  # [s] of every motion
 REPETITIONS = 4
 STEP = 0.001  # [s] of the controller

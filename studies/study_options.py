@@ -45,7 +45,8 @@ class StudyOptions:
 
     def held(self, inputs: Sequence[str | Path] = ()) -> AbstractContextManager[ResultFolder]:
         """The folder for the results, for this run alone; as `ResultFiles.in_folder`."""
-        return ResultFiles(self.study, self.names).in_folder(self.results, inputs)
+        files = ResultFiles(self.study, self.names, goes_on=True)
+        return files.in_folder(self.results, inputs)
 
 
 @dataclass(frozen=True)

@@ -15,25 +15,29 @@ from oed.report.progress import progress
 from oed.report.provenance import Provenance
 from oed.report.result_folder import ResultFiles
 from oed.report.table import Row, markdown_table, text_table, write_csv
-from oed.robot import load_arm
+from oed.robot import Robot, load_arm
 
 NAMES = ("runs.csv", "summary.md", "provenance.json")
 
 
-def compare(robots: Sequence[str], states: int, seed: int) -> list[Row]:
+def compare(sources: Sequence[str], states: int, seed: int) -> list[Row]:
     """One row a robot; a robot that cannot be compared is a row that says why.
 
     Args:
-        robots: Files or built-in names.
+        sources: Files or built-in names.
         states: Random states a robot.
         seed: Of the states.
+
+    Raises:
+        RobotError: If a file cannot be used, before any is compared.
     """
+    robots = [load_arm(source) for source in sources]
     rows: list[Row] = []
-    for source in progress(robots, "cross-check"):
+    for robot in progress(robots, "cross-check"):
         try:
-            rows.append(_row(source, states, seed))
+            rows.append(_row(robot, states, seed))
         except OedError as error:
-            rows.append({"robot": Path(source).stem, "problem": str(error)})
+            rows.append({"robot": robot.name, "problem": str(error)})
     return rows
 
 
@@ -78,8 +82,7 @@ def _columns(rows: Sequence[Row]) -> list[str]:
     return list(dict.fromkeys(name for row in rows for name in row if name != "note"))
 
 
-def _row(source: str, states: int, seed: int) -> Row:
-    robot = load_arm(source)
+def _row(robot: Robot, states: int, seed: int) -> Row:
     check = cross_check(robot, states=states, seed=seed)
     torque, energy = (rigid_body_base_parameters(robot, route=r) for r in ("torque", "energy"))
     as_written = (torque.singular_values > 1e-8 * torque.singular_values[0]).sum()

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from oed.commands.configurations import Diagnose
+from oed.commands.configurations import Diagnose, ModelName
 from oed.commands.diagnosed_torques import diagnosed_torques
 from oed.commands.from_data_set import base_model_name, model_for, processing
 from oed.commands.from_log import imported, on_data_set
@@ -60,18 +61,40 @@ class Outcome:
 
 
 @on_one_thread
-def diagnose_data(data: DataSet | str | Path, *, seed: int = 0) -> Outcome:
+def diagnose_data(
+    data: DataSet | str | Path,
+    *,
+    model: ModelName | Path | None = None,
+    max_effects: int | None = None,
+    candidates: Sequence[str] = (),
+    budget: float | None = None,
+    seed: int = 0,
+) -> Outcome:
     """Find out what the torque model of an arm lacks, and what adding it gains.
 
     Args:
         data: A data set, or its folder.
+        model: Base model, as of `identify`; or a model.json, for a second round, which looks for
+            what that lacks.
+        max_effects: Most effects to add; three a joint if None, at least six; 0 only tests the model.
+        candidates: Effects that may be named; the whole catalogue if empty.
+        budget: CPU time after which nothing more is looked for [s].
         seed: Of everything random.
 
     Raises:
         DataSetError: If the folder holds no data set that can be used.
     """
     dataset = data if isinstance(data, DataSet) else read_dataset(data)
-    return find(Diagnose(data=Path(dataset.name), out=Path(), seed=seed), dataset)
+    config = Diagnose(
+        data=Path(dataset.name),
+        out=Path(),
+        model=model,
+        max_effects=max_effects,
+        candidates=tuple(candidates),
+        budget=budget,
+        seed=seed,
+    )
+    return find(config, dataset)
 
 
 def find(config: Diagnose, dataset: DataSet) -> Outcome:

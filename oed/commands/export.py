@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from oed.commands.configurations import Export
 from oed.commands.telling import say, speak
 from oed.export.kinds.sample_files import write_samples
+from oed.export.model import Model
 from oed.export.model_file import load_model, model_file_at
 from oed.export.registry import Exported, Target, find_exporter
 from oed.report.json_file import write_json
@@ -25,21 +27,19 @@ def run(config: Export) -> int:
         done = {name: write(model, target) for name, write in exporters.items()}
         if config.samples:
             done["samples"] = write_samples(model, target, config.samples, config.seed)
-        record = {
-            "format": 1,
-            "model": path.name,
-            "origin": model.origin,
-            "exports": done,
-            **_of(Provenance.collect(config, seed=None)),
-        }
-        write_json(new / "export.json", record)
+        write_record(path.name, model, done, Provenance.collect(config, seed=None), new)
     for name, exported in done.items():
         _tell(name, exported, config.out)
     return 0
 
 
-def _of(provenance: Provenance) -> dict[str, object]:
-    return {"versions": provenance.versions, "commit": provenance.commit, "date": provenance.date}
+def write_record(
+    name: str, model: Model, done: Mapping[str, Exported], provenance: Provenance, folder: Path
+) -> None:
+    """Leave export.json: what was made of the model of that name."""
+    record = {"format": 1, "model": name, "origin": model.origin, "exports": done}
+    of = {"versions": provenance.versions, "commit": provenance.commit, "date": provenance.date}
+    write_json(folder / "export.json", {**record, **of})
 
 
 def _tell(name: str, exported: Exported, out: Path) -> None:

@@ -22,7 +22,7 @@ import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
 from oed.commands.option_fields import REGISTRY
-from oed.largest_number import LARGEST
+from oed.largest_number import LARGEST, MOST_GRAVITY
 
 ConfigT = TypeVar("ConfigT")
 
@@ -241,6 +241,8 @@ NotNegative = Annotated[float, Range(0.0)]
 Mass = Annotated[float, Range(1e-3, 1e6)]
 # Of a place on an arm or near it [m].
 Place = Annotated[float, Range(-100.0, 100.0)]
+# Of a component of gravity [m/s^2].
+Gravity = Annotated[float, Range(-MOST_GRAVITY, MOST_GRAVITY)]
 # Of rows of a log, or at which a controller or a simulation asks for torque [Hz]: from what a hand
 # can follow to ten times a drive's own current loop.
 Rate = Annotated[float, Range(1.0, 1e6)]

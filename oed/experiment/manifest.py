@@ -17,7 +17,7 @@ from oed.experiment.log_format import FORMAT_KEYS, LogFormat, read_log_format
 from oed.experiment.recording import ROLES, Role
 from oed.experiment.toml_table import TomlTable, nearest
 from oed.input_file import MANIFEST_FILE, MOST_RECORDINGS, UnreadableFile, read_file
-from oed.largest_number import LARGEST
+from oed.largest_number import LARGEST, MOST_GRAVITY
 
 MANIFEST = "dataset.toml"
 FORMAT = 1
@@ -129,7 +129,7 @@ def manifest_of(table: TomlTable) -> Manifest:
         licence=table.text("licence"),
         robot=table.text("robot"),
         joints=joints,
-        gravity=table.numbers("gravity", 3),
+        gravity=_gravity(table),
         torque=table.one_of("torque", TORQUE_KINDS),
         limits=_limits(table.child("limits"), len(joints)),
         sums=_sums(table.child("limits"), joints),
@@ -138,6 +138,14 @@ def manifest_of(table: TomlTable) -> Manifest:
         fixed=_fixed(table.child("fixed"), joints),
         recordings=_recordings(table),
     )
+
+
+def _gravity(table: TomlTable) -> Float[ndarray, "3"]:
+    gravity = table.numbers("gravity", 3)
+    if (most := np.abs(gravity).max()) > MOST_GRAVITY:
+        on_planets = f"no planet has more than {MOST_GRAVITY:g}"
+        raise table.error("gravity", f"{most:g} m/s^2, but {on_planets}: state it in m/s^2")
+    return gravity
 
 
 def _parse(path: Path) -> dict[str, object]:

@@ -9,6 +9,7 @@ import numpy as np
 from oed.checkup.checkup import cause_record, doubts
 from oed.checkup.finding import Checkup
 from oed.estimation.calibration import Calibration
+from oed.estimation.file_values import file_values, total_mass
 from oed.experiment.recording import HELD_OUT, Role
 from oed.experiment.stretches import gap_record
 from oed.report.provenance import Provenance
@@ -40,9 +41,11 @@ def estimate_record(
                 "value": row["value"],
                 "std": row["std"],
                 "interval95": [row["lower95"], row["upper95"]],
+                "file": row["file"],
             }
             for row in parameter_rows(calibration)
         ],
+        "total_mass": total_mass(calibration),
         "doubts": list(doubts(checkup)),
         "cause": cause_record(checkup.cause),
         "unidentifiable": list(estimate.unidentifiable),
@@ -94,7 +97,7 @@ def condition(calibration: Calibration) -> dict[str, float | int]:
 def parameter_rows(calibration: Calibration) -> list[Row]:
     """One row for each parameter that the data determine."""
     estimate = calibration.estimate
-    interval = estimate.interval(0.95)
+    interval, file = estimate.interval(0.95), file_values(calibration)
     return [
         {
             "name": name,
@@ -104,6 +107,8 @@ def parameter_rows(calibration: Calibration) -> list[Row]:
             "std": float(estimate.std[k]),
             "lower95": float(interval[k, 0]),
             "upper95": float(interval[k, 1]),
+            "file": float(file[k]) if np.isfinite(file[k]) else None,
+            "change": float(estimate.parameters[k] - file[k]) if np.isfinite(file[k]) else None,
         }
         for k, name in enumerate(estimate.names)
         if estimate.determined[k]

@@ -14,6 +14,7 @@ from oed.checkup.checkup import doubts
 from oed.checkup.finding import Checkup, share
 from oed.counted import counted
 from oed.estimation.calibration import Calibration
+from oed.estimation.file_values import file_values, total_mass
 from oed.estimation.reach import LARGEST_REACH
 from oed.estimation.recursive import RecursiveEstimate
 from oed.estimation.validation import Validation
@@ -35,6 +36,7 @@ from oed.report.parameter_charts import convergence_chart, interval_charts
 from oed.report.provenance import Provenance
 from oed.report.table import text_table, write_csv
 from oed.report.torque_charts import RoleTorques, Rows, torque_charts
+from oed.robot.placeholder_inertia import placeholder_reasons
 
 VALIDATION_CAPTION = (
     "rms: of measured less predicted {}, a row counted less where the direction of motion is uncertain; "
@@ -42,7 +44,33 @@ VALIDATION_CAPTION = (
     "band, which no model explains."
 )
 LISTED = 8  # names in a line
-PARAMETER_COLUMNS = ("name", "expression", "unit", "value", "std", "lower95", "upper95")
+PARAMETER_COLUMNS = (
+    "name",
+    "expression",
+    "unit",
+    "value",
+    "std",
+    "lower95",
+    "upper95",
+    "file",
+    "change",
+)
+# What is compared stands first, where a narrow screen shows it.
+SHOWN_COLUMNS = (
+    "name",
+    "unit",
+    "file",
+    "value",
+    "change",
+    "lower95",
+    "upper95",
+    "std",
+    "expression",
+)
+FROM_FILE = (
+    "file: the same combination of the inertials in the robot's file, empty where no such file says it, as of "
+    "friction; change: the value less that."
+)
 CONVERGENCE = (
     "Recursive estimates against samples used, as distances from their final values in standard "
     "deviations of (8), which take residuals as white."
@@ -160,7 +188,8 @@ def _parameter_section(calibration: Calibration, history: RecursiveEstimate) -> 
         estimate.parameters[shown],
         estimate.interval(0.95)[shown],
         [estimate.units[k] for k in shown],
-        caption="Estimates with 95 % intervals.",
+        caption="Estimates with 95 % intervals; diamonds are the robot file's values.",
+        file=file_values(calibration)[shown],
     )
     # It keeps the directions that the estimate leaves out, and settles elsewhere.
     if not (estimate.reach > LARGEST_REACH).any():
@@ -180,11 +209,38 @@ def _parameter_section(calibration: Calibration, history: RecursiveEstimate) -> 
         "Parameters",
         (
             Text(f"{estimate.method}. Intervals are at 95 %."),
-            Table(parameter_rows(calibration), columns=PARAMETER_COLUMNS),
+            Table(parameter_rows(calibration), FROM_FILE, SHOWN_COLUMNS),
+            *_of_file(calibration),
             *_unidentified(calibration),
             *charts,
         ),
     )
+
+
+def _of_file(calibration: Calibration) -> list[Text]:
+    """The total mass, and what the file's inertials are worth."""
+    mass = total_mass(calibration)
+    doubt = [
+        Text(f"The file's inertials are placeholders, and no values of the arm's: {reason}.")
+        for reason in placeholder_reasons(calibration.model.robot)
+    ]
+    said = f"Total mass of what moves: {mass.file:.4g} kg in the robot's file"
+    if mass.value is not None and mass.interval is not None:
+        low, high = mass.interval
+        return [
+            Text(
+                f"{said}, {mass.value:.4g} kg as identified (95 %: {low:.4g} to {high:.4g} kg), "
+                f"{mass.value - mass.file:+.4g} kg."
+            ),
+            *doubt,
+        ]
+    why = (
+        "these recordings do not determine it"
+        if mass.is_in_torque
+        else "the torques of this arm do not depend on it, but on the combinations above alone"
+    )
+    rest = "`oed feasible` gives one of bodies that exist, with how far it is known"
+    return [Text(f"{said}. None is identified: {why}; {rest}."), *doubt]
 
 
 def _residual_section(calibration: Calibration, spectrum: Spectrum) -> Section:

@@ -16,6 +16,7 @@ from filelock import FileLock, Timeout
 from oed.report.json_file import read_json, write_json
 
 STATE = ".oed"  # folder within one for results: what runs know of one another
+RECORD = "record.json"  # in it: what a run left, see `oed.report.result_folder`
 LOCK, HOLDER = "lock", "holder.json"
 
 

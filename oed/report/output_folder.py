@@ -5,6 +5,9 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+from oed.report.folder_lock import RECORD, STATE
+
+OF_A_DISK = "lost+found"  # a folder in which a file system keeps what it mends
 CHECKOUT = Path(__file__).resolve().parents[2]
 
 
@@ -39,3 +42,24 @@ def is_committed(folder: Path) -> bool:
 def is_scratch(folder: Path) -> bool:
     """Whether it lies in the checkout's `out/`, which holds what runs wrote and nothing else."""
     return (CHECKOUT / ".git").exists() and folder.resolve().is_relative_to(CHECKOUT / "out")
+
+
+def of_others(folder: Path) -> list[str]:
+    """What lies in a folder and no run left there."""
+    if not folder.is_dir():
+        return []
+    return sorted(entry.name for entry in folder.iterdir() if _is_of_others(entry))
+
+
+def _is_of_others(entry: Path) -> bool:
+    """Whether it is a file, or a folder that holds one, at whatever depth, and is no run's."""
+    if entry.name in (STATE, OF_A_DISK):
+        return False
+    if entry.is_symlink() or not entry.is_dir():
+        return True
+    try:
+        # Steps of a longer run have folders of their own, which are there before its own record.
+        is_a_run_s = (entry / STATE / RECORD).is_file()
+        return not is_a_run_s and any(map(_is_of_others, entry.iterdir()))
+    except PermissionError:
+        return True

@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from oed.report.chart import BOTTOM, COLOURS, TOP, Chart, plain
-from oed.report.colours import BLUE, VERMILION
+from oed.report.colours import BLACK, BLUE, VERMILION
 
 LETTERS = 20  # of a name along the ordinate: a telephone leaves no room for more
 INTERVAL = 20  # [px] a row
@@ -25,6 +25,7 @@ def interval_charts(
     units: Sequence[str],
     *,
     caption: str,
+    file: Float[ndarray, " parameters"] | None = None,
 ) -> list[Chart]:
     """Estimates with their intervals, one chart a unit; hollow where the interval holds zero.
 
@@ -34,7 +35,9 @@ def interval_charts(
         interval: (p, 2) lower and upper bounds.
         units: (p,) units.
         caption: What they show; the unit follows.
+        file: (p,) values of the robot's file; NaN where it has none.
     """
+    stated = np.full(len(values), np.nan) if file is None else file
     charts = []
     for unit in dict.fromkeys(units):
         chosen = np.array([k for k, u in enumerate(units) if u == unit])
@@ -43,8 +46,9 @@ def interval_charts(
                 [str(names[k]) for k in chosen],
                 values[chosen],
                 interval[chosen],
-                unit,
-                f"{caption} In {unit}; hollow where the interval holds zero.",
+                file=stated[chosen],
+                unit=unit,
+                caption=f"{caption} In {unit}; hollow where the interval holds zero.",
             )
         )
     return charts
@@ -95,6 +99,8 @@ def _intervals(
     names: Sequence[str],
     values: Float[ndarray, " chosen"],
     interval: Float[ndarray, "chosen 2"],
+    *,
+    file: Float[ndarray, " chosen"],
     unit: str,
     caption: str,
 ) -> Chart:
@@ -132,4 +138,16 @@ def _intervals(
         | {"showgrid": False, "zeroline": False},
         "margin": {"l": 8, "r": 8, "t": 12, "b": BOTTOM},
     }
-    return Chart([trace], axes, caption, TOP + BOTTOM + INTERVAL * len(names))
+    has = np.flatnonzero(np.isfinite(file)).tolist()
+    of_file = {
+        "type": "scatter",
+        "mode": "markers",
+        "x": file[has],
+        "y": rows[has],
+        "marker": {"symbol": "diamond-open", "size": 9, "color": BLACK},
+        "text": [f"{plain(names[k])}: {file[k]:.4g} {unit} in the file" for k in has],
+        "hovertemplate": "%{text}<extra></extra>",
+    }
+    traces = [of_file, trace] if has else [trace]
+    axes["showlegend"] = False
+    return Chart(traces, axes, caption, TOP + BOTTOM + INTERVAL * len(names))

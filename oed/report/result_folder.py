@@ -6,11 +6,12 @@
             write(..., new)
 
 Before the work, a folder is refused that cannot be written, holds what is read, holds results of
-another command, or in which another run works. The results are written within the folder, in a
-part of it that a listing does not show, and moved into their places when they are whole. That
-survives a folder that is a mount of its own, and a run that is killed at any moment: the next one
-finishes the move, or clears away what was half written. Only what the record of an earlier run
-lists is ever replaced, and only as that run left it, by the hash of its content.
+another command or files without the record of a run, or in which another run works. The results
+are written within the folder, in a part of it that a listing does not show, and moved into their
+places when they are whole. That survives a folder that is a mount of its own, and a run that is
+killed at any moment: the next one finishes the move, or clears away what was half written. Only
+what the record of an earlier run lists is ever replaced, and only as that run left it, by the hash
+of its content.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from oed.experiment.manifest import MANIFEST
-from oed.report.folder_lock import STATE, held
+from oed.report.folder_lock import RECORD, STATE, held
 from oed.report.input_files import check_apart
 from oed.report.json_file import read_json, write_json
-from oed.report.output_folder import check_output_folder, is_committed, is_scratch
+from oed.report.output_folder import check_output_folder, is_committed, is_scratch, of_others
 
-NEW, READY, RECORD = "new", "ready.json", "record.json"
+NEW, READY = "new", "ready.json"
 LISTED = 3  # names of files in a message
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 NO_FILE = "no file"  # in place of a hash, where a folder, a link or a device lies
@@ -70,12 +71,14 @@ class ResultFiles:
     Attributes:
         command: Its name.
         names: Of all files that it may leave, relative to the folder, the one that says most
-            first; empty where they depend on its input, so that a folder in which something lies
-            has to be its own.
+            first; empty where they depend on its input.
+        goes_on: Whether a run leaves other files in the folder before it has a record there, from
+            which the next goes on.
     """
 
     command: str
     names: tuple[str, ...] = ()
+    goes_on: bool = False
 
     @contextmanager
     def in_folder(self, folder: Path, inputs: Sequence[str | Path] = ()) -> Iterator[ResultFolder]:
@@ -117,7 +120,7 @@ class ResultFiles:
         )
 
     def _check(self, folder: Path) -> None:
-        """Refuse a folder of another command, a data set's, or one with files of the same name."""
+        """Refuse a folder of another command, a data set's, or one in which somebody else's files lie."""
         record = Record.read(folder / STATE / RECORD)
         if record is not None and record.command != self.command:
             raise ValueError(
@@ -125,22 +128,21 @@ class ResultFiles:
                 "choose another folder"
             )
         recorded = {} if record is None else record.files
-        own = not self.names and is_scratch(
-            folder
-        )  # which wrote data sets before there were records
+        # Which wrote data sets before there were records.
+        own = not self.names and is_scratch(folder)
         if (folder / MANIFEST).exists() and MANIFEST not in recorded and not own:
             raise ValueError(f"--out {folder}: is a data set; choose another folder")
         started = (folder / STATE / READY).exists()
         if record is not None or started or is_committed(folder) or is_scratch(folder):
             return
-        taken = [name for name in self.names if (folder / name).exists()]
-        if not self.names and folder.is_dir():
-            taken = sorted(entry.name for entry in folder.iterdir() if entry.name != STATE)
+        taken = of_others(folder)
+        if self.goes_on:
+            taken = [name for name in taken if name in self.names]
         if taken:
             more = f" and {len(taken) - LISTED} more" if len(taken) > LISTED else ""
             raise ValueError(
-                f"--out {folder}: {', '.join(taken[:LISTED])}{more} in it would be lost: no run is "
-                "recorded there; choose an empty or a new folder"
+                f"--out {folder}: holds {', '.join(taken[:LISTED])}{more}, and no run is recorded "
+                "there; choose an empty or a new folder"
             )
 
 

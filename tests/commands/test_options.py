@@ -111,6 +111,12 @@ NO_MODEL = "neither one of standard, offset, rotor nor a model.json that is ther
         (Feasible, "data --weight 1e7", "--weight 1e+07 is no number from 1e-12 to 1e+06"),
         (Design, "--robot a --margin 1e-300", "--margin 1e-300 is no number from 0.001 to 1"),
         (Design, "--robot a --scale nan", "--scale nan is no number from 0.001 to 1"),
+        (Design, "--robot a --gravity 0 0 26", "--gravity 26 is no number from -25 to 25"),
+        (
+            ImportLog,
+            "l --robot a --gravity 0 0 1e10",
+            "--gravity 1e+10 is no number from -25 to 25",
+        ),
         (Design, "--robot a --poses 1000000", "--poses 1000000 is no number from 1 to 100"),
         (Identify, "data --model Standard", f"--model Standard: {NO_MODEL}"),
         (Diagnose, "data --model stand", f"--model stand: {NO_MODEL}"),

@@ -35,6 +35,7 @@ def test_unknown_key_names_the_nearest(tmp_path):
         ("-9.81]", "-9.81, 0]", "gravity"),
         ("-9.81]", "nan]", "gravity"),
         ("-9.81]", "1e300]", "gravity"),
+        ("-9.81]", "-981]", "gravity"),
         ("-9.81]", "0x" + "f" * 5000 + "]", "gravity"),
         ('"measured"', '"mesured"', "torque"),
         ('role = "test"', 'role = "train"', "recording[2].role"),

@@ -102,3 +102,13 @@ def test_residuals_of_two_models_are_told_apart_by_name_colour_and_rms() -> None
     assert before["hovertemplate"] == "%{y:.4g} N at %{x:.3f} s"
     assert chart.figure["layout"]["annotations"][0]["text"] == "a: rms 3 → 1 N"
     np.testing.assert_array_equal(before["y"], 3.0)
+
+
+def test_the_file_s_values_are_marked_where_there_are_any() -> None:
+    values, interval = np.array([1.0, 2.0]), np.array([[0.5, 1.5], [1.5, 2.5]])
+    file = np.array([np.nan, 2.25])
+    (chart,) = interval_charts(["a", "b"], values, interval, ["kg"] * 2, caption="", file=file)
+    marks, _ = chart.traces
+    np.testing.assert_array_equal(marks["x"], [2.25])
+    np.testing.assert_array_equal(marks["y"], [1.0])
+    assert marks["text"] == ["b: 2.25 kg in the file"]

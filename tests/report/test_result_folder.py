@@ -1,6 +1,7 @@
 """A folder for results holds the last run's: all of them, none of an earlier run, and the user's."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -70,17 +71,48 @@ def test_a_changed_file_that_the_next_run_would_not_write_stays_too(tmp_path: Pa
     assert listing(tmp_path) == {"a.txt": "2", "b.txt": "mine"}
 
 
-def test_a_folder_with_files_of_these_names_and_no_record_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "b.txt").write_text("mine")
-    with pytest.raises(ValueError, match=r"b\.txt in it would be lost"):
-        run(tmp_path, a="1")
-    assert listing(tmp_path) == {"b.txt": "mine"}
-    # Whose names are not known beforehand, goes to an empty folder or to its own.
-    with (
-        pytest.raises(ValueError, match="no run is recorded"),
-        ResultFiles("any").in_folder(tmp_path),
-    ):
+@pytest.mark.parametrize("name", ["b.txt", "thesis.tex", ".bashrc", "sources/deep/main.c"])
+@pytest.mark.parametrize("files", [FILES, ResultFiles("any")])
+def test_a_folder_that_holds_anything_but_what_runs_left_is_refused(
+    tmp_path: Path, name: str, files: ResultFiles, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / name).write_text("mine")
+    monkeypatch.chdir(tmp_path)
+    told = rf"holds {re.escape(name.partition('/')[0])}, and no run is recorded there"
+    for folder in (tmp_path, Path()):
+        with pytest.raises(ValueError, match=told), files.in_folder(folder):
+            pass
+    assert listing(tmp_path) == {name: "mine"}
+
+
+def test_what_a_study_goes_on_from_is_no_other_s_file(tmp_path: Path) -> None:
+    (tmp_path / "lines.csv").write_text("1")
+    study = ResultFiles("study", ("summary.md",), goes_on=True)
+    with study.in_folder(tmp_path):
         pass
+    (tmp_path / "summary.md").write_text("mine")
+    with pytest.raises(ValueError, match="holds summary"), study.in_folder(tmp_path):
+        pass
+
+
+def test_the_root_is_no_folder_for_results() -> None:
+    with pytest.raises(ValueError, match="no run is recorded there"), FILES.in_folder(Path("/")):
+        pass
+    assert not Path("/.oed").exists()
+
+
+def test_empty_folders_and_those_of_steps_are_nothing_to_lose(tmp_path: Path) -> None:
+    run(tmp_path / "step", a="1")
+    (tmp_path / "step" / "notes.txt").write_text("mine")
+    (tmp_path / "lost+found").mkdir()
+    (tmp_path / "more" / "empty").mkdir(parents=True)
+    run(tmp_path, a="2")
+    # From now on it is a folder for results, in which other files stay.
+    (tmp_path / "notes.txt").write_text("mine")
+    run(tmp_path, a="3")
+    kept = {"a.txt": "3", "notes.txt": "mine", "step/a.txt": "1", "step/notes.txt": "mine"}
+    assert {k: v for k, v in listing(tmp_path).items() if "/.oed/" not in k} == kept
 
 
 def test_a_record_that_names_what_lies_elsewhere_is_none(tmp_path: Path) -> None:

@@ -42,11 +42,12 @@ def test_every_format_agrees(tmp_path: Path, name: str) -> None:
         ("</robot>", "", "it is truncated"),
     ],
 )
-def test_a_file_that_cannot_be_used_is_a_row(
+def test_a_file_that_cannot_be_used_is_refused_before_any_is_compared(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, why: str
 ) -> None:
     status, path = crossed(tmp_path, URDF.replace(old, new, 1))
-    told = capsys.readouterr().out
-    assert status == 1
+    told = capsys.readouterr().err
+    assert status == 2
     assert f"{path}: " in told
     assert why in told
+    assert not (tmp_path / "out").exists()

@@ -131,7 +131,15 @@ def test_leaves_everything_that_it_promises(tmp_path: Path) -> None:
     for name in ("report.html", "parameters.csv", "validation_errors.csv"):
         assert (out / name).stat().st_size > 0
     assert not list(out.glob("*.png"))
-    assert str(tmp_path) not in (out / "report.html").read_text(encoding="utf-8")
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert str(tmp_path) not in page
+    # 15 kg and 6 kg about vertical axes.
+    assert record["total_mass"]["file"] == pytest.approx(21.0)
+    assert "Total mass of what moves: 21 kg in the robot&#39;s file. None is identified" in page
+    (izz_2,) = (p for p in record["parameters"] if p["name"] == "Izz_2")
+    assert izz_2["file"] == pytest.approx(0.141)  # the paper's
+    friction = {p["file"] for p in record["parameters"] if p["name"].startswith("F")}
+    assert friction == {None}
 
 
 def test_a_motionless_joint_is_named_and_not_given_numbers(tmp_path: Path) -> None:

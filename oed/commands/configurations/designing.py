@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from oed.commands.configurations.command import Command, ModelName, check_model
-from oed.commands.options import Count, OutFolder, Positive, Range, Rate, Real, Seed, Share
+from oed.commands.options import Count, Gravity, OutFolder, Positive, Range, Rate, Real, Seed, Share
 
 # That a motion is written with: the messages for ROS 2 then take 120 MB, and half a minute.
 MOST_POINTS = 200_000
@@ -81,7 +81,7 @@ class Design(Command):
     periodic: bool = False
     margin: Share = 0.9
     scale: Share = 1.0
-    gravity: tuple[Real, Real, Real] | None = None
+    gravity: tuple[Gravity, Gravity, Gravity] | None = None
     sum: tuple[str, ...] = ()
     no_torque: bool = False
     prior: tuple[str, ...] = ()

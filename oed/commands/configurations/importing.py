@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from oed.commands.configurations.command import Command
-from oed.commands.options import OutFolder, Range, Rate, Real
+from oed.commands.options import Gravity, OutFolder, Range, Rate, Real
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +51,7 @@ class ImportLog(Command):
     fixed: tuple[str, ...] = ()
     torque: Literal["measured", "current", "commanded"] | None = None
     current_to_torque: tuple[Real, ...] = ()
-    gravity: tuple[Real, Real, Real] = (0.0, 0.0, -9.81)
+    gravity: tuple[Gravity, Gravity, Gravity] = (0.0, 0.0, -9.81)
     roles: tuple[Literal["estimation", "validation", "test"], ...] = ()
     reference: bool = False
 

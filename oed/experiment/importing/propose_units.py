@@ -142,11 +142,9 @@ def _velocity_unit(
     moved = np.diff(values["q"][edges], axis=0)
     integral = np.diff(travelled[edges], axis=0)
     squares = np.sum(moved**2, axis=0)
-    ratio = (
-        float(np.median((np.sum(moved * integral, axis=0) / squares)[squares > 0]))
-        if squares.any()
-        else 1.0
-    )
+    moves = squares > 0
+    products = np.sum(moved * integral, axis=0)
+    ratio = float(np.median(products[moves] / squares[moves])) if moves.any() else 1.0
     logged = units.get("q", ("rad",))[0]
     if robot.joints[0].kind != "revolute" or len(set(units.get("q", ("rad",)))) > 1:
         return (), ""

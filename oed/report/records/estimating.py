@@ -18,8 +18,17 @@ class GapsRecord(Record, frozen=True, kw_only=True):
     total_s: float
 
 
+class TotalMassRecord(Record, frozen=True, kw_only=True):
+    """Mass of all that moves [kg], in the robot's file and as identified where torques tell it."""
+
+    file: Number
+    is_in_torque: bool
+    value: Number
+    interval: Numbers | None
+
+
 class EstimatedRecord(Record, frozen=True, kw_only=True):
-    """A parameter that the data determine."""
+    """A parameter that the data determine; `file` is the robot file's value of the same combination."""
 
     name: str
     expression: str
@@ -27,6 +36,7 @@ class EstimatedRecord(Record, frozen=True, kw_only=True):
     value: Number
     std: Number
     interval95: Numbers
+    file: Number
 
 
 class ConditionRecord(Record, frozen=True, kw_only=True):
@@ -81,6 +91,7 @@ class EstimateRecord(ResultRecord, frozen=True, kw_only=True):
     gaps: dict[str, GapsRecord]
     data_notes: list[str]
     parameters: list[EstimatedRecord]
+    total_mass: TotalMassRecord
     doubts: list[str]
     cause: CauseRecord | None
     unidentifiable: list[str]

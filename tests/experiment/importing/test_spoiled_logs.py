@@ -8,7 +8,7 @@ from oed.robot import load_robot
 from tests.experiment.importing.laboratory_logs import LOGS, Truth, simulate, write_urdf
 from tests.experiment.importing.log_fuzz import REFUSED, ROWS, Config, fuzz
 
-ROUNDS = 20  # spoiled files of each kind; a thousand and more by the module's own command
+ROUNDS = 77  # spoiled files of each kind, so that they are a thousand
 
 
 @pytest.fixture(scope="module")
