@@ -15,6 +15,7 @@ from .export.model import Model as Model
 from .export.model_file import load_model as load_model
 from .report.estimation_plots import plot_residuals as plot_residuals
 from .report.estimation_plots import plot_torques as plot_torques
+from .report.motion_recording import show_motion as show_motion
 from .robot import Robot as Robot
 from .robot import load_arm as load_arm
 

@@ -14,6 +14,7 @@
 from pathlib import Path
 from tempfile import mkdtemp
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import oed
@@ -47,6 +48,28 @@ for j, name in enumerate(design.problem.model.robot.joint_names):
     low, high = design.certificate.velocity[j]
     limit = found.limits.velocity[j, 1]
     print(f"{name}: velocity {low:.3g} to {high:.3g} rad/s, limit ±{limit:.3g} rad/s")
+
+# %% [markdown]
+# The arm, as it will move: drag to turn it. An arm whose file has shapes is drawn with them, this one as lines between its joints.
+
+# %%
+motion = design.motion(np.linspace(0.0, design.horizon, 250))
+oed.show_motion(design.problem.model.robot, motion)
+
+# %% [markdown]
+# Position and velocity of every joint, with the position limits:
+
+# %%
+figure, panels = plt.subplots(2, 1, sharex=True, layout="constrained")
+for j, name in enumerate(design.problem.model.robot.joint_names):
+    panels[0].plot(motion.t, motion.q[:, j], label=name)
+    panels[1].plot(motion.t, motion.dq[:, j])
+for bound in found.limits.position[0]:
+    panels[0].axhline(bound, color="grey", linestyle="--")
+panels[0].set_ylabel("position [rad]")
+panels[1].set(ylabel="velocity [rad/s]", xlabel="time [s]")
+panels[0].legend()
+plt.show()
 
 # %% [markdown]
 # A limit that cannot be kept is named in `status`; then nothing for a controller is written and the command ends with status 3.

@@ -92,7 +92,17 @@ print(np.round(calibration.validation["validation"].relative_rms, 4))
 # %%
 held_out = calibration.validation["validation"]
 prepared = calibration.recordings["validation"][0]
-figure = oed.plot_residuals(prepared.motion.t, held_out.residual, robot.joint_names, held_out.rms)
+t, predicted = prepared.motion.t, prepared.tau - held_out.residual
+oed.plot_torques(t, prepared.tau, predicted, robot.joint_names)
+
+# %%
+oed.plot_residuals(t, held_out.residual, robot.joint_names, held_out.rms)
+
+# %% [markdown]
+# What was recorded, in three dimensions: a motion in which a joint hardly moves cannot tell its parameters.
+
+# %%
+oed.show_motion(robot, prepared.motion)
 
 # %% [markdown]
 # A residual that looks like noise is as good as it gets. Waves that follow the motion mean that the model lacks something:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -59,6 +60,28 @@ def frame_times(horizon: float) -> Float[ndarray, " frames"]:
     """When a motion of that length [s] is to be shown [s]."""
     frames = min(int(np.ceil(FRAMES_PER_SECOND * horizon)), FRAMES)
     return np.linspace(0.0, horizon, frames + 1)
+
+
+def show_motion(robot: Robot, motion: Motion) -> Replay:
+    """The arm moving in three dimensions: a notebook shows it where it ends a cell.
+
+    Args:
+        robot: The arm, drawn as lines between its joints where its file has no shapes.
+        motion: N instants; of more than some hundred, some are left out.
+
+    Returns:
+        The moving picture; its caption tells what could not be shown.
+
+    Raises:
+        OedError: If no picture can be made on this machine.
+    """
+    step = -(-len(motion) // FRAMES)
+    found = record_motion(robot, motion[::step])
+    if found.replay is None:
+        raise OedError(found.note)
+    if not found.note:
+        return found.replay
+    return dataclasses.replace(found.replay, caption=f"{found.replay.caption} Note: {found.note}.")
 
 
 def record_motion(robot: Robot, motion: Motion, *, largest: int = LARGEST) -> Recorded:

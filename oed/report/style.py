@@ -85,7 +85,14 @@ def deterministic_metadata(file_format: str) -> dict[str, str | None]:
     return dict(_METADATA[file_format])
 
 
-def new_figure(width: float, height: float) -> Figure:
+class ShownFigure(Figure):
+    """A figure that a notebook shows where it ends a cell, without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        return figure_bytes(self, "png")
+
+
+def new_figure(width: float, height: float) -> ShownFigure:
     """An empty figure with constrained layout, outside pyplot's global state.
 
     Args:
@@ -93,7 +100,7 @@ def new_figure(width: float, height: float) -> Figure:
         height: Height [in].
     """
     with mpl.rc_context(STYLE):
-        return Figure(figsize=(width, height), layout="constrained")
+        return ShownFigure(figsize=(width, height), layout="constrained")
 
 
 def save_figure(

@@ -53,6 +53,9 @@ def test_a_notebook_runs(notebook: Path) -> None:
     outputs = [output for cell in read.cells for output in cell.get("outputs", ())]
     assert len(outputs) > 3
     assert not [output for output in outputs if output.output_type == "error"]
+    shown = [output.data for output in outputs if "data" in output]
+    assert any("image/png" in data for data in shown)
+    assert any("<iframe srcdoc=" in data.get("text/html", "") for data in shown)
 
 
 @pytest.fixture

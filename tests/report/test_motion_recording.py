@@ -12,12 +12,14 @@ import pytest
 from numpy import ndarray
 
 from oed.dynamics.motion import Motion
+from oed.errors import OedError
 from oed.report.motion_recording import (
     FRAMES,
     FRAMES_PER_SECOND,
     LARGEST,
     frame_times,
     record_motion,
+    show_motion,
 )
 from oed.report.replay import Replay
 from oed.robot import imi_scara, load_arm
@@ -153,6 +155,17 @@ def test_drawings_of_common_arms_are_small_enough_for_a_page(name: str) -> None:
     assert len(found.replay.packed) < LARGEST
 
 
+def test_a_notebook_shows_a_long_motion_in_few_frames_and_tells_what_is_not_shown() -> None:
+    t = np.linspace(0.0, 20.0, 5 * FRAMES)
+    q = np.stack([np.sin(t), np.cos(t)], axis=1)
+    shown = show_motion(imi_scara(), Motion(t, q, 0 * q, 0 * q))
+    assert "drawn as lines between its joints" in shown.caption
+    assert shown._repr_html_().startswith("<iframe srcdoc=")
+    times, position, _ = tracks(shown, "bodies/1")
+    assert len(times) <= FRAMES
+    np.testing.assert_allclose(np.hypot(*position[:, :2].T), 0.359, atol=1e-6)
+
+
 def test_a_meshcat_that_cannot_start_is_a_note(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -163,6 +176,8 @@ def test_a_meshcat_that_cannot_start_is_a_note(
     found = record_motion(arm_and_post(tmp_path), motion())
     assert "no free port" in found.note
     assert found.replay is None
+    with pytest.raises(OedError, match="no free port"):
+        show_motion(arm_and_post(tmp_path), motion())
 
 
 @pytest.mark.parametrize("horizon", [0.5, 10.0, 600.0])

@@ -30,3 +30,7 @@ def test_the_png_has_the_width_of_the_column(tmp_path: Path) -> None:
     png, _ = save_figure(drawing(), tmp_path / "a")
     with Image.open(png) as image:
         assert image.size == pytest.approx((3.4 * 200, 2.0 * 200))
+
+
+def test_a_notebook_shows_a_figure_without_pyplot() -> None:
+    assert new_figure(1.0, 1.0)._repr_png_().startswith(b"\x89PNG")
