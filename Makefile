@@ -4,6 +4,8 @@
 #              make paper DATA=DIR reads the data sets in DIR
 # make docs    setup, then the documentation in out/site, every link checked
 # make mutants setup, then change one line behind each claim at a time: the tests must notice
+# make fresh   setup, then build the wheel, install it in a fresh environment with all that it requires,
+#              fetched as a user would, and run the demo there; make fresh FRESH=python3.13 on another Python
 # make lint    setup, then lint, format check and type check
 # make clean   remove the environment, the caches and what a run wrote (results/ stays)
 
@@ -13,6 +15,7 @@ STAMP := $(VENV)/environment.sha256
 # Two workers share the machine with whatever else runs on it.
 WORKERS ?= 2
 DATA ?=
+FRESH ?= $(PYTHON)
 
 # Where a shell forbids bytecode, every run would compile the whole package anew.
 unexport PYTHONDONTWRITEBYTECODE
@@ -22,7 +25,7 @@ test paper: export OMP_NUM_THREADS = 1
 test: export OED_PROCESSES = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup test paper docs mutants lint clean
+.PHONY: help setup test paper docs mutants fresh lint clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p;/^$$/q' Makefile
@@ -66,6 +69,13 @@ docs: setup
 
 mutants: setup
 	$(PYTHON) -m tests.mutants
+
+fresh: setup
+	rm -rf out/fresh build
+	$(PYTHON) -m build --wheel --no-isolation --outdir out/fresh/dist
+	$(FRESH) -m venv out/fresh/env
+	out/fresh/env/bin/python -m pip install --quiet --disable-pip-version-check "$$(echo out/fresh/dist/*.whl)[ros,mujoco]"
+	cd out/fresh && env/bin/oed --version && env/bin/oed demo --smoke --out demo
 
 lint: setup
 	$(PYTHON) -m ruff check .

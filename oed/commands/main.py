@@ -15,6 +15,7 @@ from oed.commands import configurations
 from oed.commands.option_fields import REGISTRY
 from oed.commands.options import STYLE, refused_in_one_line
 from oed.process_end import (
+    BAD_INPUT,
     NOTHING,
     STEPS,
     end_quietly_while_loading,
@@ -43,8 +44,9 @@ DESCRIPTION = """From a robot file and a log to a dynamic model that you can tru
 Exit status: 0 done; 1 something disagrees; 2 the input cannot be used; 3 the input is in order, and
 what was asked for cannot be had; 130 interrupted.
 
-oed --version says which one this is; oed --tyro-print-completion {bash,zsh,fish} prints what a
+oed --version says which one this is; oed --tyro-write-completion {bash,zsh,fish} FILE writes what a
 shell completes command lines by."""
+COMPLETION = ("--tyro-write-completion", "--tyro-print-completion")
 
 
 def main() -> Never:
@@ -94,6 +96,16 @@ def configuration_of(arguments: Sequence[str]) -> configurations.Command:
     Raises:
         SystemExit: With 0 after `--help`, with 2 for options that cannot be used.
     """
+    try:
+        return _configuration_of(arguments)
+    except (AssertionError, ImportError, OSError) as error:  # as tyro ends without such a shell
+        if not arguments or arguments[0] not in COMPLETION:
+            raise
+        sys.stderr.write(f"oed: {arguments[0]}: {error}; name bash, zsh or fish, and a file\n")
+        raise SystemExit(BAD_INPUT) from error
+
+
+def _configuration_of(arguments: Sequence[str]) -> configurations.Command:
     named = bool(arguments) and arguments[0] in COMMANDS
     with refused_in_one_line(f"oed {arguments[0]}" if named else "oed", arguments):
         return tyro.extras.subcommand_cli_from_dict(

@@ -235,6 +235,16 @@ def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == f"oed {__version__}\n"
 
 
+@pytest.mark.parametrize(
+    "words", [["no-such-shell", "-"], ["tcsh", "-"], ["bash", "/no/such/file"]]
+)
+def test_a_shell_that_nothing_is_known_of_is_refused_in_one_line(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert oed("--tyro-write-completion", *words) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_a_shell_gets_what_it_completes_by(
     shell: str, capsys: pytest.CaptureFixture[str], tmp_path: Path

@@ -47,9 +47,17 @@ def blocks(page: Path, language: str) -> list[str]:
 
 
 def command_words(line: str) -> list[str]:
-    """The words of a command line, without what the shell does with its output."""
-    words = shlex.split(line, comments=True)
-    return words[: words.index(">")] if ">" in words else words
+    """The words of a command line."""
+    return shlex.split(line, comments=True)
+
+
+def oed_lines_in_sentences() -> set[tuple[str, ...]]:
+    """Whole command lines of `oed` outside of blocks: those that say where results go."""
+    return {
+        tuple(command_words(line)[1:])
+        for page in pages()
+        for line in re.findall(r"`(oed [^`\n]*--out [^`\n]*)`", page.read_text(encoding="utf-8"))
+    }
 
 
 def oed_lines() -> dict[tuple[str, ...], Path]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import re
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from oed.commands.main import COMMANDS, configuration_of
 from tests.docs.code_blocks import IN_PACKAGES, blocks, command_words, pages, study_lines
 from tests.paths import REPO
+from tests.running import oed
 
 LINES = sorted(
     {
@@ -30,12 +32,12 @@ class Parsed(Exception):  # it ends a command that was only to be parsed
 
 
 @pytest.mark.parametrize("line", LINES)
-def test_is_accepted(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_is_accepted(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     words = command_words(line)
-    if words[:2] == ["oed", "--tyro-print-completion"]:
-        with pytest.raises(SystemExit) as end:
-            configuration_of(words[1:])
-        assert not end.value.code
+    if words[:2] == ["oed", "--tyro-write-completion"]:
+        script = tmp_path / Path(words[3]).name
+        assert oed(*words[1:3], script) == 0
+        assert "--sign-width" in script.read_text()
     elif words[0] == "oed":
         assert type(configuration_of(words[1:])) is COMMANDS[words[1]][0]
     elif words[:2] == ["python", "-m"]:

@@ -15,7 +15,7 @@ from oed.experiment.dataset import DataSet
 from oed.experiment.write_dataset import write_dataset
 from oed.robot import Robot, load_robot
 from oed.robot.inertia import transform_parameters
-from tests.docs.code_blocks import oed_lines
+from tests.docs.code_blocks import oed_lines, oed_lines_in_sentences
 from tests.experiment.importing.laboratory_logs import (
     TORQUE_CONSTANT,
     bag_mcap,
@@ -104,6 +104,10 @@ def test_runs(words: tuple[str, ...], laboratory: Path, monkeypatch: pytest.Monk
     assert oed(*words, *less) == 0
     if "--out" in words:
         assert any(path.is_file() for path in Path(words[words.index("--out") + 1]).iterdir())
+
+
+def test_what_a_sentence_shows_is_run_as_well() -> None:
+    assert oed_lines_in_sentences() - set(LINES) == set()
 
 
 def test_every_command_is_on_a_page() -> None:
