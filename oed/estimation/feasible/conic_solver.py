@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import warnings
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,7 +13,7 @@ from numpy import ndarray
 from scipy.linalg import block_diag
 
 from oed.estimation.feasible.coordinates import BASIS, ENTRIES, IDENTITY
-from oed.estimation.feasible.interior import SolverFailed
+from oed.estimation.feasible.interior import SolverFailed, solve_quietly
 from oed.estimation.feasible.optimality import Multipliers
 from oed.estimation.feasible.problem import FeasibleProblem
 from oed.estimation.feasible.regularisation import quadratic_root
@@ -74,10 +73,7 @@ def solve_conic(
     y, to_unknowns, links, rows, program = _build(problem, roots, size)
     settings = CLARABEL_SETTINGS if solver == "clarabel" else SCS_SETTINGS
     try:
-        with warnings.catch_warnings():
-            # The status says the same, and the solution is checked in any case.
-            warnings.filterwarnings("ignore", message="Solution may be inaccurate")
-            program.solve(solver=solver.upper(), **settings)
+        solve_quietly(program, solver.upper(), **settings)
     except cp.SolverError as error:
         raise SolverFailed("no solution", (f"{solver}: {error}",)) from error
     if y.value is None:

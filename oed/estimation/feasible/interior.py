@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import cvxpy as cp
@@ -110,12 +111,19 @@ def most_interior(coordinates: Coordinates, inequality: Rows, equality: Rows) ->
     )
 
 
+def solve_quietly(problem: cp.Problem, solver: str, **settings: int | float) -> None:
+    """Solve without a warning of a doubtful solution: the status says so, and it is checked."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Solution may be inaccurate")
+        problem.solve(solver=solver, **settings)
+
+
 def _solve(problem: cp.Problem) -> None:
     """By an interior-point method, else by a first-order one, which hardly ever stops early."""
     attempts = []
     for solver in ("CLARABEL", "SCS"):
         try:
-            problem.solve(solver=solver)
+            solve_quietly(problem, solver)
         except cp.SolverError as error:
             attempts.append(f"{solver.lower()}: {error}")
             continue
