@@ -30,6 +30,11 @@ pytestmark = pytest.mark.skipif(
 )
 
 
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where MuJoCo leaves the log of its warnings
+
+
 @cache
 def model_of(arm, names):
     return model_with(*names, robot=ARMS[arm](), duration=0.4)[0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def test_with_every_shape_there_nothing_comes_near(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_judged_is_in_the_status_and_not_called_clear(
-    shapes: dict[str, str], told: str, tmp_path: Path
+    shapes: dict[str, Any], told: str, tmp_path: Path
 ) -> None:
     check = still(planar_arm(tmp_path, **shapes))
     assert check.is_kept

@@ -33,10 +33,11 @@ def test_cross_check_agrees_and_says_with_what(tmp_path: Path) -> None:
     assert read_json(tmp_path / "provenance.json")["versions"]["drake"]
 
 
-def test_cross_check_of_a_file_that_is_no_robot_is_a_row(tmp_path: Path) -> None:
+def test_cross_check_of_a_file_that_is_no_robot_leaves_nothing(tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
-    assert oed("cross-check", tmp_path / "absent.urdf", "--out", out) == 1
-    assert "no such robot file" in read_csv(out / "runs.csv")[0]["problem"]
+    assert oed("cross-check", tmp_path / "absent.urdf", "--out", out) == 2
+    assert "no such robot file" in capsys.readouterr().err
+    assert not out.exists()
 
 
 def test_cross_check_leaves_nothing_where_no_folder_is_named(
