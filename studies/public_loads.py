@@ -30,7 +30,8 @@ from oed.commands.options import parse
 from oed.commands.payload import weigh
 from oed.commands.telling import speak
 from oed.errors import OedError
-from oed.experiment.importing.import_log import ImportChoices, propose_import, write_import
+from oed.experiment.importing.import_log import ImportChoices, propose_import
+from oed.experiment.importing.write_import import write_import
 from oed.process_end import leave
 from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance

@@ -86,6 +86,13 @@ def test_a_motion_is_written_for_controllers(tmp_path: Path) -> None:
     rows = np.loadtxt(files[0], delimiter=",", skiprows=1)
     assert len(rows) == round(50.0 * found.design.horizon) + 1
     np.testing.assert_allclose(rows[:, 1:3], found.design.motion(rows[:, 0]).q, atol=1e-6)
+    assert oed.export_motion(found, tmp_path / "motion", rate=50.0) == files
+    mine = tmp_path / "mine" / "motion.csv"
+    mine.parent.mkdir()
+    mine.write_text("mine")
+    with pytest.raises(ValueError, match=r"motion\.csv"):
+        oed.export_motion(found, mine.parent)
+    assert mine.read_text() == "mine"
 
 
 def test_nothing_is_loaded_before_it_is_used() -> None:

@@ -19,6 +19,7 @@ from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.models import build_model
 from oed.estimation.calibration import NOTHING
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.stretches import gap_notes, gap_record
 from oed.export.found_models import of_diagnosis
@@ -32,7 +33,6 @@ from oed.report.next_steps import Run, next_steps
 from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
 from oed.report.term_words import in_words, words_of_terms
-from oed.report.torque_charts import RoleTorques
 from oed.report.unnamed_terms import unnamed_terms
 
 MOTIONS = 48  # random motions of which the most discriminating is proposed
@@ -48,7 +48,7 @@ class Outcome:
         notes: What is doubtful about its numbers, and where its logs paused.
         found: The diagnosis.
         following: The motion that tells apart what is open; None where no name is.
-        torques: Measured torque and that of the model before and after, role by role.
+        settings: How the recordings were processed.
         started: The model that it started from; None where it is a named one.
     """
 
@@ -56,7 +56,7 @@ class Outcome:
     notes: tuple[str, ...]
     found: Diagnosis
     following: NextExperiment | None
-    torques: tuple[RoleTorques, ...]
+    settings: ProcessingSettings
     started: Model | None = None
 
 
@@ -128,8 +128,7 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     rng = np.random.default_rng(config.seed)
     motions = FEW_MOTIONS if config.smoke else MOTIONS
     following = design_next(found, rng, candidates=motions)
-    torques = tuple(diagnosed_torques(found, dataset, settings))
-    return Outcome(dataset, (*notes, *found.notes), found, following, torques, started)
+    return Outcome(dataset, (*notes, *found.notes), found, following, settings, started)
 
 
 def _started(config: Diagnose, dataset: DataSet) -> Model | None:
@@ -152,7 +151,7 @@ def diagnose_into(config: Diagnose) -> Outcome:
             write_diagnosis(
                 outcome.found,
                 outcome.following,
-                torques=outcome.torques,
+                torques=diagnosed_torques(outcome.found, outcome.dataset, outcome.settings),
                 data=outcome.dataset.name,
                 joints=outcome.dataset.robot.joint_names,
                 notes=outcome.notes,

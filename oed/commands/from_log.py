@@ -8,7 +8,8 @@ from typing import TypeVar
 
 from oed.commands.configurations import DataCommand
 from oed.commands.telling import say
-from oed.experiment.importing.import_log import ImportChoices, place_import, propose_import
+from oed.experiment.importing.import_log import ImportChoices, propose_import
+from oed.experiment.importing.write_import import place_import
 from oed.experiment.manifest import MANIFEST
 from oed.report.study_files import IMPORT
 

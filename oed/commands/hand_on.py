@@ -20,7 +20,7 @@ from oed.export.model_file import NAME as MODEL
 from oed.export.model_file import load_model, model_file_at, write_model
 from oed.export.registry import Exported, Target, find_exporter
 from oed.report.provenance import Provenance
-from oed.report.study_files import EXPORT
+from oed.report.study_files import EXPORT, MOTION
 
 Found = Model | Calibration | FeasibleCalibration | Outcome
 
@@ -69,22 +69,23 @@ def export_motion(found: Result, out: str | Path, *, rate: float = 100.0) -> tup
 
     Args:
         found: What `design_motion` returned.
-        out: Folder to write to, made if it is not there; files of the same names are replaced.
+        out: Folder to write to, new or of an earlier motion.
         rate: Set points a second [Hz].
 
     Raises:
         NoUsableResult: If the motion does not keep a limit.
+        ValueError: If the folder is another's.
     """
     design = found.design
     if not design.status.is_usable:
         raise NoUsableResult(f"this motion is not for a controller: {design.status}")
-    robot, folder = design.problem.model.robot, Path(out)
+    robot = design.problem.model.robot
     points = SetPoints.sample(design.problem.trajectory, design.z, robot.joint_names, rate)
-    folder.mkdir(parents=True, exist_ok=True)
     files = files_for(robot)
-    for file in files:
-        file.write(points, folder / file.name)
-    return tuple(folder / file.name for file in files)
+    with MOTION.in_folder(Path(out)) as results, results.replaced() as new:
+        for file in files:
+            file.write(points, new / file.name)
+    return tuple(Path(out) / file.name for file in files)
 
 
 def _model_of(found: Found | str | Path, provenance: Provenance) -> Model:

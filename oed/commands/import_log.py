@@ -9,8 +9,9 @@ from oed.commands.configurations import ImportLog
 from oed.commands.telling import say, speak
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import TorqueKind
-from oed.experiment.importing.import_log import ImportChoices, propose_import, write_import
+from oed.experiment.importing.import_log import ImportChoices, propose_import
 from oed.experiment.importing.stated import stated_numbers, stated_words
+from oed.experiment.importing.write_import import write_import
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Role
 

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.posed_shapes import Nearness, Pair, PosedShapes, Poses
+from oed.design.posed_shapes import Nearness, Pair, PosedShapes
+from oed.design.poses import Poses
 from oed.robot import Robot
 
 # [m] beyond which a distance is not asked for: the tip of an arm at 3 m/s, twice what most are

@@ -21,8 +21,8 @@ from oed.robot.packages import find_packages
 
 DRAWN_BY_DRAKE = (".obj", ".gltf", ".glb", ".vtk")
 ELEMENTS = ("visual", "collision")
-# What became of each mesh, drawn or as a hull.
 DETAIL = 1000  # of a mesh that is drawn: a thousandth of it is less than a pixel on a page
+# What became of each mesh, drawn or as a hull.
 Converted = dict[tuple[Path, bool], Path | None]
 
 

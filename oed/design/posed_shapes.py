@@ -26,6 +26,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, PrismaticJoint, RigidBody
 from pydrake.multibody.tree import Joint as DrakeJoint
 
+from oed.design.poses import Poses, cross_rows
 from oed.design.reach import reaches
 from oed.design.scene import Scene, load_scene
 from oed.robot import Robot
@@ -47,30 +48,6 @@ class Nearness:
     pair: Pair
     distance: float
     slope: Float[ndarray, " joints"]
-
-
-@dataclass(frozen=True)
-class Poses:
-    """Where the bodies that a joint moves and the joints are in one posture, in the world.
-
-    Attributes:
-        rotation: (bodies, 3, 3) of each body's frame; 0 of those that nothing moves.
-        origin: (bodies, 3) of each body's frame [m]; likewise.
-        axes: (n, 3) of each joint.
-        moments: (n, 3) velocity that each joint gives a point at 0: a point p that joint j moves
-            has the velocity axis_j x p + moment_j per unit of it.
-    """
-
-    rotation: Float[ndarray, "bodies 3 3"]
-    origin: Float[ndarray, "bodies 3"]
-    axes: Float[ndarray, "joints 3"]
-    moments: Float[ndarray, "joints 3"]
-
-    def rates(
-        self, points: Float[ndarray, "points 3"], directions: Float[ndarray, "points 3"]
-    ) -> Float[ndarray, "points joints"]:
-        """Speed of each point along its direction, per unit of each joint that moves it."""
-        return _cross(points, directions) @ self.axes.T + directions @ self.moments.T
 
 
 class PosedShapes:
@@ -215,7 +192,7 @@ class PosedShapes:
         at = origin[self._joint_body] + np.einsum("jik,jk->ji", carrier, self._joint_origin)
         slides = self.is_slide[:, None]
         axes = np.where(slides, 0.0, along)
-        return Poses(rotation, origin, axes, np.where(slides, along, _cross(at, axes)))
+        return Poses(rotation, origin, axes, np.where(slides, along, cross_rows(at, axes)))
 
     def _slopes(self, found: Sequence[SignedDistancePair]) -> Float[ndarray, "pairs joints"]:
         """Change of each distance with the joints, in the present posture."""
@@ -242,11 +219,6 @@ def _is_bare(body: RigidBody, inspector: SceneGraphInspector, plant: MultibodyPl
         for role in (Role.kIllustration, Role.kProximity)
     )
     return drawn > 0 and shapes == 0
-
-
-def _cross(a: Float[ndarray, "k 3"], b: Float[ndarray, "k 3"]) -> Float[ndarray, "k 3"]:
-    """NumPy's cross product, which spends its time on the shapes of so few vectors."""
-    return a[:, [1, 2, 0]] * b[:, [2, 0, 1]] - a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
 
 
 def _on_body(joint: DrakeJoint) -> tuple[ndarray, ndarray]:

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import stats
 
+from oed.dynamics.effects import with_columns
 from oed.dynamics.effects.rigid_body import RigidBody
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.calibration import Calibration
@@ -94,9 +95,10 @@ def _stated(model: TorqueModel) -> Float[ndarray, " parameters"]:
 
 def _bodies(model: TorqueModel) -> ndarray:
     """Columns of the links' ten parameters each."""
-    start = 0
-    for effect in model.effects:
-        if isinstance(effect, RigidBody):
-            return np.arange(start, start + len(effect.parameters))
-        start += len(effect.parameters)
-    return np.arange(0)
+    return np.concatenate(
+        [
+            np.arange(place.start, place.stop)
+            for effect, place in with_columns(model.effects)
+            if isinstance(effect, RigidBody)
+        ]
+    )

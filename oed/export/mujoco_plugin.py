@@ -141,7 +141,7 @@ def write_plugin(
         joints=model.robot.n,
         memory=len(effects.keeps),
         step=repr(step),
-        names=", ".join(json.dumps(joint) for joint in model.robot.joint_names),
+        names=", ".join(json.dumps(x, ensure_ascii=False) for x in model.robot.joint_names),
         arg=max(f.sz_arg() for f in functions),
         res=max(f.sz_res() for f in functions),
         iw=max(1, *(f.sz_iw() for f in functions)),

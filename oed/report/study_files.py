@@ -73,6 +73,7 @@ DESIGN = ResultFiles(
     ),
 )
 EXPORT = ResultFiles("export")
+MOTION = ResultFiles("export_motion")
 CALIBRATE = ResultFiles("calibrate", ("index.html", "calibration.json"))
 DEMO = ResultFiles("demo", ("index.html", "provenance.json"))
 RECORDINGS = ResultFiles("demo recordings")

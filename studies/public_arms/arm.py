@@ -11,7 +11,8 @@ from numpy import ndarray
 
 from oed.dynamics.motion import Motion
 from oed.experiment.dataset import DataSet
-from oed.experiment.importing.import_log import ImportChoices, propose_import, write_import
+from oed.experiment.importing.import_log import ImportChoices, propose_import
+from oed.experiment.importing.write_import import write_import
 from oed.experiment.read_dataset import read_dataset
 from oed.experiment.recording import Role
 

@@ -7,6 +7,7 @@ import re
 import pytest
 
 from oed.export.kinds import to_c, to_numpy
+from oed.export.mujoco_plugin import write_plugin
 from oed.export.registry import Target
 from oed.in_comment import in_comment
 from tests.dynamics.effects.arms import scara
@@ -27,8 +28,10 @@ def test_a_robot_of_any_name_is_a_comment(tmp_path, name):
     }
     assert imported == {"numpy", "oed"}
     to_c.write(model, target)
-    header = (tmp_path / "oed_model.h").read_text(encoding="utf-8")
-    assert "taken" not in re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
+    source, _ = write_plugin(model, tmp_path, step=0.001)
+    for file in (tmp_path / "oed_model.h", source):
+        code = re.sub(r"/\*.*?\*/", "", file.read_text(encoding="utf-8"), flags=re.DOTALL)
+        assert "int taken" not in code
 
 
 def test_usual_names_are_left_as_they_are():

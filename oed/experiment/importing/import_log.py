@@ -1,10 +1,8 @@
-"""From log files and a robot's file to a data set: proposed, checked, and only then written."""
+"""From log files and a robot's file to a data set: proposed and checked, see `write_import`."""
 
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +14,6 @@ from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import TorqueKind
-from oed.experiment.importing.manifest_text import manifest_text
 from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints, propose_columns
 from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
 from oed.experiment.importing.propose_units import UnitProposal
@@ -28,7 +25,6 @@ from oed.experiment.manifest import MANIFEST, manifest_of
 from oed.experiment.read_dataset import dataset_of
 from oed.experiment.recording import Role
 from oed.experiment.toml_table import TomlTable
-from oed.experiment.write_dataset import check_new_folder, write_robot
 from oed.robot import Robot, arm_joints, load_robot
 
 
@@ -121,48 +117,6 @@ def propose_import(logs: Sequence[str | Path], choices: ImportChoices, out: str 
     dataset = _read(content, Path(out))
     notes = (*columns[0].notes, *values[0].notes, *_fixed_notes(robot), *dataset.notes, why)
     return Import(dataset, content, paths, tuple(dict.fromkeys(notes)))
-
-
-def write_import(found: Import, out: str | Path, *, reference: bool = False) -> None:
-    """Write the data set's folder: all of it, or nothing.
-
-    The robot's file is copied, and so are the logs unless they are referred to where they are.
-
-    Raises:
-        ValueError: If the folder is in use.
-    """
-    target = Path(out)
-    check_new_folder(target)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as temporary:
-            folder = Path(temporary) / target.name
-            folder.mkdir()
-            place_import(found, folder, target, reference=reference)
-            folder.rename(target)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise OSError(f"--out {target}: {reason}: nothing was written") from error
-
-
-def place_import(found: Import, folder: Path, target: Path, *, reference: bool = False) -> None:
-    """Write the data set's files into a folder that is there and empty.
-
-    Args:
-        found: To write.
-        folder: To write to.
-        target: Folder that the files are moved to when all are whole.
-        reference: Whether logs stay where they are, instead of being copied.
-    """
-    names = _placed(found.logs, folder, target, reference=reference)
-    content = dict(found.content)
-    content["robot"] = write_robot(found.dataset.robot, folder)
-    content["recording"] = [
-        entry | {"file": names[entry["file"]]}
-        for entry in found.content["recording"]  # type: ignore[attr-defined]
-    ]
-    text = manifest_text(content, found.notes)
-    (folder / MANIFEST).write_text(text, encoding="utf-8")
 
 
 def _columns(paths: Sequence[Path], choices: ImportChoices) -> list[ColumnProposal]:
@@ -286,22 +240,3 @@ def _fixed_notes(robot: Robot) -> tuple[str, ...]:
         return ()
     held = ", ".join(f"{name} = {value:g}" for name, value in robot.held.items())
     return (f"fixed: the logs lack {held}; correct [fixed] if they stood elsewhere",)
-
-
-def _placed(
-    logs: Sequence[Path], folder: Path, target: Path, *, reference: bool
-) -> dict[object, str]:
-    """What each log is called in the data set, by where it is now; copied unless referred to."""
-    names: dict[object, str] = {}
-    for i, log in enumerate(logs):
-        real = log.resolve()
-        if reference:
-            names[str(real)] = os.path.relpath(real, target.resolve())
-            continue
-        name = real.name if real.name not in names.values() else f"{i + 1}-{real.name}"
-        if real.is_dir():
-            shutil.copytree(real, folder / name)
-        else:
-            shutil.copyfile(real, folder / name)
-        names[str(real)] = name
-    return names
