@@ -101,7 +101,7 @@ def states(repository: Path) -> list[Made]:
     for folder, module in sorted(claims(readme).items()):
         commit, dirty = origin(repository / "results" / folder)
         with tempfile.TemporaryDirectory() as root:
-            if not _extract(repository, commit, Path(root)):
+            if not extract(repository, commit, Path(root), *PACKAGES):
                 result.append(Made(folder, module, commit, dirty, "", (UNKNOWN,)))
                 continue
             then = code_of(Path(root), *run_by(Path(root), module))
@@ -134,17 +134,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _extract(repository: Path, commit: str, root: Path) -> bool:
-    """Lay the project's packages out as they were at a commit; say whether git has it."""
+def extract(repository: Path, commit: str, root: Path, *folders: str) -> bool:
+    """Lay folders out as they were at a commit, those that it has; say whether git has the commit.
+
+    Args:
+        repository: A checkout.
+        commit: By its hash or name.
+        root: Where to; that is there.
+        folders: Of the checkout.
+    """
     git = ["git", "-C", str(repository)]
     listed = subprocess.run(  # noqa: S603 - fixed program
         [*git, "ls-tree", "--name-only", commit], capture_output=True, text=True, check=False
     )
     if listed.returncode != 0:
         return False
-    folders = [name for name in listed.stdout.split() if name in PACKAGES]
+    there = [name for name in listed.stdout.split() if name in folders]
     packed = subprocess.run(  # noqa: S603 - likewise
-        [*git, "archive", commit, *folders], capture_output=True, check=True
+        [*git, "archive", commit, *there], capture_output=True, check=True
     )
     with tarfile.open(fileobj=io.BytesIO(packed.stdout)) as archive:
         archive.extractall(root, filter="data")
