@@ -9,7 +9,6 @@ from pathlib import Path, PurePosixPath
 from typing import Literal
 
 import numpy as np
-import pandas as pd
 import tomli_w
 from jaxtyping import Float
 from numpy import ndarray
@@ -71,7 +70,9 @@ def check_new_folder(target: Path) -> None:
 
 def write_columns(path: Path, values: Mapping[str, ndarray]) -> None:
     """Write columns of equal length so that reading returns the same numbers to the last bit."""
-    frame = pd.DataFrame(dict(values))
+    from pandas import DataFrame  # noqa: PLC0415  # a second that reading a data set does not need
+
+    frame = DataFrame(dict(values))
     if path.suffix.lower() == ".parquet":
         frame.to_parquet(path, index=False)
     else:
