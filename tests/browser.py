@@ -203,10 +203,15 @@ class Browser:
             tuple(page.evaluate(COVERED)),
             tuple(page.locator("figure img").evaluate_all("all => all.map(i => i.naturalWidth)")),
             tuple(page.evaluate(OVERLAPPING)),
-            tuple(_moving(frame) for frame in page.frames[1:]),
+            tuple(_moving(frame) for frame in page.frames[1:] if _is_replay(frame)),
         )
         page.close()
         return seen
+
+
+def _is_replay(frame: Frame) -> bool:
+    """Whether a frame came with the page, and not with a script of the site."""
+    return frame.frame_element().get_attribute("srcdoc") is not None
 
 
 def _moving(frame: Frame) -> Moving:
