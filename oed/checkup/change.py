@@ -74,6 +74,12 @@ class Change:
         """The torque that is meant."""
         return tau[:, list(self.source)] * np.array(self.gain)
 
+    def by_column(self, of_joints: Float[ndarray, " joints"]) -> Float[ndarray, " joints"]:
+        """What is said of each joint, at the column of the log that its torque is taken from."""
+        found = np.empty_like(of_joints)
+        found[list(self.source)] = of_joints
+        return found
+
     def model(self, model: TorqueModel) -> TorqueModel:
         """The model under the gravity that is meant."""
         if self.gravity is None:

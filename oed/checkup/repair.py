@@ -25,7 +25,7 @@ from numpy import ndarray
 
 from oed.checkup.cause import Cause
 from oed.checkup.change import Change
-from oed.checkup.projection import project
+from oed.checkup.projection import Projection, project
 from oed.checkup.suspicion import Suspicion, signs, suspicions
 from oed.checkup.trial import Outcome, Trials
 from oed.estimation.dissipation import LEAST_SHARE
@@ -43,7 +43,7 @@ class Weighing:
         before: Without any of them.
         tried: Each, the likeliest first.
         after: Of each.
-        counts: (n,) independent samples of each joint.
+        counts: (n,) independent samples of each torque.
     """
 
     before: Outcome
@@ -76,10 +76,17 @@ def weigh(trials: Trials, before: Outcome, suspected: Sequence[Suspicion]) -> We
         before: With that change.
         suspected: Each a further change.
     """
-    after = trials.outcomes([before.change.then(s.change) for s in suspected])
-    ranked = sorted(zip(suspected, after, strict=True), key=lambda t: _log_residual(t[1]))
-    tried, outcomes = zip(*ranked, strict=True)
-    return Weighing(before, tried, outcomes, trials.independent(outcomes[0]))
+    changes = [before.change.then(s.change) for s in suspected]
+    equations = trials.equations([before.change, *changes])
+    laid_out = list(zip(equations, [before.change, *changes], strict=True))
+    likeliest = min((e.fit(c) for e, c in laid_out[1:]), key=_log_residual)
+    counts = trials.independent(likeliest)
+    logged, *after = (e.fit(c, counts) for e, c in laid_out)
+    ranked = sorted(
+        zip(suspected, after, strict=True), key=lambda t: float(counts @ np.log(t[1].residual))
+    )
+    tried, outcomes = tuple(s for s, _ in ranked), tuple(o for _, o in ranked)
+    return Weighing(logged, tried, outcomes, counts)
 
 
 def find_repair(trials: Trials, dataset: DataSet, *, is_bad: bool) -> tuple[Cause | None, bool]:
@@ -107,8 +114,10 @@ def find_repair(trials: Trials, dataset: DataSet, *, is_bad: bool) -> tuple[Caus
     near = (s for s, outcome in alike if found.over(outcome) <= VERY_STRONG)
     best = next((s for s in near if s.kind == "sign"), best)
     if best.kind == "sign" and not _brakes(trials, best.change):
-        kept = [j for j, gain in enumerate(best.change.gain) if gain > 0]
-        best = signs(dataset, tuple(kept))
+        kept = tuple(j for j, gain in enumerate(best.change.gain) if gain > 0)
+        if (_projection(trials, trials.as_logged.change).braking[list(kept)] > LEAST_SHARE).any():
+            return None, True
+        best = signs(dataset, kept)
     return Cause(best.kind, best.text, best.remedy, _evidence(dataset, found, lead)), True
 
 
@@ -140,23 +149,29 @@ def _log_residual(outcome: Outcome) -> float:
 
 
 def _several_signs(trials: Trials, dataset: DataSet) -> list[Suspicion]:
-    """Signs reversed at several joints: the best is reversed, then the next, of up to half of them."""
+    """Signs reversed at several joints, up to half of them: the likeliest, then the next that repairs."""
     n = dataset.robot.n
-    reversed_now: tuple[int, ...] = ()
+    single = [signs(dataset, (j,)) for j in range(n)]
+    best = weigh(trials, trials.as_logged, single)
     found: list[Suspicion] = []
-    for _ in range(n // 2):
-        more = [signs(dataset, (*reversed_now, j)) for j in range(n) if j not in reversed_now]
-        left = [_log_residual(o) for o in trials.outcomes([s.change for s in more])]
-        best = more[int(np.argmin(left))]
-        reversed_now = tuple(j for j, gain in enumerate(best.change.gain) if gain < 0)
-        found.append(best)
-    return found[1:]
+    while len(found) + 1 < n // 2:
+        best = weigh(trials, best.after[0], single)
+        if not best.repairs:
+            break
+        gain = best.after[0].change.gain
+        found.append(signs(dataset, tuple(j for j in range(n) if gain[j] < 0)))
+    return found
 
 
 def _brakes(trials: Trials, change: Change) -> bool:
     """Whether with these signs friction brakes, or the torque is the file's where there is none."""
-    righted = tuple(dataclasses.replace(r, tau=change.torque(r.tau)) for r in trials.recordings)
-    found = project(trials.model, {"estimation": righted})
+    found = _projection(trials, change)
     if abs(found.friction) > LEAST_SHARE:
         return found.friction > 0
     return bool(np.sum(found.correlation[found.telling]) >= 0)
+
+
+def _projection(trials: Trials, change: Change) -> Projection:
+    """Of the torque that a change means."""
+    righted = tuple(dataclasses.replace(r, tau=change.torque(r.tau)) for r in trials.recordings)
+    return project(trials.model, {"estimation": righted})

@@ -62,9 +62,7 @@ def find_cause(
     # Of repairs that nothing tells apart none is named, and the file's inertials are no judge of them.
     if cause is None and not is_repaired:
         cause = (
-            _offset(trials)
-            or all_reversed(dataset, projection)
-            or all_scaled(dataset, projection)
+            _offset(trials) or all_reversed(dataset, projection) or all_scaled(dataset, projection)
         )
     return Search(cause, projection, as_logged)
 
@@ -76,7 +74,9 @@ def _offset(trials: Trials) -> Cause | None:
     if not bad.any() or (beside[bad] > USELESS).any():
         return None
     names = trials.model.robot.joint_names
-    shown = ", ".join(f"{names[j]} {without[j]:.2g} to {beside[j]:.2g}" for j in np.flatnonzero(bad))
+    shown = ", ".join(
+        f"{names[j]} {without[j]:.2g} to {beside[j]:.2g}" for j in np.flatnonzero(bad)
+    )
     return Cause(
         "offset",
         "the torques hold constant offsets",

@@ -38,7 +38,7 @@ class Outcome:
     Attributes:
         change: Of the log that was fitted.
         relative: (n,) rms residual of each joint over the rms of its torque.
-        residual: (n,) rms residual of the torque as logged [N m or N].
+        residual: (n,) rms residual of each torque as logged [N m or N].
         parameters: (p + n,) of the model's columns, and each joint's constant.
     """
 
@@ -79,7 +79,9 @@ class NormalEquations:
         squares = np.array([np.sum(torques[j][:, j] ** 2) for j in range(n)])
         unit = np.sqrt(np.where(squares > 0, squares, 1.0))
         columns = [
-            np.column_stack([f[:, : -1 - n], np.outer(f[:, -1 - n], constants * (np.arange(n) == j))])
+            np.column_stack(
+                [f[:, : -1 - n], np.outer(f[:, -1 - n], constants * (np.arange(n) == j))]
+            )
             for j, f in enumerate(factors)
         ]
         whole = factor_of(c / s for c, s in zip(columns, unit, strict=True))
@@ -97,23 +99,30 @@ class NormalEquations:
             squares,
         )
 
-    def fit(self, change: Change) -> Outcome:
-        """Maximum likelihood of the torques that a change means, every joint with its own variance."""
+    def fit(self, change: Change, counts: Float[ndarray, " joints"] | None = None) -> Outcome:
+        """Maximum likelihood of the torques that a change means, every joint with its own variance.
+
+        Args:
+            change: With these columns.
+            counts: Independent samples of each torque as logged; alike if None.
+        """
         source, gain = list(change.source), np.array(change.gain)
         square = self.squares[source] * gain**2
         product = self.products[np.arange(len(source)), :, source] * gain[:, None]
         least = LEAST_RESIDUAL**2 * np.where(square > 0, square, 1.0)
         left, solved = np.maximum(square, least), np.zeros(self.basis.shape[1])
         for _ in range(STEPS):
-            weighted = np.tensordot(1 / left, self.information, 1)
-            solved = np.linalg.solve(weighted, (1 / left) @ product)
+            weights = (1.0 if counts is None else counts[source]) / left
+            information = np.tensordot(weights, self.information, 1)
+            solved = np.linalg.solve(information, weights @ product)
             before = left
             left = square - 2 * product @ solved + self.information @ solved @ solved
             left = np.maximum(left, least)
             if np.all(np.abs(left - before) < SETTLED * before):
                 break
         relative = np.sqrt(np.where(square > 0, left / np.where(square > 0, square, 1.0), 0.0))
-        return Outcome(change, relative, np.sqrt(left) / np.abs(gain), self.basis @ solved)
+        residual = change.by_column(np.sqrt(left) / np.abs(gain))
+        return Outcome(change, relative, residual, self.basis @ solved)
 
 
 @dataclass(frozen=True)
@@ -138,19 +147,17 @@ class Trials:
         """The log as it is by the model alone."""
         return NormalEquations.of(self._logged_factors, constants=False).fit(self._none)
 
-    def outcomes(self, changes: Sequence[Change]) -> list[Outcome]:
+    def equations(self, changes: Sequence[Change]) -> list[NormalEquations]:
         """Of each change; those with the same columns are laid out once."""
-        alike: dict[object, list[Change]] = {}
-        for change in changes:
-            alike.setdefault(change.of_columns, []).append(change)
-        found: dict[Change, Outcome] = {}
-        for group in told(tuple(alike.values()), "causes looked into"):
-            equations = self._equations(group[0])
-            found |= {change: equations.fit(change) for change in group}
-        return [found[change] for change in changes]
+        alike = {change.of_columns: change for change in changes}
+        found = {
+            columns: self._equations(change)
+            for columns, change in told(tuple(alike.items()), "causes looked into")
+        }
+        return [found[change.of_columns] for change in changes]
 
     def independent(self, outcome: Outcome) -> Float[ndarray, " joints"]:
-        """Independent samples of each joint: its rows over those that what is left is correlated over.
+        """Independent samples of each torque: its rows over those that its residual is correlated over.
 
         What a model lacks lasts longer than noise: so much less the rows of such a joint tell.
         """
@@ -158,7 +165,7 @@ class Trials:
         rows = sum(len(own) for own in left)
         most = sum(2 * r.bandwidth * len(r) / r.rate for r in self.recordings)
         lengths = [correlation_length([own[:, j] for own in left]) for j in range(left[0].shape[1])]
-        return np.minimum(rows / np.array(lengths), most)
+        return outcome.change.by_column(np.minimum(rows / np.array(lengths), most))
 
     @property
     def _none(self) -> Change:
