@@ -9,11 +9,11 @@ from html import unescape
 from pathlib import Path
 from typing import Any
 
-import jupytext
 from command_pages import command_reference
 from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from notebook_pages import NotebookPage, run_notebook
 
 from oed.dynamics.effects.catalogue import CATALOGUE, CatalogueEntry
 from oed.report.records.files import RECORDS, schema_name, schemas
@@ -22,16 +22,20 @@ REPO = Path(__file__).resolve().parent.parent
 PROOF = "images/proof.png"
 SCHEMAS = "reference/schemas"
 CALLED = {"close_loop": "diagnose"}  # commands whose results have an older name
+NOTEBOOKS: dict[str, NotebookPage] = {}  # by their pages, of the build that goes on
 FORMULA = re.compile(
     r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
 )
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Make a page of every notebook."""
+    """Run every notebook and make a page of it; add schemas and the proof."""
     for notebook in sorted(Path(config.docs_dir, "tutorials").glob("*.py")):
         page = f"tutorials/{notebook.stem}.md"
-        files.append(File.generated(config, page, content=notebook_page(notebook)))
+        NOTEBOOKS[page] = found = run_notebook(notebook, REPO)
+        files.append(File.generated(config, page, content=found.markdown))
+        for name, content in found.pictures.items():
+            files.append(File.generated(config, f"tutorials/{name}", content=content))
     for name, schema in schemas().items():
         page = f"{SCHEMAS}/{name}"
         files.append(File.generated(config, page, content=json.dumps(schema, indent=2)))
@@ -42,26 +46,16 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     return files
 
 
-def notebook_page(notebook: Path) -> str:
-    """The cells of a notebook as Markdown; its source is offered beside it."""
-    cells = jupytext.read(notebook, fmt="py:percent").cells
-    parts = [
-        cell.source if cell.cell_type == "markdown" else f"```python\n{cell.source}\n```"
-        for cell in cells
-    ]
-    offer = f"[This page as a notebook]({notebook.name}) (open it with Jupytext)."
-    return "\n\n".join([*parts, offer])
-
-
 def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
     """Append to a page what is made from the code."""
     made = GENERATED.get(page.file.src_uri)
     return markdown if made is None else f"{markdown}\n\n{made()}"
 
 
-def on_page_content(html: str, **_: Any) -> str:
-    """Turn formulas into MathML, which browsers draw without a script."""
-    return FORMULA.sub(_mathml, html)
+def on_page_content(html: str, *, page: Any, **_: Any) -> str:
+    """Turn formulas into MathML, which browsers draw without a script; show what notebooks do."""
+    notebook = NOTEBOOKS.get(page.file.src_uri, NotebookPage())
+    return notebook.placed(FORMULA.sub(_mathml, html))
 
 
 def _mathml(found: re.Match[str]) -> str:

@@ -49,6 +49,21 @@ OVERLAPPING = """() => {
   });
   return found;
 }"""
+# Words of a figure that lie under the bar of buttons that comes when a pointer is over it.
+COVERED = """() => {
+  const found = [];
+  for (const bar of document.querySelectorAll(".chart .modebar")) {
+    const room = bar.getBoundingClientRect();
+    if (!room.width) continue;
+    for (const text of bar.closest(".chart").querySelectorAll(".legend text, .annotation text")) {
+      const r = text.getBoundingClientRect();
+      const wide = Math.min(r.right, room.right) - Math.max(r.left, room.left);
+      const high = Math.min(r.bottom, room.bottom) - Math.max(r.top, room.top);
+      if (wide > 0 && high > 0) found.push(text.textContent);
+    }
+  }
+  return found;
+}"""
 # What a recording shows over its whole length: the box around all pixels that are not background, as
 # shares of the picture, and the picture's share of its frame.
 FILLED = """() => {
@@ -101,6 +116,7 @@ class Seen:
         width: Of the page with all that sticks out [px].
         drawn: Lines and sets of points of interactive figures.
         toolbars: Bars of buttons that lie over figures.
+        covered: Words of figures under such bars.
         pictures: Width of each picture's own file, of those that it has for several windows [px].
         overlapping: Pairs of words that lie over one another.
         moving: Pictures in three dimensions.
@@ -111,6 +127,7 @@ class Seen:
     width: int
     drawn: int
     toolbars: int
+    covered: tuple[str, ...]
     pictures: tuple[int, ...]
     overlapping: tuple[str, ...]
     moving: tuple[Moving, ...]
@@ -183,12 +200,18 @@ class Browser:
             page.evaluate("document.documentElement.scrollWidth"),
             page.locator(".chart .scatterlayer .trace").count(),
             page.locator(".chart .modebar:visible").count(),
+            tuple(page.evaluate(COVERED)),
             tuple(page.locator("figure img").evaluate_all("all => all.map(i => i.naturalWidth)")),
             tuple(page.evaluate(OVERLAPPING)),
-            tuple(_moving(frame) for frame in page.frames[1:]),
+            tuple(_moving(frame) for frame in page.frames[1:] if _is_replay(frame)),
         )
         page.close()
         return seen
+
+
+def _is_replay(frame: Frame) -> bool:
+    """Whether a frame came with the page, and not with a script of the site."""
+    return frame.frame_element().get_attribute("srcdoc") is not None
 
 
 def _moving(frame: Frame) -> Moving:

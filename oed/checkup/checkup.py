@@ -102,13 +102,10 @@ def _of_trials(
     recordings: Recordings,
     search: Search,
 ) -> tuple[Finding, ...]:
-    """Gravity and time of the torque; a log with a named fault is mended before these are asked."""
+    """Time of the torque; a log with a named fault is mended before this is asked."""
     if search.cause is not None:
         return ()
-    return (
-        gravity_finding(dataset, model, recordings),
-        delay_finding(dataset, model, recordings),
-    )
+    return (delay_finding(dataset, model, recordings),)
 
 
 def _of_estimate(calibration: Calibration, search: Search) -> tuple[Finding, ...]:
@@ -127,6 +124,7 @@ def _assembled(
 ) -> Checkup:
     findings = (
         cause_finding(dataset, search),
+        gravity_finding(dataset),
         *fitted,
         coverage_finding(dataset),
         range_finding(dataset),

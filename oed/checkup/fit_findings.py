@@ -50,7 +50,7 @@ def cause_finding(dataset: DataSet, search: Search) -> Finding:
             "no reversed sign, exchange, direction of gravity, unit or offset alone repairs the fit"
         )
     else:
-        text = "signs, order, units and gravity fit together: the joints predict what was held out"
+        text = "signs, order, units and gravity fit together: the model explains the torque of every joint"
     return Finding(
         "units and signs",
         "green",

@@ -1,202 +1,177 @@
-"""The suspicion that alone repairs the fit, by refits and their likelihood on what was held out.
+"""The one cause that repairs the fit: all that is suspected is weighed here, by one criterion.
 
-A suspicion is named if it alone repairs the fit,
+Every suspicion is a change of the log, under which the model is fitted anew to all recordings. What the
+model lacks stays in the residual whatever is changed, and lasts longer than noise: rows are counted by
+how long the residual of the better fit is correlated. A change repairs a fit if
 
-- by a likelihood that is very strong evidence over the log as it is and over every other repair:
-  2 log of their ratio beyond 10 (Kass and Raftery 1995, Bayes factors, J. Am. Stat. Assoc. 90, 773-795);
-- with every joint predicted again, but for those that no suspicion helps, which stay as they are, and
-  are predicted better than by no torque at all;
-- and with all that it needs determined by the recordings for estimation.
+- its likelihood is very strong evidence against the log before it: 2 log of the ratio beyond 10 (Kass
+  and Raftery 1995, Bayes factors, J. Am. Stat. Assoc. 90, 773-795), and beyond what the likeliest of so
+  many suspicions needs, each as probable as any other before the data: 2 log of their number;
+- of some joint it explains most of what was left, and with it most of the torque is explained.
 
-Where the joints hardly couple, a reversed sign leaves a fair fit. There a suspicion of signs, order or
-gravity is named that more than halves the error of a joint, by the same evidence.
-
-Signs may be reversed at several joints: they are tried one after another.
+The likeliest suspicion is the cause if it repairs the fit, if the same evidence tells it from every
+other one, and if none repairs what it leaves: then there are two faults, and which is not guessed.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from oed.checkup.cause import USELESS, Cause
-from oed.checkup.projection import project
+from oed.checkup.cause import Cause
+from oed.checkup.change import Change
+from oed.checkup.projection import Projection, project
 from oed.checkup.suspicion import Suspicion, signs, suspicions
-from oed.checkup.trial import Outcome, TrialData, trial_data
-from oed.dynamics.torque_model import TorqueModel
+from oed.checkup.trial import Outcome, Trials
 from oed.estimation.dissipation import LEAST_SHARE
 from oed.experiment.dataset import DataSet
-from oed.experiment.preparation.processed import ProcessedRecording
-from oed.experiment.recording import Role
-from oed.progress import told
 
 VERY_STRONG = 10.0  # 2 log of a likelihood ratio; Kass and Raftery 1995, section 3.2
-REPAIRED = 0.5  # of its error as logged, at most, that a repaired joint keeps
-NO_WORSE = 1.25  # times its error as logged, of a joint that nothing helps: chance
-# What turns signs; a scale or an offset is of no joint whose fit is fair.
-TOLD_BY_SIGNS = ("sign", "position_sign", "order", "position_order", "gravity")
+MOST = 0.5  # of a mean square: more than half
 
 
 @dataclass(frozen=True)
-class Tried:
-    """A suspicion and what came of it."""
+class Weighing:
+    """Suspicions beside the log as it is, all weighed by what the likeliest of them leaves.
 
-    suspicion: Suspicion
-    outcome: Outcome
+    Attributes:
+        before: Without any of them.
+        tried: Each, the likeliest first.
+        after: Of each.
+        counts: (n,) independent samples of each torque.
+    """
 
+    before: Outcome
+    tried: tuple[Suspicion, ...]
+    after: tuple[Outcome, ...]
+    counts: Float[ndarray, " joints"]
 
-def find_repairs(
-    dataset: DataSet,
-    model: TorqueModel,
-    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
-    data: TrialData,
-    as_logged: Outcome,
-) -> list[Tried]:
-    """The suspicions that each alone repair the fit, the likeliest first."""
-    tried = [
-        Tried(suspicion, _laid_out(suspicion, model, recordings, data).outcome(suspicion.trial))
-        for suspicion in told(tuple(suspicions(dataset)), "causes looked into")
-    ]
-    tried += _more_signs(dataset, data, tried)
-    best_error = np.min([t.outcome.relative for t in tried], axis=0)
-    helped = np.minimum(best_error, as_logged.relative) <= USELESS
-    is_bad = bool((helped & (as_logged.relative > USELESS)).any())
-    found = [
-        t
-        for t in tried
-        if (
-            _is_repair(t.outcome, as_logged, helped)
-            if is_bad
-            else t.suspicion.kind in TOLD_BY_SIGNS and halves(t.outcome, as_logged)
-        )
-    ]
-    return sorted(found, key=lambda t: t.outcome.deviance)
+    def over(self, other: Outcome) -> float:
+        """2 log likelihood ratio of the likeliest to another fit."""
+        return 2 * float(self.counts @ np.log(other.residual / self.after[0].residual))
+
+    @property
+    def mended(self) -> Bool[ndarray, " joints"]:
+        """(n,) whether of a joint most is explained of what was left, and most of its torque."""
+        before, after = self.before.relative, self.after[0].relative
+        return after**2 < MOST * np.minimum(before**2, 1.0)
+
+    @property
+    def repairs(self) -> bool:
+        """Whether the likeliest repairs the fit."""
+        bar = VERY_STRONG + 2 * np.log(len(self.tried))
+        return bool(self.over(self.before) > bar and self.mended.any())
 
 
-def _is_repair(outcome: Outcome, as_logged: Outcome, helped: Bool[ndarray, " joints"]) -> bool:
-    """Whether all joints that anything helps are predicted again, and the others stay as they are."""
-    bad = helped & (as_logged.relative > USELESS)
-    change = _change(outcome, as_logged)
-    return bool(
-        outcome.lost == 0
-        and (outcome.relative[helped] <= USELESS).all()
-        and (change[bad] <= REPAIRED).all()
-        and ((change[~helped] > REPAIRED) & (change[~helped] <= NO_WORSE)).all()
-        # A joint that no torque at all would predict better has a fault of its own.
-        and (outcome.relative < 1).all()
+def weigh(trials: Trials, before: Outcome, suspected: Sequence[Suspicion]) -> Weighing:
+    """Try each suspicion on the log that a change leaves.
+
+    Args:
+        trials: Of the log.
+        before: With that change.
+        suspected: Each a further change.
+    """
+    changes = [before.change.then(s.change) for s in suspected]
+    equations = trials.equations([before.change, *changes])
+    laid_out = list(zip(equations, [before.change, *changes], strict=True))
+    likeliest = min((e.fit(c) for e, c in laid_out[1:]), key=_log_residual)
+    counts = trials.independent(likeliest)
+    logged, *after = (e.fit(c, counts) for e, c in laid_out)
+    ranked = sorted(
+        zip(suspected, after, strict=True), key=lambda t: float(counts @ np.log(t[1].residual))
     )
+    tried, outcomes = tuple(s for s, _ in ranked), tuple(o for _, o in ranked)
+    return Weighing(logged, tried, outcomes, counts)
 
 
-def halves(outcome: Outcome, as_logged: Outcome) -> bool:
-    """Whether the error of a joint is halved at least, and none is worse."""
-    change = _change(outcome, as_logged)
-    return bool(outcome.lost == 0 and change.min() <= REPAIRED and change.max() <= NO_WORSE)
+def find_repair(trials: Trials, dataset: DataSet, *, is_bad: bool) -> tuple[Cause | None, bool]:
+    """The cause that alone repairs the fit, and whether any suspicion does.
 
-
-def _change(outcome: Outcome, as_logged: Outcome) -> Float[ndarray, " joints"]:
-    before, after = as_logged.relative, outcome.relative
-    return np.divide(after, before, out=np.ones_like(after), where=before > 0)
-
-
-def name_repair(
-    dataset: DataSet,
-    model: TorqueModel,
-    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
-    repairs: list[Tried],
-    as_logged: Outcome,
-) -> Cause | None:
-    """The likeliest repair, if the evidence for it over all else is very strong."""
-    if not repairs:
-        return None
-    alike = [t for t in repairs if _are_one(t.suspicion, repairs[0].suspicion)]
+    Args:
+        trials: Of the data set's recordings.
+        dataset: As read.
+        is_bad: Whether positions are suspected even if nothing else repairs the fit: they cost most.
+    """
+    every = tuple(suspicions(dataset))
+    of_torque = tuple(s for s in every if not s.change.moves)
+    found = weigh(trials, trials.as_logged, of_torque)
+    if is_bad or found.repairs:
+        several = _several_signs(trials, dataset)
+        found = weigh(trials, trials.as_logged, (*every, *several))
+    if not found.repairs:
+        return None, False
+    best = found.tried[0]
+    alike, rivals = _parted(found)
+    lead = min(found.over(other) for other in rivals)
+    if lead <= VERY_STRONG or weigh(trials, found.after[0], every).repairs:
+        return None, True
     # Where the sign of a torque and that of a position do the same, the torque's is named.
-    near = [t for t in alike if t.outcome.deviance - repairs[0].outcome.deviance <= VERY_STRONG]
-    best = next((t for t in near if t.suspicion.kind == "sign"), repairs[0])
-    gain = as_logged.deviance - best.outcome.deviance
-    rivals = [t for t in repairs[1:] if not _are_one(t.suspicion, repairs[0].suspicion)]
-    lead = min((t.outcome.deviance for t in rivals), default=np.inf) - best.outcome.deviance
-    if min(gain, lead) <= VERY_STRONG:
-        return None
-    suspicion = best.suspicion
-    if suspicion.kind == "sign" and not _brakes(suspicion, model, recordings):
-        kept = np.flatnonzero(suspicion.trial.gain > 0).tolist()
-        suspicion = signs(dataset, tuple(kept))
+    near = (s for s, outcome in alike if found.over(outcome) <= VERY_STRONG)
+    best = next((s for s in near if s.kind == "sign"), best)
+    if best.kind == "sign" and not _brakes(trials, best.change):
+        kept = tuple(j for j, gain in enumerate(best.change.gain) if gain > 0)
+        if (_projection(trials, trials.as_logged.change).braking[list(kept)] > LEAST_SHARE).any():
+            return None, True
+        best = signs(dataset, kept)
+    return Cause(best.kind, best.text, best.remedy, _evidence(dataset, found, lead)), True
+
+
+def _parted(found: Weighing) -> tuple[list[tuple[Suspicion, Outcome]], list[Outcome]]:
+    """Suspicions that differ from the likeliest in signs alone, and what the others leave."""
+    best, alike, rivals = found.tried[0].change, [], []
+    for suspicion, outcome in zip(found.tried, found.after, strict=True):
+        if suspicion.change.differs_in_signs(best):
+            alike.append((suspicion, outcome))
+        else:
+            rivals.append(outcome)
+    return alike, rivals
+
+
+def _evidence(dataset: DataSet, found: Weighing, lead: float) -> str:
     names = dataset.robot.joint_names
-    mended = (as_logged.relative > USELESS) | (_change(best.outcome, as_logged) <= REPAIRED)
     shown = ", ".join(
-        f"{names[j]} {as_logged.relative[j]:.2g} to {best.outcome.relative[j]:.2g}"
-        for j in np.flatnonzero(mended)
+        f"{names[j]} {found.before.relative[j]:.2g} to {found.after[0].relative[j]:.2g}"
+        for j in np.flatnonzero(found.mended)
     )
-    evidence = (
-        f"put right, it alone repairs what is predicted of recordings that were not fitted: relative "
-        f"error of {shown}; 2 log likelihood ratio {gain:.3g}"
-        + (f", {lead:.3g} to the next such cause" if np.isfinite(lead) else ", no other cause does")
+    return (
+        f"put right, it alone repairs the fit: residual over torque of {shown}; 2 log likelihood ratio "
+        f"{found.over(found.before):.3g}, {lead:.3g} to the next such cause"
     )
-    return Cause(suspicion.kind, suspicion.text, suspicion.remedy, evidence)
 
 
-def _are_one(one: Suspicion, other: Suspicion) -> bool:
-    """Whether two cannot be told apart: with all signs, or both signs of a joint, turned they agree."""
-    turned = one.trial.gain * one.turn, other.trial.gain * other.turn
-    of_signs = all(x.kind in ("sign", "position_sign") for x in (one, other))
-    return of_signs and bool((turned[0] == turned[1]).all() or (turned[0] == -turned[1]).all())
+def _log_residual(outcome: Outcome) -> float:
+    return float(np.sum(np.log(outcome.residual)))
 
 
-def _brakes(
-    suspicion: Suspicion,
-    model: TorqueModel,
-    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
-) -> bool:
+def _several_signs(trials: Trials, dataset: DataSet) -> list[Suspicion]:
+    """Signs reversed at several joints, up to half of them: the likeliest, then the next that repairs."""
+    n = dataset.robot.n
+    single = [signs(dataset, (j,)) for j in range(n)]
+    best = weigh(trials, trials.as_logged, single)
+    found: list[Suspicion] = []
+    while len(found) + 1 < n // 2:
+        best = weigh(trials, best.after[0], single)
+        if not best.repairs:
+            break
+        gain = best.after[0].change.gain
+        found.append(signs(dataset, tuple(j for j in range(n) if gain[j] < 0)))
+    return found
+
+
+def _brakes(trials: Trials, change: Change) -> bool:
     """Whether with these signs friction brakes, or the torque is the file's where there is none."""
-    gain = suspicion.trial.gain
-    righted: dict[Role, tuple[ProcessedRecording, ...]] = {
-        role: tuple(dataclasses.replace(r, tau=r.tau * gain) for r in group)
-        for role, group in recordings.items()
-    }
-    found = project(model, righted)
+    found = _projection(trials, change)
     if abs(found.friction) > LEAST_SHARE:
         return found.friction > 0
     return bool(np.sum(found.correlation[found.telling]) >= 0)
 
 
-def _laid_out(
-    suspicion: Suspicion,
-    model: TorqueModel,
-    recordings: Mapping[Role, tuple[ProcessedRecording, ...]],
-    data: TrialData,
-) -> TrialData:
-    if not suspicion.changes_motion and suspicion.gravity is None:
-        return data
-    meant = model
-    if suspicion.gravity is not None:
-        meant = model.with_robot(model.robot.with_gravity(suspicion.gravity))
-    return trial_data(
-        recordings,
-        lambda motion: meant.columns(suspicion.motion(motion)),
-        remembers=meant.remembers,
-    )
-
-
-def _more_signs(dataset: DataSet, data: TrialData, tried: list[Tried]) -> list[Tried]:
-    """Signs reversed at several joints: the best is reversed, then the next, while that tells."""
-    single = [t for t in tried if t.suspicion.kind == "sign"]
-    best = min(single, key=lambda t: t.outcome.deviance)
-    found: list[Tried] = []
-    while True:
-        reversed_now = np.flatnonzero(best.suspicion.trial.gain < 0).tolist()
-        more = [
-            Tried(s, data.outcome(s.trial))
-            for j in range(dataset.robot.n)
-            if j not in reversed_now and len(reversed_now) < dataset.robot.n // 2
-            for s in [signs(dataset, tuple(sorted([*reversed_now, j])))]
-        ]
-        following = min(more, key=lambda t: t.outcome.deviance, default=None)
-        if following is None or best.outcome.deviance - following.outcome.deviance <= VERY_STRONG:
-            return found
-        best = following
-        found.append(best)
+def _projection(trials: Trials, change: Change) -> Projection:
+    """Of the torque that a change means."""
+    righted = tuple(dataclasses.replace(r, tau=change.torque(r.tau)) for r in trials.recordings)
+    return project(trials.model, {"estimation": righted})

@@ -14,8 +14,8 @@ import numpy as np
 from oed.checkup.by_inertials import all_reversed, all_scaled
 from oed.checkup.cause import USELESS, Cause
 from oed.checkup.projection import Projection, project
-from oed.checkup.repair import Tried, find_repairs, name_repair
-from oed.checkup.trial import Outcome, Trial, trial_data
+from oed.checkup.repair import find_repair
+from oed.checkup.trial import Outcome, Trials
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
@@ -32,7 +32,7 @@ class Search:
     Attributes:
         cause: The one cause; None where no test shows one.
         projection: On the file's own inertials.
-        as_logged: Held-out error of the log as it is, with what its own fit reaches.
+        as_logged: What the model leaves of the log as it is.
     """
 
     cause: Cause | None
@@ -53,19 +53,36 @@ def find_cause(
         recordings: By role, processed; a thinned rate will do.
     """
     projection = project(model, recordings)
-    data = trial_data(recordings, model.columns, remembers=model.remembers)
-    as_logged = data.outcome(Trial.unchanged(dataset.robot.n))
-    repairs: list[Tried] = []
-    cause = None
-    if (as_logged.relative > USELESS).any() or projection.contrary.any():
-        cause = _magnitude(dataset)
-        if cause is None:
-            repairs = find_repairs(dataset, model, recordings, data, as_logged)
-            cause = name_repair(dataset, model, recordings, repairs, as_logged)
+    trials = Trials(model, tuple(r for group in recordings.values() for r in group))
+    as_logged = trials.without_constants
+    is_bad = bool((as_logged.relative > USELESS).any() or projection.contrary.any())
+    cause, is_repaired = _magnitude(dataset) if is_bad else None, False
+    if cause is None:
+        cause, is_repaired = find_repair(trials, dataset, is_bad=is_bad)
     # Of repairs that nothing tells apart none is named, and the file's inertials are no judge of them.
-    if cause is None and not repairs:
-        cause = all_reversed(dataset, projection) or all_scaled(dataset, projection)
+    if cause is None and not is_repaired:
+        cause = (
+            _offset(trials) or all_reversed(dataset, projection) or all_scaled(dataset, projection)
+        )
     return Search(cause, projection, as_logged)
+
+
+def _offset(trials: Trials) -> Cause | None:
+    """Constant torques, which every fit may have, predict every joint that nothing did without."""
+    without, beside = trials.without_constants.relative, trials.as_logged.relative
+    bad = without > USELESS
+    if not bad.any() or (beside[bad] > USELESS).any():
+        return None
+    names = trials.model.robot.joint_names
+    shown = ", ".join(
+        f"{names[j]} {without[j]:.2g} to {beside[j]:.2g}" for j in np.flatnonzero(bad)
+    )
+    return Cause(
+        "offset",
+        "the torques hold constant offsets",
+        "estimate them: --model offset, or set the sensors to zero",
+        f"they repair the fit: residual over torque of {shown}",
+    )
 
 
 def _magnitude(dataset: DataSet) -> Cause | None:

@@ -64,8 +64,6 @@ def run(config: Calibrate) -> int:
             write_page(
                 new / "index.html", calibrate_page(read_json(new / "calibration.json"), provenance)
             )
-    for warning in record["warnings"]:
-        print(f"warning: {warning}")
     print(f"\nopen {config.out / 'index.html'} ({time.perf_counter() - start:.0f} s)")
     return 0
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from oed.checkup.completion import design_command, recorded_motion
 from oed.checkup.finding import Checkup
 from oed.commands.configurations import Check, ModelName
 from oed.commands.from_data_set import Prepared, model_name, prepare, prepare_for
-from oed.commands.from_log import imported
+from oed.commands.from_log import imported, read_or_imported
 from oed.commands.telling import say, speak
 from oed.counted import counted
 from oed.experiment.dataset import DataSet
@@ -68,8 +67,7 @@ def run(config: Check) -> int:
     speak(quiet=config.quiet)
     start = time.perf_counter()
     if config.out is None:
-        with tempfile.TemporaryDirectory() as scratch:  # for what is made of a log
-            checkup = _checked(prepare_for(imported(config, Path(scratch)))).checkup
+        checkup = _checked(prepare_for(config, read_or_imported(config))).checkup
         _print(checkup)
         print("name a folder by --out for the page, and the motion that completes these data")
     else:

@@ -92,8 +92,14 @@ def design_motion(
     return find(config, robot if isinstance(robot, Robot) else robot_of(config))
 
 
-def find(config: Design, robot: Robot) -> Result:
-    """Design a motion for a robot, as a command asks for it."""
+def find(config: Design, robot: Robot, *, bounded: bool = True) -> Result:
+    """Design a motion for a robot, as a command asks for it.
+
+    Args:
+        config: What is asked for.
+        robot: For which.
+        bounded: Whether it is said how much better any motion could be; the motion is the same.
+    """
     optimise = find_optimiser(config.optimiser)
     robot = robot.with_limits(robot.limits.with_sums(_sums(robot, config)))
     robot, held = hold_still_joints(robot)
@@ -139,11 +145,12 @@ def find(config: Design, robot: Robot) -> Result:
         clearance = prove_clearance(surroundings, problem.trajectory, design.z)
     design = dataclasses.replace(design, status=_status(design, clearance, config))
     efficiency = None
-    say("bounding how much better any motion could be")
-    try:
-        efficiency = d_efficiency(design, rng, QUICK if config.smoke else None)
-    except NoBound as error:
-        notes.append(f"D-efficiency not known: {error}")
+    if bounded:
+        say("bounding how much better any motion could be")
+        try:
+            efficiency = d_efficiency(design, rng, QUICK if config.smoke else None)
+        except NoBound as error:
+            notes.append(f"D-efficiency not known: {error}")
     before = None if search.free is None else problem.worth(search.free)
     return Result(design, limits, tuple(notes), efficiency, clearance, before)
 

@@ -157,10 +157,15 @@ def held_out_notes(*sets: Prepared) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def prepare_for(config: DataSetCommand) -> Prepared:
-    """The same for a command."""
+def prepare_for(config: DataSetCommand, data: DataSet | Path | None = None) -> Prepared:
+    """The same for a command.
+
+    Args:
+        config: What it was told.
+        data: What it starts from, where that is not the folder that it was told.
+    """
     return prepare(
-        config.data,
+        config.data if data is None else data,
         joints=config.joints,
         model=config.model,
         sign_width=config.sign_width,

@@ -20,7 +20,7 @@ from oed.design.meshes import ReadableUrdf, with_readable_meshes
 from oed.design.scratch_folder import ScratchFolder
 from oed.errors import RobotError
 from oed.robot import Robot, described
-from oed.robot.robot_file import add_shapes, warnings_off, weld_free_bodies
+from oed.robot.robot_file import add_to, warnings_off, weld_free_bodies
 
 # What a URDF is read without, until Drake can read it, and the note on that.
 LESS_AND_LESS = (
@@ -77,7 +77,7 @@ def load_scene(robot: Robot) -> Scene:
         if file.format != "urdf":
             return _parse(robot, None, None, "")
         packages = tuple(sorted(file.packages.items()))
-        readable = _readable_file(file.path.resolve(), file.text, packages)
+        readable = _readable_file(file.place.resolve(), file.text, packages)
         missing = _missing_note(readable.urdf.missing)
         edited = readable.folder.path / f"{file.path.stem}.urdf"
         refused = RobotError(f"{robot.source}: no geometry")
@@ -114,7 +114,7 @@ def _parse(robot: Robot, edited: Path | None, readable: _Readable | None, note: 
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     try:
         if edited is None:
-            add_shapes(Parser(plant), described(robot))
+            add_to(Parser(plant), described(robot))
         else:
             Parser(plant).AddModels(edited)
     except (RuntimeError, ValueError) as error:

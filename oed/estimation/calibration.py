@@ -132,8 +132,8 @@ def calibrate(
             f"{dataset.name}: {len(torque)} samples of {torque.shape[1]} joints after processing "
             f"cannot determine {len(base)} parameters; record longer, or lower the cut-off"
         )
-    held_out: dict[Role, tuple[RowPieces, ndarray]] = {
-        role: stack(model, base, held) for role, held in recordings.items() if role != "estimation"
+    held_out: dict[Role, RowPieces] = {
+        role: stack(model, base, own)[0] for role, own in recordings.items() if role != "estimation"
     }
     say(f"fitting {len(base)} base parameters to {len(torque)} rows of each joint")
     estimate = identify(
@@ -143,7 +143,7 @@ def calibrate(
         base.units,
         noise=None if robust else _noise_between_repetitions(baseline),
         robust=robust,
-        others=tuple(rows for rows, _ in held_out.values()),
+        others=tuple(held_out.values()),
         usual_torque=_usual_torque(recordings),
         certainty=_certainty(recordings["estimation"]),
     )
@@ -151,7 +151,7 @@ def calibrate(
     friction = dict(zip(estimate.names, estimate.parameters.tolist(), strict=True))
     check_dissipation(friction, dq, torque, dataset.name)
     predicted: dict[Role, ndarray] = {"estimation": torque - estimate.residual}
-    for role, (rows, _) in held_out.items():
+    for role, rows in held_out.items():
         predicted[role] = rows.only(estimate.columns).predict(estimate.parameters)
     validation: dict[Role, Validation] = {
         role: validate(
@@ -220,7 +220,7 @@ def convergence(calibration: Calibration, *, steps: int = 200) -> RecursiveEstim
     )
     samples, joints = torque.shape
     return recursive_least_squares(
-        regressor.only(calibration.estimate.columns),
+        regressor.only(calibration.estimate.columns).held(),
         torque.ravel(),
         joints,
         noise=calibration.estimate.joint_variances,

@@ -29,6 +29,7 @@ TOP_KEYS = (
     "source",
     "licence",
     "robot",
+    "robot_from",
     "joints",
     "gravity",
     "torque",
@@ -85,13 +86,15 @@ class Manifest:
     """The content of `dataset.toml`.
 
     Limits are (n, 2), gravity (3,) [m/s^2], `fixed` the positions [rad or m] of joints that stood
-    still and are no columns, by name. There are no recordings before the first experiment.
+    still and are no columns, by name. `robot_from` is the file that `robot` is a copy of, relative to
+    the folder; empty where it lies in its own surroundings. There are no recordings before the first experiment.
     """
 
     name: str
     source: str
     licence: str
     robot: str
+    robot_from: str
     joints: tuple[str, ...]
     gravity: Float[ndarray, "3"]
     torque: TorqueKind
@@ -128,6 +131,7 @@ def manifest_of(table: TomlTable) -> Manifest:
         source=table.text("source"),
         licence=table.text("licence"),
         robot=table.text("robot"),
+        robot_from=table.text("robot_from") if table.has("robot_from") else "",
         joints=joints,
         gravity=_gravity(table),
         torque=table.one_of("torque", TORQUE_KINDS),

@@ -124,11 +124,14 @@ def _load_robot(
     """The robot with the kept joints active and the limits of the data set."""
     is_builtin = manifest.robot.startswith("builtin:")
     source = manifest.robot if is_builtin else folder / manifest.robot
+    place = folder / manifest.robot_from if manifest.robot_from else None
     names = [manifest.joints[j] for j in kept]
     limits = {kind: bounds[list(kept)] for kind, bounds in manifest.limits.items()}
     try:
         locked = {**manifest.fixed, **locked}
-        robot = load_robot(source, joints=names, locked=locked, gravity=tuple(manifest.gravity))
+        robot = load_robot(
+            source, joints=names, locked=locked, gravity=tuple(manifest.gravity), place=place
+        )
         check_limits(limits, robot, str(folder / MANIFEST))
         held = robot.held
         sums = [JointSum.of(s.factors, s.bounds, names, held) for s in manifest.sums]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shutil
 import tempfile
 from collections.abc import Mapping
@@ -9,7 +11,6 @@ from pathlib import Path, PurePosixPath
 from typing import Literal
 
 import numpy as np
-import pandas as pd
 import tomli_w
 from jaxtyping import Float
 from numpy import ndarray
@@ -20,6 +21,9 @@ from oed.experiment.drive import DRIVE_KEYS
 from oed.experiment.manifest import COMBINATION, FORMAT, LIMIT_KEYS, MANIFEST
 from oed.experiment.recording import Recording
 from oed.robot import JointSum, Robot, load_robot
+
+# Elements of URDF, SDF and MJCF by which a robot's file names others.
+NAMES_FILES = re.compile(r"<(mesh|texture|uri|include|hfield|skin)\b")
 
 
 def write_dataset(
@@ -54,7 +58,7 @@ def write_dataset(
         folder = Path(temporary) / target.name
         folder.mkdir()
         manifest = _manifest(dataset, limits, file_format)
-        manifest["robot"] = write_robot(dataset.robot, folder)
+        manifest |= write_robot(dataset.robot, folder, target)
         (folder / MANIFEST).write_text(tomli_w.dumps(manifest), encoding="utf-8")
         for recording in dataset.recordings:
             path = folder / f"{recording.name}.{file_format}"
@@ -71,7 +75,9 @@ def check_new_folder(target: Path) -> None:
 
 def write_columns(path: Path, values: Mapping[str, ndarray]) -> None:
     """Write columns of equal length so that reading returns the same numbers to the last bit."""
-    frame = pd.DataFrame(dict(values))
+    from pandas import DataFrame  # noqa: PLC0415  # a second that reading a data set does not need
+
+    frame = DataFrame(dict(values))
     if path.suffix.lower() == ".parquet":
         frame.to_parquet(path, index=False)
     else:
@@ -94,6 +100,7 @@ def _changed_limits(robot: Robot) -> dict[str, Float[ndarray, "joints 2"]]:
         joints=robot.joint_names,
         locked=robot.held,
         gravity=tuple(robot.gravity),
+        place=None if robot.description is None else robot.description.place,
     )
     if not np.array_equal(original.parameters, robot.parameters):
         raise ValueError(
@@ -107,17 +114,30 @@ def _changed_limits(robot: Robot) -> dict[str, Float[ndarray, "joints 2"]]:
     }
 
 
-def write_robot(robot: Robot, folder: Path) -> str:
-    """Leave the robot's file in a folder; returns what `robot` in a `dataset.toml` there says."""
+def write_robot(robot: Robot, folder: Path, target: Path) -> dict[str, str]:
+    """Leave the robot's file in a folder.
+
+    Args:
+        robot: To write.
+        folder: To write to.
+        target: Folder that it is moved to when it is whole.
+
+    Returns:
+        What a `dataset.toml` there says of it: `robot`, and where that names other files `robot_from`,
+        beside which they are.
+    """
     file = robot.description
     if file is None:
-        return robot.source
+        return {"robot": robot.source}
     name = f"robot{file.path.suffix}" if file.is_as_written else f"robot.{file.format}"
     if file.is_as_written:
         shutil.copyfile(file.path, folder / name)
     else:
         (folder / name).write_text(file.text, encoding="utf-8")
-    return name
+    said = {"robot": name}
+    if NAMES_FILES.search((folder / name).read_text(encoding="utf-8", errors="replace")):
+        said["robot_from"] = os.path.relpath(file.place.resolve(), target.resolve())
+    return said
 
 
 def _manifest(

@@ -47,8 +47,8 @@ def _description_record(file: RobotDescription | None, home: Path) -> Descriptio
         format=file.format,
         text=file.text,
         sha256=_digest(file.text),
-        file=file.path.name,
-        folder=os.path.relpath(file.path.parent.resolve(), home),
+        file=file.place.name,
+        folder=os.path.relpath(file.place.parent.resolve(), home),
     )
 
 
@@ -86,7 +86,7 @@ def _description_of(record: DescriptionRecord | None, folder: Path) -> RobotDesc
     if _digest(record.text) != record.sha256:
         raise ModelFileError("robot.description.text is damaged: it does not have its own sha256")
     path = folder / record.folder / record.file
-    return RobotDescription(source=record.file, path=path, format=record.format, text=record.text)
+    return RobotDescription(record.file, path, path, record.format, record.text)
 
 
 def _digest(text: str) -> str:

@@ -77,7 +77,7 @@ def _edited(
         if name == robot.joints[carrier].link:
             _add_inertial(links[name], calibrated, carrier, in_source_link=True)
     for mesh in root.iter("mesh"):
-        _keep_reachable(mesh, file.path.parent, folder)
+        _keep_reachable(mesh, file.place.parent, folder)
     return root
 
 

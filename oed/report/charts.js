@@ -16,9 +16,20 @@
   const dragmode = touched ? false : "zoom";
   const displayModeBar = touched ? false : "hover";
   const config = { responsive: true, displaylogo: false, displayModeBar, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+  // Where the words of a figure leave the bar no room, as a legend does in a narrow window, there is none.
+  const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+  const fit = (chart) => {
+    chart.classList.remove("crowded");
+    const bar = chart.querySelector(".modebar"), words = [...chart.querySelectorAll(".legend, .annotation")];
+    if (!bar) return;
+    const room = bar.getBoundingClientRect();
+    chart.classList.toggle("crowded", words.some((word) => meet(word.getBoundingClientRect(), room)));
+  };
   for (const chart of charts) {
     const { data, layout } = JSON.parse(chart.parentNode.querySelector(".figure").textContent);
     await Plotly.newPlot(chart, data, { ...layout, dragmode }, config);
+    fit(chart);
+    chart.on("plotly_afterplot", () => fit(chart));
   }
   // Paper is narrower than most screens, and does not tell that it is.
   const printed = 640;

@@ -40,6 +40,8 @@ class RobotDescription:
     Attributes:
         source: As the user named it.
         path: The file.
+        place: The file beside which meshes, packages and included files are looked for: `path`, or the
+            one that `path` is a copy of.
         format: Of `text`; xacro and tables of Denavit-Hartenberg parameters become URDF.
         text: The file, expanded and with what cannot be replaced.
         is_as_written: Whether `text` says what the file says, so that the file may be copied.
@@ -53,6 +55,7 @@ class RobotDescription:
 
     source: str
     path: Path
+    place: Path
     format: Format
     text: str
     is_as_written: bool = True
@@ -64,25 +67,28 @@ class RobotDescription:
     packages: Mapping[str, Path] = field(default_factory=dict)
 
 
-def read_description(source: str | Path) -> RobotDescription:
+def read_description(source: str | Path, *, place: Path | None = None) -> RobotDescription:
     """Open a robot's file.
 
     Args:
         source: Path of a URDF, xacro, SDF or MJCF file or of a table of Denavit-Hartenberg
             parameters; that of a xacro file may be followed by its arguments, "NAME:=VALUE".
+        place: The file that it is a copy of, in whose surroundings meshes are looked for; None where
+            it lies in its own.
 
     Raises:
         RobotError: In one line that names the file, if it cannot be read, is no robot's, or
             contradicts itself.
     """
     path, arguments = _split(source)
+    place = path if place is None else place
     content = _read(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise RobotError(f"{path}: unknown kind of robot file; expected {KNOWN}")
     if suffix == ".toml":
         tree = XmlTree(read_dh_table(content, str(path), path.stem), {})
-        return _of_urdf(source, path, tree, is_as_written=False)
+        return _of_urdf(source, path, tree, place, is_as_written=False)
     is_macro = suffix == ".xacro" or b"<xacro:" in content
     if is_macro:
         parse_if_possible = None
@@ -91,14 +97,14 @@ def read_description(source: str | Path) -> RobotDescription:
         is_macro = parse_if_possible.root.tag == "robot" and is_xacro(parse_if_possible.root)
     if is_macro or parse_if_possible is None:
         expanded = parse_xml(expand_xacro(path, arguments), f"{path}, expanded")
-        return _of_urdf(source, path, expanded, is_as_written=False)
+        return _of_urdf(source, path, expanded, place, is_as_written=False)
     tree = parse_if_possible
     file_format = FORMATS.get(str(tree.root.tag).rpartition("}")[2])
     if file_format is None:
         raise RobotError(f"{path}: its outermost element is <{tree.root.tag}>; expected {KNOWN}")
     if file_format == "urdf":
-        return _of_urdf(source, path, tree, is_as_written=True)
-    return _of_other(source, path, tree, file_format)
+        return _of_urdf(source, path, tree, place, is_as_written=True)
+    return _of_other(source, path, tree, place, file_format)
 
 
 def _split(source: str | Path) -> tuple[Path, tuple[str, ...]]:
@@ -129,7 +135,7 @@ def _read(path: Path) -> bytes:
 
 
 def _of_urdf(
-    source: str | Path, path: Path, tree: XmlTree, *, is_as_written: bool
+    source: str | Path, path: Path, tree: XmlTree, place: Path, *, is_as_written: bool
 ) -> RobotDescription:
     root, where = tree.root, str(path)
     if root.tag != "robot":
@@ -145,6 +151,7 @@ def _of_urdf(
     return RobotDescription(
         source=str(source),
         path=path,
+        place=place,
         format="urdf",
         text=tree.text(),
         is_as_written=is_as_written,
@@ -156,17 +163,18 @@ def _of_urdf(
 
 
 def _of_other(
-    source: str | Path, path: Path, tree: XmlTree, file_format: Format
+    source: str | Path, path: Path, tree: XmlTree, place: Path, file_format: Format
 ) -> RobotDescription:
     root, where = tree.root, str(path)
     if file_format == "mjcf":
-        mjcf_file.stand_alone(root, path, _included)
+        mjcf_file.stand_alone(root, place, _included)
     _check_size(root, file_format, where)
     mimics, of_mimics = read_mimics(root, file_format, where)
     faults = replace_impossible(root, file_format)
     return RobotDescription(
         source=str(source),
         path=path,
+        place=place,
         format=file_format,
         text=tree.text(),
         mimics=mimics,

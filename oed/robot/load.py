@@ -33,6 +33,7 @@ def load_robot(
     joints: Sequence[str] | None = None,
     locked: Mapping[str, float] | None = None,
     gravity: Sequence[float] = EARTH_GRAVITY,
+    place: Path | None = None,
 ) -> Robot:
     """Load a fixed-base arm.
 
@@ -45,6 +46,7 @@ def load_robot(
         locked: Position [rad or m] at which a joint is held; 0 if not given, or where its leader
             has it if it mimics another.
         gravity: In the base frame [m/s^2].
+        place: The file that this one is a copy of, see `read_description`.
 
     Returns:
         The robot; its `notes` say what was replaced, fixed or assumed, and its `description` is
@@ -55,7 +57,7 @@ def load_robot(
     """
     if str(source).startswith("builtin:"):
         return _builtin(str(source), joints, np.asarray(gravity, dtype=float))
-    description, plant = open_robot(source)
+    description, plant = open_robot(source, place=place)
     return _of_plant(description, plant, joints, locked or {}, np.asarray(gravity, dtype=float))
 
 

@@ -19,6 +19,7 @@ from pydrake.multibody.tree import BodyIndex, PrismaticJoint, RevoluteJoint, Rig
 from pydrake.multibody.tree import Joint as DrakeJoint
 
 from oed.errors import RobotError
+from oed.robot import sdf_file
 from oed.robot.description import RobotDescription, read_description
 from oed.robot.mjcf_file import without_meshes
 from oed.robot.xml_tree import parse_xml
@@ -28,8 +29,14 @@ FILE_TYPES = {"urdf": "urdf", "sdf": "sdf", "mjcf": "xml"}  # as Drake calls the
 PLACE = re.compile(r"<literal-string>\.\w+:(\d+): (error: )?(ERROR: )?")
 
 
-def open_robot(source: str | Path) -> tuple[RobotDescription, MultibodyPlant]:
+def open_robot(
+    source: str | Path, *, place: Path | None = None
+) -> tuple[RobotDescription, MultibodyPlant]:
     """Open a robot's file as one that Drake can read.
+
+    Args:
+        source: As of `read_description`.
+        place: Likewise.
 
     Returns:
         The description, without meshes where these cannot be read, and a plant of it.
@@ -37,7 +44,7 @@ def open_robot(source: str | Path) -> tuple[RobotDescription, MultibodyPlant]:
     Raises:
         RobotError: In one line that names the file.
     """
-    description = read_description(source)
+    description = read_description(source, place=place)
     try:
         return description, load_plant(description)
     except RobotError:
@@ -67,7 +74,7 @@ def load_plant(source: str | Path | RobotDescription) -> MultibodyPlant:
     plant = MultibodyPlant(time_step=0.0)
     with warnings_off():
         try:
-            _add_models(plant, source)
+            add_to(Parser(plant), source)
             weld_free_bodies(plant)
             plant.Finalize()
         except (RuntimeError, ValueError) as error:
@@ -83,22 +90,12 @@ def load_plant(source: str | Path | RobotDescription) -> MultibodyPlant:
     return plant
 
 
-def _add_models(plant: MultibodyPlant, description: RobotDescription) -> None:
-    parser = Parser(plant)
-    # What an SDF includes is found from where it lies.
-    if description.format == "sdf" and "<include" in description.text:
-        parser.AddModels(description.path)
-    else:
-        parser.AddModelsFromString(description.text, FILE_TYPES[description.format])
-
-
-def add_shapes(parser: Parser, description: RobotDescription) -> None:
-    """Let a parser that has a scene graph read a robot with its shapes."""
-    # Meshes that an SDF names are found from where it lies.
+def add_to(parser: Parser, description: RobotDescription) -> None:
+    """Let a parser read a robot, with its shapes where the parser has a scene graph."""
+    text = description.text
     if description.format == "sdf":
-        parser.AddModels(description.path)
-    else:
-        parser.AddModelsFromString(description.text, FILE_TYPES[description.format])
+        text = sdf_file.located(text, description.place)
+    parser.AddModelsFromString(text, FILE_TYPES[description.format])
 
 
 def _told(error: Exception) -> str:

@@ -53,7 +53,7 @@ def model_of(robot):
     return build_model("standard", robot, sign_width=0.05)
 
 
-def recorded(seed, role, name, seconds=12.0):
+def recorded(seed, role, name, seconds=12.0, gravity=(0.0, 0.0, -9.81)):
     """A motion of sines and the torque that it takes, with noise."""
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, seconds, 1 / RATE)
@@ -65,7 +65,7 @@ def recorded(seed, role, name, seconds=12.0):
         (a * w * np.cos(phase)).sum(2),
         (-a * w**2 * np.sin(phase)).sum(2),
     )
-    model = model_of(arm())
+    model = model_of(arm(gravity))
     truth = np.concatenate([model.robot.parameters, [1.0, 2.0, 1.5, 2.5, 0.8, 1.2]])
     torque = model.torque(truth, motion) + NOISE * rng.standard_normal(motion.q.shape)
     return Recording(name, role, motion.t, motion.q, torque)

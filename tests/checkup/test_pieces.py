@@ -8,7 +8,7 @@ import pytest
 
 from oed.checkup.delay import find_delay
 from oed.checkup.projection import project
-from oed.checkup.trial import Trial, trial_data
+from oed.checkup.trial import Trials
 from oed.dynamics.effects import rigid_body
 from oed.estimation.feasible.calibration import validate_parameters
 from oed.estimation.feasible.data_factor import block_factors
@@ -24,9 +24,10 @@ def numbers(found):
     return np.concatenate([np.ravel(x) for x in dataclasses.astuple(found)])
 
 
-def as_predicted(model, recordings):
-    data = trial_data(recordings, model.columns, remembers=model.remembers)
-    return numbers(data.outcome(Trial.unchanged(model.robot.n)))
+def tried(model, recordings):
+    trials = Trials(model, tuple(r for group in recordings.values() for r in group))
+    outcome = trials.as_logged
+    return np.concatenate([outcome.relative, outcome.residual, trials.independent(outcome)])
 
 
 def in_blocks(model, recordings):
@@ -43,7 +44,7 @@ def validated(model, recordings):
 
 
 ASKED = {
-    "trial": as_predicted,
+    "trial": tried,
     "blocks": in_blocks,
     "validation": validated,
     "projection": lambda model, recordings: numbers(project(model, recordings)),

@@ -14,9 +14,10 @@ from oed.report.json_file import read_json
 from oed.report.page import render_page
 from oed.report.provenance import Provenance
 from oed.report.study_files import CALIBRATE
-from oed.robot import imi_scara
+from oed.robot import imi_scara, load_robot
 from tests.diagnosis.arm import NOISE, data_set
 from tests.dynamics.effects.arms import panda, smooth_motion
+from tests.experiment.importing.laboratory_logs import bag_mcap, simulate, write_urdf
 from tests.export.every_effect import model_with
 from tests.running import oed
 
@@ -182,3 +183,17 @@ def test_an_interrupt_says_what_is_left(tmp_path, capsys, monkeypatch, command, 
     monkeypatch.setattr(module, "run", interrupted)
     assert oed(command, tmp_path, "--out", tmp_path / "o") == 130
     assert capsys.readouterr().err == f"\noed {command}: interrupted: {told}\n"
+
+
+def test_a_warning_is_said_once(tmp_path, capsys):
+    arm = write_urdf(tmp_path / "arm.urdf")
+    log = bag_mcap(simulate(load_robot(arm), rows=600), tmp_path)
+    # A link that the file has for a twentieth of what it is.
+    arm.write_text(arm.read_text().replace('mass value="3.0"', 'mass value="0.15"'))
+    told = ("--model", "standard", "--smoke", "--quiet", "--to", "c", "--candidates", "stribeck")
+    assert oed("calibrate", log, "--robot", arm, "--out", tmp_path / "out", *told) == 0
+    warnings = read_json(tmp_path / "out" / "calibration.json")["warnings"]
+    said = capsys.readouterr().out
+    assert warnings
+    for words in warnings:
+        assert said.count(words) == 1

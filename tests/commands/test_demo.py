@@ -5,8 +5,11 @@ from pathlib import Path
 
 import jsonschema
 import msgspec
+import numpy as np
 import pytest
 
+from oed.commands import design
+from oed.commands.configurations import Design
 from oed.commands.demo import PAGES
 from oed.report.json_file import read_json
 from tests.browser import Browser
@@ -61,3 +64,14 @@ def test_the_arm_fills_the_frame_in_which_it_moves(out: Path, width: int, browse
     assert moving.canvas == (1.0, 1.0)
     assert moving.width > 0.6 * width
     assert min(moving.filled) > 0.8
+
+
+def test_a_motion_without_its_bound_is_the_same_motion(monkeypatch: pytest.MonkeyPatch) -> None:
+    config = Design(robot="builtin:imi_scara", out=Path("none"), smoke=True, seed=1, quiet=True)
+    robot = design.robot_of(config)
+    whole = design.find(config, robot)
+    monkeypatch.setattr(design, "d_efficiency", None)  # which is not asked
+    alone = design.find(config, robot, bounded=False)
+    assert whole.efficiency is not None
+    assert alone.efficiency is None
+    np.testing.assert_array_equal(alone.design.z, whole.design.z)

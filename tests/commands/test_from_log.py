@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -56,8 +57,10 @@ def test_a_check_without_a_folder_prints_and_leaves_nothing(
 ) -> None:
     monkeypatch.chdir(laboratory)
     before = listing(laboratory)
-    assert oed("check", "log.mcap", "--robot", "arm.urdf", "--quiet") == 0
+    assert oed("check", "log.mcap", "--robot", "arm.urdf") == 0
     told = capsys.readouterr().out
+    assert "importing log.mcap" in told
+    assert tempfile.gettempdir() not in told  # where nobody would find anything
     assert "green  units and signs" in told
     assert "--out" in told.splitlines()[-1]
     assert listing(laboratory) == before

@@ -19,7 +19,10 @@ from tests.paths import REPO
 pytestmark = pytest.mark.skipif(
     find_spec("mkdocs") is None, reason="MkDocs is not installed (it is in environment.txt)"
 )
+NOTEBOOKS = sorted((REPO / "docs/tutorials").glob("*.py"))
 LOADED = re.compile(r'<(?:script|img|link|iframe)\b[^>]*?\b(?:src|href)="(https?:)?//[^"]+"')
+PLACE = 'class="shown" id='
+LARGEST_INDEX = 1_000_000  # [B]
 # Tells search engines where the page belongs; browsers load nothing.
 ONLY_NAMED = re.compile(r'<link rel="(?:canonical|prev|next)"[^>]*>')
 
@@ -77,3 +80,31 @@ def test_every_effect_has_its_page(site: Path) -> None:
 def test_no_formula_is_left_as_tex(site: Path) -> None:
     for page in site.rglob("*.html"):
         assert "arithmatex" not in page.read_text(encoding="utf-8"), page
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_shown_with_what_it_prints_and_draws(site: Path, notebook: Path) -> None:
+    text = (site / "tutorials" / f"{notebook.stem}.html").read_text(encoding="utf-8")
+    pictures = re.findall(r'<img alt="[^"]+" src="([^"]+)"', text)
+    assert pictures
+    for picture in pictures:
+        assert (site / "tutorials" / picture).read_bytes().startswith(b"\x89PNG")
+    assert text.count("<iframe srcdoc=") == 1
+    assert text.count('class="shown no-copy highlight') > 3
+    assert PLACE not in text
+    # Of a picture nothing is searched for.
+    index = (site / "search" / "search_index.json").read_text(encoding="utf-8")
+    assert len(index) < LARGEST_INDEX
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_s_arm_moves_within_the_window(
+    site: Path, browser: Browser, notebook: Path, width: int
+) -> None:
+    seen = browser.look(site / "tutorials" / f"{notebook.stem}.html", width)
+    assert seen.errors == ()
+    assert not [address for address in seen.requests if address.startswith("http")]
+    assert seen.width <= width
+    (arm,) = seen.moving
+    assert max(arm.filled) > 0.3

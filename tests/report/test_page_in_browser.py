@@ -65,6 +65,15 @@ def test_nothing_lies_over_a_figure_that_a_finger_touches(written: Path, browser
     assert seen.toolbars == 0
 
 
+@pytest.mark.parametrize("width", [1280, 400])
+def test_tools_lie_over_no_word_of_a_figure(written: Path, browser: Browser, width: int) -> None:
+    assert browser.look(written, width).covered == ()
+
+
+def test_a_wide_window_has_room_for_tools(written: Path, browser: Browser) -> None:
+    assert browser.look(written, 1280).toolbars > 0
+
+
 @pytest.mark.parametrize(("width", "shown"), [(1280, 1400), (400, 680)])
 def test_a_narrow_screen_shows_the_figure_that_was_made_for_it(
     tmp_path: Path, browser: Browser, width: int, shown: int

@@ -13,23 +13,13 @@ from oed.diagnosis.evidence.criterion import Moments, score_dilution
 from oed.diagnosis.evidence.fit import Projection
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.term import Term
+from oed.experiment.signals.correlation_length import correlation_length
 
 
 def correlated_rows(whole: Fitted, joint: int, where: Bool[ndarray, " rows"]) -> float:
-    """Rows over which what a model leaves of a joint is correlated.
-
-    1 + 2 sum of the autocorrelation up to its first zero (Priestley 1981, section 5.3).
-    """
+    """Rows over which what a model leaves of a joint is correlated."""
     left = whole.projection.residual[joint, where]
-    length = len(left)
-    spectrum = np.abs(np.fft.rfft(left - left.mean(), 2 * length)) ** 2
-    covariance = np.fft.irfft(spectrum)[:length]
-    if covariance[0] <= 0:
-        return 1.0
-    rho = covariance / covariance[0]
-    beyond = np.flatnonzero(rho <= 0)
-    end = int(beyond[0]) if len(beyond) else length
-    return float(max(1.0, 2 * rho[:end].sum() - 1))
+    return correlation_length([left - left.mean()])
 
 
 def moments_of(

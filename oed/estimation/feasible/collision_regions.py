@@ -39,7 +39,7 @@ def collision_regions(robot: Robot, *, clearance: float = CLEARANCE) -> tuple[Ma
         raise RobotError(f"{error}: there is no collision geometry to keep its mass in") from error
     if file.format != "urdf":
         raise RobotError(f"{robot.source!r}: collision geometry is read from a URDF file")
-    path, model = file.path, pinocchio_model(file)
+    path, model = file.place, pinocchio_model(file)
     # package://NAME/ is a folder of that name above the file.
     folders = [str(folder) for folder in itertools.islice(path.resolve().parents, PACKAGE_DEPTH)]
     try:

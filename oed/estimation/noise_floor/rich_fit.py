@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from itertools import accumulate, pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -77,12 +77,12 @@ def rich_fit(
     taken = stretches.taken_by(span)
     if enriched:
         further = further_blocks(tuple(prepared), joint)
-        tried = Additions(tuple(block[trusted] for block in further)).outside(span)
+        tried = Additions.of([block[trusted] for block in further]).outside(span)
         for _ in range(MOST_FURTHER):
             shares = tried.taken(stretches)
             ratios = tried.convincing(left, taken, shares, stretches)
             best = int(np.argmax(ratios))
-            new = tried.bases[best]
+            new = tried.columns[:, tried.places[best]]
             if (
                 ratios[best] < CONVINCING
                 or span.shape[1] + new.shape[1] > rows // LEAST_ROWS_PER_COLUMN
@@ -100,32 +100,44 @@ class Additions:
     """What may join a span, looked at side by side.
 
     Attributes:
-        bases: (seen_rows, _) columns of each.
+        columns: Of all, one after another, each of unit length or zero.
+        widths: Columns of each.
     """
 
-    bases: tuple[Float[ndarray, "seen_rows _"], ...]
+    columns: Float[ndarray, "seen_rows columns"]
+    widths: tuple[int, ...]
 
-    @cached_property
-    def columns(self) -> Float[ndarray, "seen_rows columns"]:
-        """Of all, one after another."""
-        return np.concatenate(self.bases, axis=1)
+    @classmethod
+    def of(cls, blocks: Sequence[Float[ndarray, "seen_rows _"]]) -> Additions:
+        """Of the columns of each, whatever their lengths."""
+        columns = _of_unit_length(np.concatenate(blocks, axis=1))
+        return cls(columns, tuple(block.shape[1] for block in blocks))
 
-    @cached_property
-    def owner(self) -> Float[ndarray, "columns additions"]:
-        """One where a column belongs to an addition: a product with it sums over these."""
-        return np.repeat(np.eye(len(self.bases)), [b.shape[1] for b in self.bases], axis=0)
+    @property
+    def places(self) -> tuple[slice, ...]:
+        """Of each one's columns among all."""
+        return tuple(slice(a, b) for a, b in pairwise(accumulate(self.widths, initial=0)))
 
     def without(self, k: int) -> Additions:
         """The others."""
-        return Additions(self.bases[:k] + self.bases[k + 1 :])
+        others = np.delete(self.columns, self.places[k], axis=1)
+        return Additions(others, self.widths[:k] + self.widths[k + 1 :])
 
     def outside(self, span: Float[ndarray, "seen_rows rank"]) -> Additions:
         """Orthonormal bases of what each adds to a span."""
         # Once is enough: what is kept is so long that rounding leaves 1e-11 of it inside.
-        columns = _of_unit_length(self.columns)
-        columns = columns - span @ (span.T @ columns)
-        ends = np.cumsum([basis.shape[1] for basis in self.bases])[:-1]
-        return Additions(tuple(_basis(own) for own in np.split(columns, ends, axis=1)))
+        columns = self.columns - span @ (span.T @ self.columns)
+        bases = [_basis(columns[:, place]) for place in self.places]
+        return Additions(np.concatenate(bases, axis=1), tuple(basis.shape[1] for basis in bases))
+
+    def summed(self, products: Float[ndarray, "rows columns"]) -> Float[ndarray, "rows additions"]:
+        """Sums over the columns of each of something that every column has."""
+        found = np.zeros((len(products), len(self.widths)))
+        filled = np.array(self.widths) > 0  # of no columns, `reduceat` gives the one that follows
+        starts = [place.start for place in self.places]
+        if filled.any():
+            found[:, filled] = np.add.reduceat(products, np.array(starts)[filled], axis=1)
+        return found
 
     def taken(self, stretches: Stretches) -> list[Float[ndarray, "frequencies additions"]]:
         """Share of the noise that each takes, of each recording.
@@ -133,7 +145,7 @@ class Additions:
         Args:
             stretches: Where they look.
         """
-        return [squares @ self.owner for squares in stretches.squares(self.columns)]
+        return [self.summed(squares) for squares in stretches.squares(self.columns)]
 
     def convincing(
         self,
@@ -151,10 +163,11 @@ class Additions:
             stretches: Where they look.
         """
         moments = self.columns.T @ before
-        left = before[:, None] - (self.columns * moments) @ self.owner
+        explained = [self.columns[:, place] @ moments[place] for place in self.places]
+        left = before[:, None] - np.stack(explained, axis=1)
         both = [x[:, None] + y for x, y in zip(taken, own, strict=True)]
         noise = noise_along(power_of_noise(left, both, stretches), own, stretches)
-        return (moments**2 @ self.owner) / np.maximum(noise, 1e-300)
+        return self.summed(moments[None] ** 2)[0] / np.maximum(noise, 1e-300)
 
 
 def _of_unit_length(columns: Float[ndarray, "rows columns"]) -> Float[ndarray, "rows columns"]:

@@ -84,13 +84,21 @@ class Import:
     notes: tuple[str, ...]
 
 
-def propose_import(logs: Sequence[str | Path], choices: ImportChoices, out: str | Path) -> Import:
+def propose_import(
+    logs: Sequence[str | Path],
+    choices: ImportChoices,
+    out: str | Path,
+    *,
+    joints: Sequence[str] = (),
+) -> Import:
     """Read logs and conclude what they are; nothing is written.
 
     Args:
         logs: Files of one format, in the order in which they were recorded.
         choices: What is known of them.
         out: Folder that the data set will have, for its name and for messages.
+        joints: Of the data set that is returned, as of `read_dataset`; all if empty. What is to be
+            written has all.
 
     Raises:
         DataSetError: If a log cannot be read, or something about it cannot be concluded.
@@ -114,7 +122,7 @@ def propose_import(logs: Sequence[str | Path], choices: ImportChoices, out: str 
     parts, why = _roles(paths, values, choices)
     name = choices.name or Path(out).resolve().name
     content = _content(paths, choices, robot, values[0], parts) | {"name": name}
-    dataset = _read(content, Path(out))
+    dataset = _read(content, Path(out), tuple(joints) or None)
     notes = (*columns[0].notes, *values[0].notes, *_fixed_notes(robot), *dataset.notes, why)
     return Import(dataset, content, paths, tuple(dict.fromkeys(notes)))
 
@@ -222,12 +230,12 @@ def _robot_now(robot: Robot) -> str:
     return source if source.startswith("builtin:") else os.path.abspath(source)  # noqa: PTH100  keeps xacro arguments
 
 
-def _read(content: Mapping[str, object], out: Path) -> DataSet:
+def _read(content: Mapping[str, object], out: Path, joints: tuple[str, ...] | None) -> DataSet:
     # Through the text: what is written is what was read.
     parsed = tomllib.loads(tomli_w.dumps(content))
     path = out / MANIFEST
     try:
-        return dataset_of(manifest_of(TomlTable(parsed, path)), out)
+        return dataset_of(manifest_of(TomlTable(parsed, path)), out, joints=joints)
     except DataSetError as error:
         if error.file != str(path) or error.column not in OPTIONS:
             raise

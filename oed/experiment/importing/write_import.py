@@ -46,8 +46,10 @@ def place_import(found: Import, folder: Path, target: Path, *, reference: bool =
         reference: Whether logs stay where they are, instead of being copied.
     """
     names = _placed(found.logs, folder, target, reference=reference)
-    content = dict(found.content)
-    content["robot"] = write_robot(found.dataset.robot, folder)
+    said = write_robot(found.dataset.robot, folder, target)
+    content = {}
+    for key, value in found.content.items():  # in an order to read
+        content |= said if key == "robot" else {key: value}
     content["recording"] = [
         entry | {"file": names[entry["file"]]}
         for entry in found.content["recording"]  # type: ignore[attr-defined]
