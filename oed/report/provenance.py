@@ -19,7 +19,6 @@ KEY_PACKAGES = (
     "scipy",
     "casadi",
     "drake",
-    "cvxpy",
     "clarabel",
     "scs",
     "cma",
