@@ -8,7 +8,7 @@ from numpy import ndarray
 from oed.checkup.cause import Cause
 from oed.checkup.projection import Projection
 from oed.checkup.suspicion import UNITS, is_on_earth
-from oed.estimation.dissipation import LEAST_SHARE
+from oed.estimation.dissipation import CLEAR_SHARE, LEAST_SHARE
 from oed.experiment.dataset import DataSet
 
 # Inertials of robot files, and even placeholders, give a joint's torque to its order of magnitude.
@@ -21,6 +21,8 @@ def all_reversed(dataset: DataSet, projection: Projection) -> Cause | None:
     telling = np.flatnonzero(projection.telling)
     if not len(telling) or (projection.correlation[telling] > 0).any():
         return None
+    if (projection.braking[telling] > CLEAR_SHARE).any():
+        return None  # its friction says that the signs are right, and the file is wrong
     drives = projection.friction < -LEAST_SHARE
     if not (drives or (projection.friction < LEAST_SHARE and len(telling) > 1)):
         return None

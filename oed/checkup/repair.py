@@ -41,8 +41,8 @@ class Weighing:
 
     Attributes:
         before: Without any of them.
-        tried: Each, the likeliest first.
-        after: Of each.
+        tried: Each, the likeliest first; none where what every fit may have is weighed.
+        after: Of each, or of that.
         counts: (n,) independent samples of each torque.
     """
 
@@ -64,7 +64,7 @@ class Weighing:
     @property
     def repairs(self) -> bool:
         """Whether the likeliest repairs the fit."""
-        bar = VERY_STRONG + 2 * np.log(len(self.tried))
+        bar = VERY_STRONG + 2 * np.log(len(self.after))
         return bool(self.over(self.before) > bar and self.mended.any())
 
 

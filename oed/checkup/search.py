@@ -14,8 +14,8 @@ import numpy as np
 from oed.checkup.by_inertials import all_reversed, all_scaled
 from oed.checkup.cause import USELESS, Cause
 from oed.checkup.projection import Projection, project
-from oed.checkup.repair import find_repair
-from oed.checkup.trial import Outcome, Trials
+from oed.checkup.repair import Weighing, find_repair
+from oed.checkup.trial import Outcome, Trials, with_rotors
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
@@ -53,7 +53,8 @@ def find_cause(
         recordings: By role, processed; a thinned rate will do.
     """
     projection = project(model, recordings)
-    trials = Trials(model, tuple(r for group in recordings.values() for r in group))
+    logs = tuple(r for group in recordings.values() for r in group)
+    trials = Trials(with_rotors(model), logs)
     as_logged = trials.without_constants
     is_bad = bool((as_logged.relative > USELESS).any() or projection.contrary.any())
     cause, is_repaired = _magnitude(dataset) if is_bad else None, False
@@ -69,9 +70,13 @@ def find_cause(
 
 def _offset(trials: Trials) -> Cause | None:
     """Constant torques, which every fit may have, predict every joint that nothing did without."""
-    without, beside = trials.without_constants.relative, trials.as_logged.relative
+    fitted = trials.as_logged
+    weighing = Weighing(trials.without_constants, (), (fitted,), trials.independent(fitted))
+    without, beside = weighing.before.relative, fitted.relative
     bad = without > USELESS
-    if not bad.any() or (beside[bad] > USELESS).any():
+    if not bad.any() or not weighing.repairs:
+        return None
+    if not weighing.mended[bad].all() or (beside[bad] > USELESS).any():
         return None
     names = trials.model.robot.joint_names
     shown = ", ".join(

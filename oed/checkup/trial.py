@@ -1,7 +1,8 @@
 """The fit of a torque model to a log as it would be if something about the log were otherwise.
 
-All recordings are fitted, with a constant torque of each joint, as sensors have them. So every change of
-the log has as many parameters to fit it with, and what two of them leave can be compared as it is.
+All recordings are fitted, with a rotor's inertia and a constant torque of each joint, as drives and sensors
+have them whether or not they are declared. So every change of the log has as many parameters to fit it
+with, what two of them leave can be compared as it is, and what is no fault of the log is not put down to one.
 
 Each joint's rows and the torques of all joints are kept as one triangular factor (Golub and Van Loan,
 Matrix Computations, section 5.3), and from it as normal equations in a basis that makes them well
@@ -19,6 +20,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.checkup.change import Change
+from oed.dynamics.effects import RotorInertia
 from oed.dynamics.torque_model import TorqueModel
 from oed.estimation.triangular import factor_of
 from oed.experiment.preparation.processed import ProcessedRecording
@@ -125,12 +127,19 @@ class NormalEquations:
         return Outcome(change, relative, residual, self.basis @ solved)
 
 
+def with_rotors(model: TorqueModel) -> TorqueModel:
+    """The model with the inertia of a rotor at every joint."""
+    have = {effect.joint for effect in model.effects if isinstance(effect, RotorInertia)}
+    missing = (j for j in range(model.robot.n) if j not in have)
+    return model.with_effects(*(RotorInertia(j) for j in missing))
+
+
 @dataclass(frozen=True)
 class Trials:
     """A model and a log, of which changes are tried.
 
     Attributes:
-        model: Of the torque.
+        model: Of the torque, with all that every fit may have but the constants.
         recordings: Of all roles, processed.
     """
 

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-from oed.checkup.cause import Cause
+from oed.checkup.cause import USELESS, Cause
 from oed.checkup.checkup import check_dataset
 from oed.checkup.search import find_cause
 from oed.dynamics.models import build_model
@@ -119,6 +119,20 @@ def test_a_unit_of_all_torques_is_named(sound):
 def test_offsets_are_named(sound):
     found = cause(changed(sound, tau=lambda tau: tau + np.array([25.0, 0.0, 0.0])))
     assert found.kind == "offset"
+
+
+@pytest.mark.parametrize("elbow", [0.0, 25.0])
+def test_offsets_are_not_the_cause_beside_a_joint_that_they_hardly_help(sound, elbow):
+    """Of the base they leave a residual of 26 % in place of 33 %."""
+
+    def swaying(tau):
+        unit = np.sqrt(np.mean(tau[:, 0] ** 2)) * np.array([1.0, 0.0, 0.0])
+        sway = np.sin(2 * np.pi * 1.3 * np.arange(len(tau)) / 200)
+        return tau + unit * (0.4 * sway[:, None] + 0.2) + np.array([0.0, 0.0, elbow])
+
+    spoiled = changed(sound, tau=swaying)
+    assert search(spoiled).as_logged.relative[0] > USELESS
+    assert has_no_cause(spoiled)
 
 
 def test_magnitudes_are_named(sound):
@@ -245,10 +259,10 @@ def test_what_only_makes_a_bad_fit_less_bad_is_no_reversed_gravity():
 
 @needs_cases
 def test_gravity_in_another_unit_does_not_pass_for_a_unit_of_the_torques():
+    """Beside rotors' inertias only coupling tells its size, and here hardly any is excited."""
     data = med7()
     found = checked(with_robot(data, data.robot.with_gravity(100 * data.robot.gravity)))
-    assert found.cause is not None
-    assert found.cause.remedy == "declare gravity = [0, 0, -9.81]"
+    assert found.cause is None
     gravity = gravity_of(found)
     assert gravity.level != "green"
     assert "100 times that on Earth" in gravity.text

@@ -1,9 +1,13 @@
 """Gravity declared with a wrong sign or in another unit is found with what should stand there."""
 
+import dataclasses
+
+import numpy as np
 import pytest
 
 from oed.checkup.gravity import gravity_finding
 from oed.checkup.search import find_cause
+from tests.checkup import hanging_arm
 from tests.checkup.simulated_arm import dataset, model_of, processed, recorded
 
 
@@ -35,6 +39,15 @@ def test_a_reversed_gravity_of_a_tilted_base_is_told_with_the_right_value():
     )
     found = cause(dataset(recordings=recordings, gravity=(0.0, -5.886, 7.848)))
     assert found.remedy == "declare gravity = [0, 5.886, -7.848]"
+
+
+def test_of_directions_that_explain_one_link_alike_none_is_named():
+    """Declared along its axis: any direction across it would do, with the link's mass elsewhere."""
+    data = hanging_arm.data_set(1, links=1)
+    turned = dataclasses.replace(data, robot=data.robot.with_gravity(np.array([9.81, 0.0, 0.0])))
+    found = find_cause(turned, model_of(turned.robot), processed(turned))
+    assert found.as_logged.relative[0] > 0.15
+    assert found.cause is None
 
 
 def test_a_size_that_is_nowhere_on_earth_is_told():
