@@ -19,6 +19,7 @@ KEY_PACKAGES = (
     "scipy",
     "casadi",
     "drake",
+    "cvxpy",
     "clarabel",
     "scs",
     "cma",

@@ -20,10 +20,9 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import null_space, solve_triangular
 
-from oed.estimation.feasible.cone_program import SolverFailed
 from oed.estimation.feasible.conic_solver import SolverResult
 from oed.estimation.feasible.coordinates import BASIS, ENTRIES
-from oed.estimation.feasible.interior import most_interior
+from oed.estimation.feasible.interior import SolverFailed, most_interior
 from oed.estimation.feasible.optimality import Multipliers
 from oed.estimation.feasible.problem import FeasibleProblem
 from oed.estimation.feasible.regularisation import quadratic_root

@@ -10,9 +10,9 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import t as student
 
-from oed.estimation.feasible.cone_program import SolverFailed
 from oed.estimation.feasible.data_factor import DataFactor
 from oed.estimation.feasible.estimate import FeasibleEstimate
+from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.solve import SolverName, solve_problem
 from oed.progress import told
 

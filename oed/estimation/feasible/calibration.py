@@ -14,7 +14,6 @@ from oed.estimation.calibration import Calibration
 from oed.estimation.feasible.base_feasibility import BaseFeasibility, base_feasibility
 from oed.estimation.feasible.bootstrap import Bootstrap, bootstrap
 from oed.estimation.feasible.change_from_file import LinkChange, link_changes
-from oed.estimation.feasible.cone_program import SolverFailed
 from oed.estimation.feasible.cross_validation import FOLDS, WEIGHTS, WeightCurve, cross_validate
 from oed.estimation.feasible.data_factor import JointFactors, block_factors
 from oed.estimation.feasible.estimate import (
@@ -23,6 +22,7 @@ from oed.estimation.feasible.estimate import (
     reference_bodies,
 )
 from oed.estimation.feasible.feasible_set import FeasibleSet
+from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.mass_matrix import (
     mass_matrices,
     random_poses,

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.estimation.feasible.cone_program import SolverFailed
 from oed.estimation.feasible.data_factor import JointFactors
+from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.problem import FeasibleProblem
 from oed.estimation.feasible.reweighting import log_rms, solve_reweighted
 from oed.estimation.feasible.solve import SolverName

@@ -2,32 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
 from dataclasses import dataclass
 
+import cvxpy as cp
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.estimation.feasible.cone_program import (
-    ConeProgram,
-    ConeRows,
-    ConeSolution,
-    ConicSolver,
-    SolverFailed,
-    solve_cones,
-)
-from oed.estimation.feasible.coordinates import BASIS, ENTRIES, IDENTITY, Coordinates, adjoint
+from oed.errors import OedError
+from oed.estimation.feasible.coordinates import BASIS, ENTRIES, Coordinates, adjoint
 from oed.estimation.feasible.feasible_set import Rows
 
 # A weight below this share of the certificate takes no part in a contradiction.
 TAKES_PART = 1e-3
-# An interior-point method as it comes, else a first-order one, which hardly ever stops early: to
-# five digits, of which a message tells two.
-SOLVERS: Mapping[ConicSolver, Mapping[str, float]] = {
-    "clarabel": {},
-    "scs": {"eps_abs": 1e-5, "eps_rel": 1e-5},
-}
+SOLVED = ("optimal", "optimal_inaccurate")
+
+
+class SolverFailed(OedError):
+    """No solver came to a solution that passes its own check.
+
+    Attributes:
+        attempts: Solver and outcome, one line each.
+    """
+
+    def __init__(self, message: str, attempts: tuple[str, ...]) -> None:
+        super().__init__(f"{message}: {'; '.join(attempts)}")
+        self.attempts = attempts
 
 
 @dataclass(frozen=True)
@@ -81,48 +82,54 @@ def most_interior(coordinates: Coordinates, inequality: Rows, equality: Rows) ->
     Raises:
         SolverFailed: If the solver finds neither a point nor a bound.
     """
-    solution = _solve(_program(coordinates, inequality, equality))
-    found = solution.x[:-1]
+    x, margin = cp.Variable(coordinates.size), cp.Variable()
+    matrices = [
+        cp.reshape(
+            BASIS.reshape(ENTRIES, 16).T @ x[ENTRIES * i : ENTRIES * i + ENTRIES], (4, 4), order="C"
+        )
+        for i in range(coordinates.links)
+    ]
+    links = [matrix >> margin * np.eye(4) for matrix in matrices]
+    rows = [inequality.matrix @ x - inequality.bound >= margin] if len(inequality) else []
+    equal = [equality.matrix @ x == equality.bound] if len(equality) else []
+    problem = cp.Problem(cp.Maximize(margin), [*links, *rows, *equal, margin <= 1.0])
+    _solve(problem)
+    found = np.asarray(x.value)
     slack = inequality.matrix @ found - inequality.bound
     eigenvalues = np.linalg.eigvalsh(coordinates.relative_inertias(found))
-    duals = np.tensordot(solution.semidefinite.reshape(-1, ENTRIES), BASIS, axes=1)
+    prices = np.asarray(rows[0].dual_value) if rows else np.zeros(0)
     return Interior(
         x=found,
         margin=float(min(1.0, eigenvalues.min(), np.min(slack, initial=1.0))),
         certificate=_certificate(
-            duals, solution.nonnegative[: len(inequality)], inequality, equality, coordinates
+            np.array([link.dual_value for link in links]),
+            np.atleast_1d(prices),
+            inequality,
+            equality,
+            coordinates,
         ),
     )
 
 
-def _program(coordinates: Coordinates, inequality: Rows, equality: Rows) -> ConeProgram:
-    """The program in x and the margin, which is the last variable and at most one."""
-    size, inertial = coordinates.size, ENTRIES * coordinates.links
-    margin = np.eye(size + 1)[-1]
-    links = np.eye(inertial, size + 1) - np.outer(np.tile(IDENTITY, coordinates.links), margin)
-    rows = np.hstack([inequality.matrix, -np.ones((len(inequality), 1))])
-    return ConeProgram(
-        quadratic=np.zeros(size + 1),
-        linear=-margin,
-        zero=ConeRows(np.hstack([-equality.matrix, np.zeros((len(equality), 1))]), -equality.bound),
-        nonnegative=ConeRows(np.vstack([-rows, margin]), np.append(-inequality.bound, 1.0)),
-        semidefinite=ConeRows(-links, np.zeros(inertial)),
-        orders=(4,) * coordinates.links,
-        exponential=ConeRows.none(size + 1),
-    )
+def solve_quietly(problem: cp.Problem, solver: str, **settings: int | float) -> None:
+    """Solve without a warning of a doubtful solution: the status says so, and it is checked."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Solution may be inaccurate")
+        problem.solve(solver=solver, **settings)
 
 
-def _solve(program: ConeProgram) -> ConeSolution:
-    attempts: list[str] = []
-    for solver, settings in SOLVERS.items():
+def _solve(problem: cp.Problem) -> None:
+    """By an interior-point method, else by a first-order one, which hardly ever stops early."""
+    attempts = []
+    for solver in ("CLARABEL", "SCS"):
         try:
-            solution = solve_cones(program, solver, settings)
-        except SolverFailed as failure:
-            attempts += failure.attempts
+            solve_quietly(problem, solver)
+        except cp.SolverError as error:
+            attempts.append(f"{solver.lower()}: {error}")
             continue
-        if solution.is_solved:
-            return solution
-        attempts.append(f"{solver}: {solution.status}")
+        if problem.status in SOLVED:
+            return
+        attempts.append(f"{solver.lower()}: {problem.status}")
     raise SolverFailed("no most interior point", tuple(attempts))
 
 

@@ -18,13 +18,13 @@ from numpy import ndarray
 
 from oed.errors import OedError
 from oed.estimation.feasible.barrier_solver import solve_barrier
-from oed.estimation.feasible.cone_program import SolverFailed
 from oed.estimation.feasible.conic_solver import SolverResult, solve_conic
 from oed.estimation.feasible.coordinates import IDENTITY
 from oed.estimation.feasible.interior import (
     TAKES_PART,
     Certificate,
     Interior,
+    SolverFailed,
     most_interior,
 )
 from oed.estimation.feasible.optimality import (

@@ -6,11 +6,11 @@ import pytest
 from oed.dynamics.motion import random_motion
 from oed.estimation.feasible import cross_validation
 from oed.estimation.feasible.bootstrap import bootstrap, interval_about
-from oed.estimation.feasible.cone_program import SolverFailed
 from oed.estimation.feasible.cross_validation import choose_weight, cross_validate
 from oed.estimation.feasible.data_factor import DataFactor, JointFactors
 from oed.estimation.feasible.estimate import estimate_feasible
 from oed.estimation.feasible.feasible_set import FeasibleSet
+from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.problem import build_problem
 from oed.estimation.feasible.regularisation import Regularisation
 from oed.estimation.feasible.reweighting import log_rms, solve_reweighted

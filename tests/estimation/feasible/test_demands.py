@@ -5,8 +5,8 @@ import pytest
 from scipy.linalg import null_space
 
 from oed.estimation.feasible.barrier_solver import solve_barrier
-from oed.estimation.feasible.cone_program import SolverFailed
 from oed.estimation.feasible.estimate import estimate_feasible
+from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.reference import (
     InfeasiblePrior,
 )

@@ -10,11 +10,11 @@ from oed.dynamics.models import build_model
 from oed.dynamics.motion import Motion
 from oed.estimation.feasible import solve
 from oed.estimation.feasible.barrier_solver import solve_barrier
-from oed.estimation.feasible.cone_program import SolverFailed
 from oed.estimation.feasible.conic_solver import solve_conic
 from oed.estimation.feasible.data_factor import DataFactor
 from oed.estimation.feasible.estimate import estimate_feasible
 from oed.estimation.feasible.feasible_set import FeasibleSet, MassRegion
+from oed.estimation.feasible.interior import SolverFailed
 from oed.estimation.feasible.problem import build_problem
 from oed.estimation.feasible.reference import (
     neutral_bodies,
