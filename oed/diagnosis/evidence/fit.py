@@ -13,6 +13,26 @@ RANK = 1e-7  # of the largest singular value of normalised columns, below which 
 
 
 @dataclass(frozen=True, eq=False)
+class Triangle:
+    """Rows of one joint, as far as least squares ask: [X y] = Q R with Q left out.
+
+    Attributes:
+        both: (U, k + 1) the joint's white columns that are not zero, and torque.
+        factor: (at most k + 1, k + 1) R.
+    """
+
+    both: Float[ndarray, "used columns"]
+    factor: Float[ndarray, "rank columns"]
+
+    @classmethod
+    def of(cls, both: Float[ndarray, "used columns"], before: Triangle | None) -> Triangle:
+        """Of white columns and torque; an earlier one serves again where these are as they were."""
+        if before is not None and np.array_equal(before.both, both):
+            return before
+        return cls(both, np.linalg.qr(both, mode="r"))
+
+
+@dataclass(frozen=True, eq=False)
 class Projection:
     """Columns that were fitted to some rows, with priors on some of them.
 
@@ -20,7 +40,7 @@ class Projection:
         columns: (n, R, p) white columns, all rows.
         used: (R,) rows that were fitted.
         weights: (n,) 1 / sqrt(v) of each joint's rows.
-        basis: (n, U, b) orthonormal with the prior's rows below it, of the used rows.
+        triangles: Of the used rows, not weighted.
         inverse: (p, b) coefficients = inverse @ basis' y.
         coefficients: (p,) of the torque that was fitted.
         residual: (n, R) white torque less the fit, all rows.
@@ -29,10 +49,15 @@ class Projection:
     columns: Float[ndarray, "joints rows columns"]
     used: Bool[ndarray, " rows"]
     weights: Float[ndarray, " joints"]
-    basis: Float[ndarray, "joints used rank"]
+    triangles: tuple[Triangle, ...]
     inverse: Float[ndarray, "columns rank"]
     coefficients: Float[ndarray, " columns"]
     residual: Float[ndarray, "joints rows"]
+
+    @cached_property
+    def basis(self) -> Float[ndarray, "joints used rank"]:
+        """Orthonormal with the prior's rows below it, of the used rows."""
+        return (self.columns[:, self.used] * self.weights[:, None, None]) @ self.inverse
 
     @property
     def covariance(self) -> Float[ndarray, "columns columns"]:
@@ -145,6 +170,7 @@ def project(
     used: Bool[ndarray, " rows"],
     variance: Float[ndarray, " joints"],
     precision: Float[ndarray, "columns columns"] | None = None,
+    before: Projection | None = None,
 ) -> Projection:
     """Fit white columns to white torque, joints weighted by their variance.
 
@@ -154,25 +180,30 @@ def project(
         used: Rows to fit.
         variance: (n,) v of each joint's white rows.
         precision: Of the coefficients' prior; none if None.
+        before: Another fit, whose triangles of joints with the same rows serve again; none if None.
     """
-    weights = 1 / np.sqrt(variance)
-    joints, _, count = columns.shape
-    X = (columns[:, used] * weights[:, None, None]).reshape(-1, count)
-    y = (torque[:, used] * weights[:, None]).ravel()
-    fitted = len(X)
+    weights, (joints, _, count) = 1 / np.sqrt(variance), columns.shape
+    triangles, parts = [], []
+    for j in range(joints):
+        places = np.flatnonzero(np.any(columns[j], axis=0))
+        both = np.concatenate([columns[j][:, places], torque[j][:, None]], axis=1)[used]
+        own = Triangle.of(both, None if before is None else before.triangles[j])
+        part = np.zeros((len(own.factor), count + 1))
+        part[:, [*places, count]] = weights[j] * own.factor
+        triangles.append(own)
+        parts.append(part)
     if precision is not None and np.any(precision):
         values, vectors = np.linalg.eigh(precision)
         kept = values > 0
-        X = np.concatenate([X, (vectors[:, kept] * np.sqrt(values[kept])).T])
+        prior = (vectors[:, kept] * np.sqrt(values[kept])).T
+        parts.append(np.pad(prior, ((0, 0), (0, 1))))
+    stacked = np.concatenate(parts)
+    X, y = stacked[:, :-1], stacked[:, -1]
     lengths = np.linalg.norm(X, axis=0)
     lengths = np.where(lengths > 0, lengths, 1.0)
-    X /= lengths
-    q, r = np.linalg.qr(X)
-    u, s, vt = np.linalg.svd(r, full_matrices=False)
+    u, s, vt = np.linalg.svd(X / lengths, full_matrices=False)
     kept = s > RANK * max(float(s.max(initial=0.0)), 1e-300)
-    basis = (q[:fitted] @ u[:, kept]).reshape(joints, -1, int(kept.sum()))
     inverse = (vt[kept].T / s[kept]) / lengths[:, None]
-    coefficients = inverse @ (basis.reshape(fitted, -1).T @ y)
-    return Projection(
-        columns, used, weights, basis, inverse, coefficients, torque - columns @ coefficients
-    )
+    coefficients = inverse @ (u[:, kept].T @ y)
+    left = torque - columns @ coefficients
+    return Projection(columns, used, weights, tuple(triangles), inverse, coefficients, left)

@@ -225,13 +225,14 @@ def _fitted(
     precision = np.pad(design.precision, (0, more))
     v = np.ones(problem.rows.joints) if before is None else before.variance
     v = v if variance is None else variance
-    projection = project(torque, columns, used, v, precision)
+    known = None if before is None else before.projection
+    projection = project(torque, columns, used, v, precision, known)
     tolerated = _tolerated(design, projection)
     counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
     found = np.maximum(tolerated, np.sum(projection.residual[:, used] ** 2, axis=1) / counted)
     if variance is None and np.any(np.abs(found - v) > SAME_VARIANCE * v):
         v = found
-        projection = project(torque, columns, used, v, precision)
+        projection = project(torque, columns, used, v, precision, projection)
         tolerated = _tolerated(design, projection)
     visible = design.visible
     base = full_parameters(design.seen.model, visible, projection.coefficients[: len(visible)])

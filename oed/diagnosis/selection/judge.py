@@ -65,16 +65,16 @@ def resmoothed(whole: Views) -> Views:
     return whole.grown(tuple(terms), "all") if changed else whole
 
 
-def prune(views: Views, say: Say) -> tuple[Views, list[Judged]]:
+def prune(views: Views, say: Say) -> Views:
     """Drop the term that is worth least, as long as one is worth nothing."""
     views = resmoothed(views)
     while True:
         judged = [judge(views, k) for k in range(len(views.terms))]
         if not judged:
-            return views, judged
+            return views
         least = min(range(len(judged)), key=lambda k: judged[k].worth.nats)
         if judged[least].worth.nats > 0:
-            return views, judged
+            return views
         own = judged[least]
         say(f"- {own.term.label} {own.worth.nats:.1f} nats, tau {own.moments.dilution:.1f}")
         views = views.grown(views.others(least), "all")

@@ -53,28 +53,16 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
     say(
         f"{lines} shapes of {len(problem.candidates)} candidates, left {short(start.left('fitted'))}"
     )
-    views, judged = _ahead_and_back(tables, start, say, over)
-    exchanges, substitutes = EXCHANGES, ()
+    views = _ahead_and_back(tables, start, say, over)
+    exchanges = EXCHANGES
     while True:
-        better, is_over = None, over()
-        if not is_over:
-            substitutes = _substitutes(tables, views, judged, say)
-            better = _better(views, judged, substitutes) if exchanges else None
-        if better is not None:
-            own, best, grown = better
-            exchanges -= 1
-            say(f"{own.term.label} {own.worth.nats:.1f} -> {best.term.label} {best.nats:.1f} nats")
-            changed = Views.of(grown.problem, grown.terms, "all", grown)
-        else:
-            changed = _predictive(views, say)
-            if changed is views:
-                break
-        views, judged = prune(changed, say)
-    found = (
-        _each_by_its_best(tables, views, say)
-        if is_over
-        else Selected(views, tuple(judged), substitutes)
-    )
+        found = _each_by_its_best(tables, views, say, may_exchange=exchanges > 0)
+        is_exchanged = found.views is not views
+        changed = found.views if is_exchanged else _predictive(views, say)
+        if changed is views or (is_exchanged and over()):
+            break
+        exchanges -= is_exchanged
+        views = prune(changed, say)
     return dataclasses.replace(found, views=as_handed_on(found.views, say))
 
 
@@ -93,29 +81,28 @@ def as_handed_on(views: Views, say: Say) -> Views:
     return Views.of(with_least_torque_left(views), views.terms, "all", views)
 
 
-def _substitutes(
-    tables: Tables, views: Views, judged: Sequence[Judged], say: Say
-) -> tuple[tuple[Substitute, ...], ...]:
-    say(f"what else the {len(judged)} terms could be")
-    return tuple(tuple(substitutes_of(tables, views, own)) for own in judged)
+def _each_by_its_best(tables: Tables, views: Views, say: Say, *, may_exchange: bool) -> Selected:
+    """Each term once by what is better in its place, where anything is.
 
+    What could stand in a term's place is asked beside all others as they are by then: a term that
+    is right at last makes another's place plain.
 
-def _each_by_its_best(tables: Tables, views: Views, say: Say) -> Selected:
-    """Each term once by what is worth most in its place, where the time for more is over.
-
-    What could stand in a term's place is asked beside all others as they are by then.
+    Args:
+        tables: Of all candidates.
+        views: The model.
+        say: Receives lines of progress.
+        may_exchange: Whether a term may be exchanged; else the model is only asked.
     """
+    say(f"what else the {len(views.terms)} terms could be")
     found: dict[str, tuple[Substitute, list[Substitute]]] = {}
     for label in [term.label for term in views.terms]:
         own = judge(views, [t.label for t in views.terms].index(label))
-        say(f"what else {label} could be")
         substitutes = substitutes_of(tables, views, own)
         chosen = next(s for s in substitutes if s.term is own.term)
-        better = _better(views, [own], [substitutes])
+        better = _better(views, own, substitutes) if may_exchange else None
         if better is not None:
-            _, chosen, grown = better
+            chosen, views = better
             say(f"{label} {own.worth.nats:.1f} -> {chosen.term.label} {chosen.nats:.1f} nats")
-            views = Views.of(grown.problem, grown.terms, "all", grown)
         found[chosen.term.label] = chosen, substitutes
     placed = []
     for term in views.terms:
@@ -135,14 +122,14 @@ def _ahead_and_back(
     *,
     refused: frozenset[str] = frozenset(),
     looks: int = LOOKS,
-) -> tuple[Views, list[Judged]]:
+) -> Views:
     """Look ahead and judge backwards, and once more without what was dropped."""
     grown = look_ahead(tables, start, say, over, refused)
     say(f"judging {len(grown.terms)} terms by what all of them leave")
-    views, judged = prune(Views.of(grown.problem, grown.terms, "all", grown), say)
+    views = prune(Views.of(grown.problem, grown.terms, "all", grown), say)
     dropped = grown.labels - views.labels
     if not dropped or over() or looks <= 1:
-        return views, judged
+        return views
     again, refused = Views.of(views.problem, views.terms, "fitted", views), refused | dropped
     return _ahead_and_back(tables, again, say, over, refused=refused, looks=looks - 1)
 
@@ -162,19 +149,14 @@ def _predictive(views: Views, say: Say) -> Views:
 
 
 def _better(
-    views: Views, judged: Sequence[Judged], substitutes: Sequence[Sequence[Substitute]]
-) -> tuple[Judged, Substitute, Views] | None:
-    """The exchange that raises the evidence most and predicts held-out rows no worse, if one does."""
-    pairs = [
-        (own, best)
-        for own, others in zip(judged, substitutes, strict=True)
-        if (best := preferred(own, others)) is not None
-    ]
-    pairs.sort(key=lambda pair: pair[0].worth.nats - pair[1].nats)
+    views: Views, own: Judged, substitutes: Sequence[Substitute]
+) -> tuple[Substitute, Views] | None:
+    """What is better in a term's place and predicts held-out rows no worse, with its model."""
+    best = preferred(own, substitutes)
+    if best is None:
+        return None
+    grown = in_place(views, own, best.term)
     now = ahead(views, views.terms)
-
-    for own, best in pairs:
-        grown = in_place(views, own, best.term)
-        if ahead(grown, grown.terms).rise(now, "held_out") > -PREDICTION_GAIN:
-            return own, best, grown
-    return None
+    if ahead(grown, grown.terms).rise(now, "held_out") <= -PREDICTION_GAIN:
+        return None
+    return best, Views.of(grown.problem, grown.terms, "all", grown)

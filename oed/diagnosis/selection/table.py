@@ -17,7 +17,7 @@ from numpy import ndarray
 from oed.diagnosis.candidates.candidate import Candidate, Values
 from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.criterion import Worth
-from oed.diagnosis.evidence.fit import Beside, Span
+from oed.diagnosis.evidence.fit import Beside, Span, project
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.selection.screen import least_price, most_gained, promised
 from oed.dynamics.effects.catalogue import Context
@@ -116,16 +116,10 @@ def ranked(
     """
     projection, problem = fitted.projection, fitted.problem
     joints = problem.rows.joints
-    D = np.stack([projection.columns[j, table.rows] * projection.weights[j] for j in range(joints)])
-    left = np.stack(
-        [projection.residual[j, table.rows] * projection.weights[j] for j in range(joints)]
-    )
-    flat = D.reshape(-1, D.shape[2])
-    lengths = np.linalg.norm(flat, axis=0)
-    u, s, _ = np.linalg.svd(flat / np.where(lengths > 0, lengths, 1.0), full_matrices=False)
-    share = len(table.rows) / max(int(projection.used.sum()), 1)
-    basis = u[:, s > 1e-6 * s.max()].reshape(joints, len(table.rows), -1)
-    left = left - basis @ (basis.reshape(-1, basis.shape[2]).T @ left.ravel())
+    rows, share = table.rows, len(table.rows) / max(int(projection.used.sum()), 1)
+    whole, variance = np.ones(len(rows), dtype=bool), projection.weights**-2
+    seen = project(projection.residual[:, rows], projection.columns[:, rows], whole, variance)
+    basis, left = seen.basis, seen.span.left
     span = Span(basis, left / np.sqrt(share), projection.weights)
     inside, scores = [], []
     for j in range(joints):
