@@ -64,6 +64,15 @@ class Projection:
         """Of the coefficients, for rows of unit variance in units of v."""
         return self.inverse @ self.inverse.T
 
+    def beyond_others(self, place: slice) -> Float[ndarray, "joints rows"]:
+        """What some of the columns give, with their coefficients, that no others could.
+
+        Beside the others X_e is X S_e S_ee^-1, S the covariance of all coefficients.
+        """
+        S, own = self.covariance, self.coefficients[place]
+        sizes = np.linalg.lstsq(S[place, place], own)[0]
+        return self.columns @ (S[:, place] @ sizes)
+
     @cached_property
     def span(self) -> Span:
         """What is asked of the fit again and again, of the rows that were fitted."""
@@ -157,11 +166,12 @@ class Beside:
         return np.maximum(result, 0.0) / self.span.weights**2
 
     def power(self, sizes: Float[ndarray, " columns"]) -> Float[ndarray, " joints"]:
-        """(n,) sums of squares of what the columns give to white rows."""
-        result = np.zeros(len(self.span.weights))
+        """(n,) sums of squares of what the columns give to white rows beyond the span."""
+        moved = self.within @ sizes
+        result = self.span.grams @ moved @ moved
         for j, X in self.squares.items():
-            result[j] = sizes @ X @ sizes / self.span.weights[j] ** 2
-        return result
+            result[j] += sizes @ X @ sizes - 2 * moved @ (self.inside[j] @ sizes)
+        return np.maximum(result, 0.0) / self.span.weights**2
 
 
 def project(

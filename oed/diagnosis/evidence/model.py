@@ -246,13 +246,15 @@ def _fitted(
 
 
 def _tolerated(design: Design, projection: Projection) -> Float[ndarray, " joints"]:
-    """(n,) variance that a joint's rows may have without blame: formulas are true to a few per cent."""
+    """(n,) variance that a joint's rows may have without blame: formulas are true to a few per cent.
 
-    def power(place: slice) -> Float[ndarray, " joints"]:
-        own = projection.columns[:, :, place] @ projection.coefficients[place]
-        return np.sum(own**2, axis=1) / design.problem.rows.counted
-
-    result = 1 + BASE_ERROR**2 * power(slice(len(design.visible)))
+    Of what a term gives that nothing else could, since what else there is may be at fault as well:
+    terms that explain the same are held to the same.
+    """
+    counted, base = design.problem.rows.counted, slice(len(design.visible))
+    given = projection.columns[:, :, base] @ projection.coefficients[base]
+    result = 1 + BASE_ERROR**2 * np.sum(given**2, axis=1) / counted
     for place in design.places:
-        result = result + FORMULA_ERROR**2 * power(place)
+        own = projection.beyond_others(place)
+        result = result + FORMULA_ERROR**2 * np.sum(own**2, axis=1) / counted
     return result

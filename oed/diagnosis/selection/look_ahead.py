@@ -11,7 +11,7 @@ from numpy import ndarray
 from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.views import Views, chosen
 from oed.diagnosis.numbers import PREDICTION_GAIN, SETTLING, TESTED
-from oed.diagnosis.selection.screen import Scored, evaluate, polish
+from oed.diagnosis.selection.screen import Scored, evaluate, polish, price
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import Tables, as_term, few
 
@@ -60,12 +60,12 @@ def _options(
         grown = current.grown((*current.terms, as_term(scored)), "fitted")
         ahead, gain = grown.rise(current, "held_out"), grown.rise(current, "fitted")
         fitted = grown.showing(scored.candidate)
-        rows = fitted.rows(chosen(fitted.problem, "fitted")).mean()
+        rows = float(fitted.rows(chosen(fitted.problem, "fitted")).mean())
         occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
         if ahead <= PREDICTION_GAIN or gain <= occam:
             continue
         if _serves(scored.candidate, grown, current) and is_tested(grown):
-            worth = gain - occam
+            worth = gain - occam - price(scored.candidate, scored.values, fitted, rows)
             # Of the others their worth alone is kept: each has as many columns as all rows.
             if all(worth > other for other, _ in options):
                 best = grown
