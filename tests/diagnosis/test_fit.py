@@ -62,6 +62,37 @@ def test_information_beside_the_model_is_that_of_a_refit(problem):
     assert fall == pytest.approx(float(g @ np.linalg.solve(A, g)), rel=1e-5)
 
 
+def test_what_a_column_alone_gives_is_what_all_others_leave_of_it(problem):
+    rows = problem.rows
+    columns = white_model(problem.base, problem.columns, rows)
+    used, variance, last = rows.fitted, np.array([1.0, 4.0]), columns.shape[2] - 1
+    found = project(rows.torque, columns, used, variance)
+    X = np.concatenate([columns[j, used] / np.sqrt(v) for j, v in enumerate(variance)])
+    own = X[:, last] * found.coefficients[last]
+    left = own - X[:, :last] @ np.linalg.lstsq(X[:, :last], own, rcond=None)[0]
+    given = found.beyond_others(slice(last, last + 1))[:, used] / np.sqrt(variance)[:, None]
+    assert given.ravel() == pytest.approx(left, abs=1e-8 * np.abs(own).max())
+    # The same of columns that the model does not have yet.
+    rest = project(rows.torque, columns[:, :, :last], used, variance)
+    beside = rest.beside({j: columns[j, :, last:] for j in range(2)})
+    power = beside.power(found.coefficients[last:])
+    squares = np.sum((given * np.sqrt(variance)[:, None]) ** 2, axis=1)
+    assert power == pytest.approx(squares, rel=1e-6)
+
+
+def test_a_fit_after_another_is_the_fit_itself(problem):
+    rows = problem.rows
+    columns = white_model(problem.base, problem.columns, rows)
+    before = project(rows.torque, columns, rows.fitted, np.ones(2))
+    changed = columns.copy()
+    changed[1, :, -1] **= 3
+    for torque in (rows.torque, 2 * rows.torque):
+        for used in (rows.fitted, rows.held_out):
+            own = project(torque, changed, used, np.array([1.0, 4.0]), before=before)
+            alone = project(torque, changed, used, np.array([1.0, 4.0]))
+            assert own.coefficients == pytest.approx(alone.coefficients, rel=1e-12)
+
+
 def test_a_prior_is_as_many_rows_of_zeros(problem):
     rows = problem.rows
     columns = white_model(problem.base, problem.columns, rows)

@@ -180,6 +180,7 @@ def project(
     used: Bool[ndarray, " rows"],
     variance: Float[ndarray, " joints"],
     precision: Float[ndarray, "columns columns"] | None = None,
+    *,
     before: Projection | None = None,
 ) -> Projection:
     """Fit white columns to white torque, joints weighted by their variance.

@@ -226,13 +226,13 @@ def _fitted(
     v = np.ones(problem.rows.joints) if before is None else before.variance
     v = v if variance is None else variance
     known = None if before is None else before.projection
-    projection = project(torque, columns, used, v, precision, known)
+    projection = project(torque, columns, used, v, precision, before=known)
     tolerated = _tolerated(design, projection)
     counted = np.maximum(problem.rows.counts[:, used].sum(axis=1), 1.0)
     found = np.maximum(tolerated, np.sum(projection.residual[:, used] ** 2, axis=1) / counted)
     if variance is None and np.any(np.abs(found - v) > SAME_VARIANCE * v):
         v = found
-        projection = project(torque, columns, used, v, precision, projection)
+        projection = project(torque, columns, used, v, precision, before=projection)
         tolerated = _tolerated(design, projection)
     visible = design.visible
     base = full_parameters(design.seen.model, visible, projection.coefficients[: len(visible)])

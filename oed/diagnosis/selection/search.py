@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,10 +98,11 @@ def _each_by_its_best(tables: Tables, views: Views, say: Say, *, may_exchange: b
         own = judge(views, [t.label for t in views.terms].index(label))
         substitutes = substitutes_of(tables, views, own)
         chosen = next(s for s in substitutes if s.term is own.term)
-        better = _better(views, own, substitutes) if may_exchange else None
+        better = preferred(own, substitutes) if may_exchange else None
         if better is not None:
-            chosen, views = better
-            say(f"{label} {own.worth.nats:.1f} -> {chosen.term.label} {chosen.nats:.1f} nats")
+            say(f"{label} {own.worth.nats:.1f} -> {better.term.label} {better.nats:.1f} nats")
+            grown, chosen = in_place(views, own, better.term), better
+            views = Views.of(grown.problem, grown.terms, "all", grown)
         found[chosen.term.label] = chosen, substitutes
     placed = []
     for term in views.terms:
@@ -146,17 +146,3 @@ def _predictive(views: Views, say: Say) -> Views:
         say(f"- {views.terms[least].label}: held-out rows {gains[least]:.1f} nats")
         views = views.grown(rest[least], "all")
     return views
-
-
-def _better(
-    views: Views, own: Judged, substitutes: Sequence[Substitute]
-) -> tuple[Substitute, Views] | None:
-    """What is better in a term's place and predicts held-out rows no worse, with its model."""
-    best = preferred(own, substitutes)
-    if best is None:
-        return None
-    grown = in_place(views, own, best.term)
-    now = ahead(views, views.terms)
-    if ahead(grown, grown.terms).rise(now, "held_out") <= -PREDICTION_GAIN:
-        return None
-    return best, Views.of(grown.problem, grown.terms, "all", grown)
