@@ -83,14 +83,20 @@ def preferred(own: Judged, substitutes: Sequence[Substitute]) -> Substitute | No
     """What is better in a term's place than the term, if anything is.
 
     What is less than a parameter costs tells no better from worse, here as where a term is added. Of
-    those that give the same torque and are worth as much, the most probable before data is better.
+    those that give the same torque and are worth as much, the most probable before data is better. A
+    smooth term that gives the torque of a name, but for what formulas err by, is no rival of it.
     """
-    best, least = substitutes[0], own.worth.nats - PREDICTION_GAIN
-    if best.term is not own.term and best.nats > own.worth.nats + PREDICTION_GAIN:
-        return best
     mine = next(s for s in substitutes if s.term is own.term)
-    plainest = min((s for s in substitutes if s.is_same and s.nats > least), key=_plainness)
-    return plainest if _plainness(plainest) < _plainness(mine) else None
+    names = [s for s in substitutes if s.is_same and s.term.candidate.is_named]
+    rivals = [s for s in substitutes if s.term.candidate.is_named or not (names and s.is_same)]
+    stands = mine if mine in rivals else names[0]
+    best = rivals[0]
+    if best.nats > stands.nats + PREDICTION_GAIN:
+        return best
+    alike = [s for s in rivals if s.is_same and s.nats > stands.nats - PREDICTION_GAIN]
+    plainest = min(alike, key=_plainness)
+    chosen = plainest if _plainness(plainest) < _plainness(stands) else stands
+    return None if chosen is mine else chosen
 
 
 def _plainness(substitute: Substitute) -> tuple[float, int]:
