@@ -23,8 +23,7 @@ ROUNDS = 3  # of refitting effects of the model's own torque (converges as the e
 # Inference.
 NAMED = 0.95  # least posterior probability of a name: one in twenty may be wrong
 CLEAR = 2.0  # noise floors of held-out error from which a joint counts as unexplained
-# Cosine of two terms' torques from which on they differ by no more than formulas err.
-ALIKE = 1 - FORMULA_ERROR**2 / 2
+ALIKE = 1 - FORMULA_ERROR**2 / 2  # cosine of torques that differ by less than formulas err
 REPLICATES = 400  # of the block bootstrap: an interval's end is known within a tenth of its width
 LOOKS = 2  # ahead and back; what was dropped may have kept something out, once; assumed
 EXCHANGES = 6  # of a term for another, each of which raises the evidence
