@@ -51,15 +51,29 @@ def price_of(whole: Views, term: Term, told: Moments) -> float:
 
 
 def resmoothed(whole: Views) -> Views:
-    """The model whose smooth terms are as smooth as rows have it, counted by what all of it leaves.
+    """The model whose smooth terms are as smooth as is worth most, counted by what all of it leaves.
 
-    On the way ahead all rows counted, and let a term bend to what a wrong model had left.
+    On the way ahead all rows counted, and let a term bend to what a wrong model had left. A term that
+    is too stiff leaves misfit of its own, which would have it stiffer still: so each choice is judged
+    by what it leaves itself.
     """
+    bent = _as_smooth(whole, 1.0)
+    return max((_as_smooth(bent, None), bent, whole), key=_worth_of_smooth_terms)
+
+
+def _worth_of_smooth_terms(whole: Views) -> float:
+    smooth = [k for k, term in enumerate(whole.terms) if term.precision is not None]
+    return sum(judge(whole, k).worth.nats for k in smooth)
+
+
+def _as_smooth(whole: Views, tau: float | None) -> Views:
+    """Smooth terms as smooth as rows have it at a dilution; at that of what is left if None."""
     terms = list(whole.terms)
     for k, term in enumerate(terms):
         if term.precision is not None:
+            rest = whole.grown(whole.others(k), "all", like=whole)
             penalty = term.candidate.precision(len(term.precision))
-            own = worth(judge(whole, k).moments, 0.0, penalty)
+            own = worth(moments(whole, k, rest, tau), 0.0, penalty)
             terms[k] = dataclasses.replace(term, precision=own.precision)
     changed = any(new is not old for new, old in zip(terms, whole.terms, strict=True))
     return whole.grown(tuple(terms), "all") if changed else whole
