@@ -57,13 +57,15 @@ def resmoothed(whole: Views) -> Views:
     is too stiff leaves misfit of its own, which would have it stiffer still: so each choice is judged
     by what it leaves itself.
     """
+    if all(term.precision is None for term in whole.terms):
+        return whole
     bent = _as_smooth(whole, 1.0)
     return max((_as_smooth(bent, None), bent, whole), key=_worth_of_smooth_terms)
 
 
 def _worth_of_smooth_terms(whole: Views) -> float:
     smooth = [k for k, term in enumerate(whole.terms) if term.precision is not None]
-    return sum(judge(whole, k).worth.nats for k in smooth)
+    return float(sum(judge(whole, k).worth.nats for k in smooth))
 
 
 def _as_smooth(whole: Views, tau: float | None) -> Views:
@@ -75,8 +77,7 @@ def _as_smooth(whole: Views, tau: float | None) -> Views:
             penalty = term.candidate.precision(len(term.precision))
             own = worth(moments(whole, k, rest, tau), 0.0, penalty)
             terms[k] = dataclasses.replace(term, precision=own.precision)
-    changed = any(new is not old for new, old in zip(terms, whole.terms, strict=True))
-    return whole.grown(tuple(terms), "all") if changed else whole
+    return whole.grown(tuple(terms), "all")
 
 
 def prune(views: Views, say: Say) -> Views:
