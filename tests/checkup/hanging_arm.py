@@ -3,11 +3,11 @@
 import numpy as np
 
 from oed.dynamics.models import build_model
-from oed.dynamics.motion import Motion
 from oed.experiment.dataset import DataSet
 from oed.experiment.recording import Recording
-from oed.robot import Joint, JointLimits, Robot
+from oed.robot import JointLimits, Robot
 from oed.robot.inertia import parameters_from_pseudo_inertia
+from tests.checkup.simulated_arm import hinge, sines
 
 ADDED = {"Fc": 0.5, "Fv": 0.8, "Ia": 0.05}  # of each joint [N m], [N m s/rad], [kg m^2]
 NOISE = 0.02  # [N m]
@@ -17,20 +17,8 @@ MASS = 0.6  # [kg] of each
 
 def hanging(links: int = 2) -> Robot:
     """Links of which gravity tells the direction by their coupling alone: of one it tells none."""
-    joints = tuple(
-        Joint(
-            name=f"joint_{i + 1}",
-            kind="revolute",
-            parent=i - 1,
-            axis=np.array([1.0, 0.0, 0.0]),
-            R_PJ=np.eye(3),
-            p_PJ=np.array([0.0, 0.0, -LENGTHS[0] * i]),
-            link=f"link_{i + 1}",
-            R_LJ=np.eye(3),
-            p_LJ=np.zeros(3),
-        )
-        for i in range(links)
-    )
+    axis, hinges = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -LENGTHS[0]])
+    joints = tuple(hinge(i, axis, i * hinges) for i in range(links))
     bodies = np.concatenate([_rod(length) for length in LENGTHS[:links]])
     gravity = np.array([0.0, 0.0, -9.81])
     return Robot("hanging links", joints, bodies, gravity, JointLimits.unlimited(links))
@@ -49,15 +37,7 @@ def data_set(seed, links=2):
     recordings = []
     for role, seconds in (("estimation", 15.0), ("validation", 7.0)):
         t = np.arange(0.0, seconds, 0.005)
-        rate = 2 * np.pi * rng.uniform(0.1, 0.5, (links, 4))
-        size = rng.uniform(0.1, 0.4, (links, 4))
-        phase = t[:, None, None] * rate + rng.uniform(0, 2 * np.pi, (links, 4))
-        motion = Motion(
-            t,
-            (size * np.sin(phase)).sum(2),
-            (size * rate * np.cos(phase)).sum(2),
-            (-size * rate**2 * np.sin(phase)).sum(2),
-        )
+        motion = sines(rng, t, links, 0.5, 0.4)
         tau = model.torque(np.array([*robot.parameters, *added]), motion)
         tau += NOISE * rng.standard_normal(tau.shape)
         recordings.append(Recording(role, role, t, motion.q, tau))

@@ -23,18 +23,8 @@ def arm(gravity=(0.0, 0.0, -9.81)):
     lift = np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]])
     frames = ((np.eye(3), np.zeros(3)), (lift, np.zeros(3)), (np.eye(3), np.array([0.4, 0, 0])))
     joints = tuple(
-        Joint(
-            name=f"joint_{i + 1}",
-            kind="revolute",
-            parent=i - 1,
-            axis=np.array([0.0, 0.0, 1.0]),
-            R_PJ=R,
-            p_PJ=p,
-            link=f"link_{i + 1}",
-            R_LJ=np.eye(3),
-            p_LJ=np.zeros(3),
-        )
-        for i, (R, p) in enumerate(frames)
+        hinge(i, np.array([0.0, 0.0, 1.0]), position, rotation)
+        for i, (rotation, position) in enumerate(frames)
     )
     return Robot(
         name="arm",
@@ -42,6 +32,33 @@ def arm(gravity=(0.0, 0.0, -9.81)):
         parameters=np.concatenate([_rod(4.0), _rod(3.0), _rod(2.0)]),
         gravity=np.array(gravity),
         limits=JointLimits.unlimited(3),
+    )
+
+
+def hinge(number, axis, position, rotation=None):
+    """The joint after that of a chain with the number before it."""
+    return Joint(
+        name=f"joint_{number + 1}",
+        kind="revolute",
+        parent=number - 1,
+        axis=axis,
+        R_PJ=np.eye(3) if rotation is None else rotation,
+        p_PJ=position,
+        link=f"link_{number + 1}",
+        R_LJ=np.eye(3),
+        p_LJ=np.zeros(3),
+    )
+
+
+def sines(rng, t, joints, fastest, widest):
+    """Four sines a joint, of 0.1 Hz to the fastest and of 0.1 rad to the widest."""
+    w, a = 2 * np.pi * rng.uniform(0.1, fastest, (joints, 4)), rng.uniform(0.1, widest, (joints, 4))
+    phase = t[:, None, None] * w + rng.uniform(0, 2 * np.pi, (joints, 4))
+    return Motion(
+        t,
+        (a * np.sin(phase)).sum(2),
+        (a * w * np.cos(phase)).sum(2),
+        (-a * w**2 * np.sin(phase)).sum(2),
     )
 
 
@@ -57,14 +74,7 @@ def recorded(seed, role, name, seconds=12.0, gravity=(0.0, 0.0, -9.81)):
     """A motion of sines and the torque that it takes, with noise."""
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, seconds, 1 / RATE)
-    w, a = 2 * np.pi * rng.uniform(0.1, 0.8, (3, 4)), rng.uniform(0.1, 0.35, (3, 4))
-    phase = t[:, None, None] * w + rng.uniform(0, 2 * np.pi, (3, 4))
-    motion = Motion(
-        t,
-        (a * np.sin(phase)).sum(2),
-        (a * w * np.cos(phase)).sum(2),
-        (-a * w**2 * np.sin(phase)).sum(2),
-    )
+    motion = sines(rng, t, 3, 0.8, 0.35)
     model = model_of(arm(gravity))
     truth = np.concatenate([model.robot.parameters, [1.0, 2.0, 1.5, 2.5, 0.8, 1.2]])
     torque = model.torque(truth, motion) + NOISE * rng.standard_normal(motion.q.shape)

@@ -23,7 +23,7 @@ from oed.experiment.preparation.settings import choose_settings
 from oed.export.found_models import of_diagnosis
 from oed.export.model_file import load_model, write_model
 from oed.report.provenance import Provenance
-from tests.diagnosis.arm import COULOMB, INERTIA, data_set, stribeck
+from tests.diagnosis.arm import COULOMB, data_set, stribeck
 from tests.paths import REPO
 
 FEW = ("stribeck", "torque_offset", "joint_spring", "rotor_inertia", "nonlinear_viscous")
@@ -118,24 +118,6 @@ def test_a_curve_that_gives_the_torque_of_a_name_is_no_rival_of_it(found_stribec
             dataclasses.replace(name, is_same=is_same),
         )
         assert preferred(mine, (first, other)) is (other if is_same else None)
-
-
-def test_a_strong_spring_is_held_to_what_it_alone_gives():
-    """Most of a spring's torque could be gravity's: only the rest can be its formula's fault."""
-
-    def spring_and_gravity(q, *_):
-        _, x, y, _ = INERTIA
-        second = 9.81 * (x * np.cos(q.sum(axis=1)) - y * np.sin(q.sum(axis=1)))
-        return np.stack([12.0 * np.cos(q[:, 0]) + second + 60.0 * q[:, 0], second], axis=1)
-
-    level = data_set(52, extra=spring_and_gravity, repetitions=1)
-    upright = level.robot.with_gravity(np.array([0.0, -9.81, 0.0]))
-    found = _diagnose(dataclasses.replace(level, robot=upright))
-    (effect,) = found.effects
-    assert (effect.name, effect.joint, found.unexplained) == ("joint_spring", 0, ())
-    stiffness = effect.parameters[0]
-    assert stiffness.std is not None
-    assert abs(stiffness.value - 60.0) < 4 * stiffness.std
 
 
 def test_other_shapes_of_a_name_are_that_name_and_another_place_is_open(found_stribeck):

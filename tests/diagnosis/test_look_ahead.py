@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oed.diagnosis.diagnose import diagnose
 from oed.diagnosis.evidence.moments import moments_of
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.selection.look_ahead import is_tested
@@ -22,7 +23,7 @@ from oed.diagnosis.selection.tables import as_term
 from oed.diagnosis.setup import pose
 from oed.dynamics.torque_model import TorqueModel
 from oed.dynamics.velocity_sign import signs_of, with_signs
-from tests.diagnosis.arm import data_set, stribeck
+from tests.diagnosis.arm import INERTIA, data_set, stribeck
 
 
 def _bent(q, dq, ddq):
@@ -174,3 +175,23 @@ def test_shapes_are_fitted_beyond_the_next_of_the_grid(late):
     scored = evaluate(law, (0.0003,), fitted)
     assert scored is not None
     assert polish(scored, fitted).values[0] == pytest.approx(0.004, rel=0.1)
+
+
+def test_a_strong_spring_is_held_to_what_it_alone_gives():
+    """Most of a spring's torque could be gravity's: only the rest can be its formula's fault."""
+
+    def spring_and_gravity(q, *_):
+        _, x, y, _ = INERTIA
+        second = 9.81 * (x * np.cos(q.sum(axis=1)) - y * np.sin(q.sum(axis=1)))
+        return np.stack([12.0 * np.cos(q[:, 0]) + second + 60.0 * q[:, 0], second], axis=1)
+
+    level = data_set(52, extra=spring_and_gravity, repetitions=1)
+    upright = level.robot.with_gravity(np.array([0.0, -9.81, 0.0]))
+    names = ("stribeck", "torque_offset", "joint_spring", "rotor_inertia", "nonlinear_viscous")
+    dataset = dataclasses.replace(level, robot=upright)
+    found = diagnose(dataset, TorqueModel.standard(upright), names=names)
+    (effect,) = found.effects
+    assert (effect.name, effect.joint, found.unexplained) == ("joint_spring", 0, ())
+    stiffness = effect.parameters[0]
+    assert stiffness.std is not None
+    assert abs(stiffness.value - 60.0) < 4 * stiffness.std

@@ -29,10 +29,16 @@ class Judged:
     worth: Worth
 
 
-def judge(whole: Views, number: int) -> Judged:
-    """What a term is worth beside all else, counted by what the whole model leaves."""
+def judge(whole: Views, number: int, tau: float | None = None) -> Judged:
+    """What a term is worth beside all else, counted by what the whole model leaves.
+
+    Args:
+        whole: With the term.
+        number: Of the term.
+        tau: Dilution of rows; that of what the whole model leaves if None.
+    """
     rest = whole.grown(whole.others(number), "all", like=whole)
-    told = moments(whole, number, rest)
+    told = moments(whole, number, rest, tau)
     return Judged(whole.terms[number], rest, told, worth_of(whole, number, told))
 
 
@@ -59,8 +65,8 @@ def resmoothed(whole: Views) -> Views:
     """
     if all(term.precision is None for term in whole.terms):
         return whole
-    bent = _as_smooth(whole, 1.0)
-    return max((_as_smooth(bent, None), bent, whole), key=_worth_of_smooth_terms)
+    bent = _smoothed(whole, 1.0)
+    return max((_smoothed(bent, None), bent, whole), key=_worth_of_smooth_terms)
 
 
 def _worth_of_smooth_terms(whole: Views) -> float:
@@ -68,14 +74,13 @@ def _worth_of_smooth_terms(whole: Views) -> float:
     return float(sum(judge(whole, k).worth.nats for k in smooth))
 
 
-def _as_smooth(whole: Views, tau: float | None) -> Views:
+def _smoothed(whole: Views, tau: float | None) -> Views:
     """Smooth terms as smooth as rows have it at a dilution; at that of what is left if None."""
     terms = list(whole.terms)
     for k, term in enumerate(terms):
         if term.precision is not None:
-            rest = whole.grown(whole.others(k), "all", like=whole)
             penalty = term.candidate.precision(len(term.precision))
-            own = worth(moments(whole, k, rest, tau), 0.0, penalty)
+            own = worth(judge(whole, k, tau).moments, 0.0, penalty)
             terms[k] = dataclasses.replace(term, precision=own.precision)
     return whole.grown(tuple(terms), "all")
 
