@@ -15,7 +15,7 @@ from oed.counted import counted
 from oed.experiment.column_names import find_columns, joint_columns
 from oed.experiment.drive import Drive, TorqueKind
 from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
-from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
+from oed.experiment.importing.propose_roles import Part, Timed, parts_of, propose_roles
 from oed.experiment.log_format import LogFormat
 from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log, Table, table_of
@@ -117,10 +117,11 @@ def _recordings(
             raise ValueError(
                 f"{counted(len(roles), 'role')} for {counted(len(tables), 'recording')}; give one for each"
             )
-        parts, why = tuple(Part(i, role) for i, role in enumerate(roles)), ""
+        parts, why = parts_of(timed, roles), ""
     recordings = []
-    for part in parts:
-        entry = _entry(part.log, part.role, part, lines[part.log], is_cut=len(parts) > len(logs))
+    is_cut = len({part.role for part in parts}) == len(parts) > len(logs)
+    for i, part in enumerate(parts):
+        entry = _entry(i, part.role, part, lines[part.log], is_cut=is_cut)
         recording = read_recording(
             logs[part.log], entry, robot, log_format, drive=about.drive, torque=about.torque
         )

@@ -50,11 +50,13 @@ def check_time(t: Float[ndarray, " samples"], file: str, lines: Int[ndarray, " s
     if stuck.size:
         i = int(stuck[0])
         # Digits enough to tell rows apart in seconds since 1970.
-        what = "repeats" if t[i + 1] == t[i] else "runs back"
-        message = (
-            f"time {what}: {t[i]:.16g} s is followed by {t[i + 1]:.16g} s; "
-            "sort the rows, drop repeated ones, or log time with more digits"
-        )
+        what, advice = "repeats", "drop the repeated rows, or log time with more digits"
+        if t[i + 1] < t[i]:
+            what, advice = (
+                "runs back",
+                "sort the rows, or list each run as a recording, by its rows",
+            )
+        message = f"time {what}: {t[i]:.16g} s is followed by {t[i + 1]:.16g} s; {advice}"
         raise DataSetError(message, file=file, row=int(lines[i + 1]), column="t")
     step = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
     if step >= LARGEST_STEP * (1 - 1e-6):

@@ -93,3 +93,17 @@ def test_a_frame_with_times_of_pandas(motion, times):
     dataset = DataSet.from_frame(imi_scara(), frame)
     read = np.concatenate([r.t for r in dataset.recordings])
     assert np.allclose(np.diff(read), np.diff(t), rtol=0, atol=1e-8)
+
+
+def test_runs_in_one_array_are_recordings_of_their_own(motion):
+    t, q, tau = motion
+    twice = {
+        "t": np.concatenate([t, t]),
+        "q": np.vstack([q, q[::-1]]),
+        "tau": np.vstack([tau, tau]),
+    }
+    dataset = DataSet.from_arrays(imi_scara(), **twice)
+    assert [r.role for r in dataset.recordings] == ["estimation", "validation"]
+    assert np.array_equal(dataset.validation[0].q, q[::-1])
+    fitted = DataSet.from_arrays(imi_scara(), **twice, roles=["estimation"])
+    assert [r.name for r in fitted.recordings] == ["1-estimation", "2-estimation"]

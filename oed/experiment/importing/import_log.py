@@ -15,7 +15,7 @@ from oed.errors import DataSetError
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints, propose_columns
-from oed.experiment.importing.propose_roles import Part, Timed, propose_roles
+from oed.experiment.importing.propose_roles import Part, Timed, parts_of, propose_roles
 from oed.experiment.importing.propose_units import UnitProposal
 from oed.experiment.importing.read_log_values import LogValues, read_values
 from oed.experiment.importing.stated import OPTIONS, check_keys
@@ -151,14 +151,12 @@ def _columns(paths: Sequence[Path], choices: ImportChoices) -> list[ColumnPropos
 def _roles(
     paths: Sequence[Path], values: Sequence[LogValues], choices: ImportChoices
 ) -> tuple[tuple[Part, ...], str]:
+    logs = [
+        Timed(path.stem, one.t, one.q, one.episode) for path, one in zip(paths, values, strict=True)
+    ]
     if choices.roles:
-        return tuple(Part(i, role) for i, role in enumerate(choices.roles)), "roles: as given"
-    return propose_roles(
-        [
-            Timed(path.stem, one.t, one.q, one.episode)
-            for path, one in zip(paths, values, strict=True)
-        ]
-    )
+        return parts_of(logs, choices.roles), "roles: as given"
+    return propose_roles(logs)
 
 
 def _content(
@@ -217,6 +215,9 @@ def _entry(paths: Sequence[Path], part: Part, parts: Sequence[Part]) -> dict[str
     stems = [other.stem for other in paths]
     stem = path.stem if stems.count(path.stem) == 1 else f"{path.stem}-{part.log + 1}"
     name = part.role if is_cut and len(paths) == 1 else f"{stem}-{part.role}" if is_cut else stem
+    alike = [other for other in parts if (other.log, other.role) == (part.log, part.role)]
+    if len(alike) > 1:
+        name = f"{name}-{alike.index(part) + 1}"
     entry: dict[str, object] = {"file": str(path.resolve()), "name": name, "role": part.role}
     if part.rows is not None:
         entry["rows"] = [part.rows[0] + 1, part.rows[1]]

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.counted import counted
+from oed.experiment.importing.motions import Rows, find_motions, find_runs, is_moving, with_rest
 from oed.experiment.importing.repetition import find_period
 from oed.experiment.recording import ROLES, Role
 from oed.experiment.recording_checks import PARAMETERS_PER_JOINT
 
 SHARES = (0.6, 0.8)  # of the time, at which validation and test begin
-PAUSE = 1.0  # [s] of standstill, or without a row, that parts one motion from the next
-STANDSTILL = 0.01  # of a joint's usual speed
-USUAL = 0.95  # of the rows are slower
 LEAST_PARTS = 3
 NAMED: dict[Role, tuple[str, ...]] = {
     "estimation": ("estimation", "train", "identification", "calibration"),
@@ -75,28 +74,77 @@ def propose_roles(logs: Sequence[Timed]) -> tuple[tuple[Part, ...], str]:
     if len(logs) > 1:
         return _by_files(logs)
     (log,) = logs
-    for parts, what in ((_episodes(log), "episodes"), (_motions(log), "motions between pauses")):
+    runs, left_out = long_runs(log)
+    if len(runs) == 1:
+        start, end = runs[0]
+        parts, why = _of_one_run(_cut(log, runs[0]))
+        if (start, end) == (0, len(log.t)):
+            return parts, why
+        return tuple(_moved(part, start, end) for part in parts), f"{why}{left_out}"
+    roles = _shared_out([float(log.t[end - 1] - log.t[start]) for start, end in runs])
+    parts = tuple(Part(0, role, rows) for rows, role in zip(runs, roles, strict=True))
+    why = f"roles: {len(runs)} runs, for each of which the clock was set back; {_counts(roles)}"
+    return parts, f"{why}{left_out}"
+
+
+def long_runs(log: Timed) -> tuple[list[Rows], str]:
+    """The runs of a log that are long enough to be a recording, and a word on the others.
+
+    A log without one is returned whole, for whoever reads it to say what it lacks.
+    """
+    runs = find_runs(log.t)
+    kept = [(a, b) for a, b in runs if b - a >= _least_rows(log)] or [(0, len(log.t))]
+    short = len(runs) - len(kept)
+    some = f"; {counted(short, 'run')} of too few rows left out"
+    return kept, some if short and kept != [(0, len(log.t))] else ""
+
+
+def _of_one_run(log: Timed) -> tuple[tuple[Part, ...], str]:
+    moving = is_moving(log.t, log.q)
+    motions = with_rest(log.t, find_motions(log.t, moving))
+    for parts, what in ((_episodes(log), "episodes"), (motions, "motions between pauses")):
         if len(parts) >= LEAST_PARTS:
             roles = _shared_out([log.t[end - 1] - log.t[start] for start, end in parts])
             found = _merged(parts, roles)
             if _are_long_enough(found, log):
                 return found, f"roles: {len(parts)} {what}, {_counts(roles)}"
-    period = find_period(log.t, log.q)
-    if period is not None:
-        return _by_periods(log, period)
-    return _by_time(log)
+    first, last = int(moving.argmax()), len(moving) - int(moving[::-1].argmax())
+    motion = _cut(log, (first, last))
+    period = find_period(motion.t, motion.q)
+    if period is not None and (found := _by_periods(motion, period)) is not None:
+        return tuple(_moved(part, first, last) for part in found[0]), found[1]
+    return _by_time(log, moving)
+
+
+def _cut(log: Timed, rows: Rows) -> Timed:
+    start, end = rows
+    episode = None if log.episode is None else log.episode[start:end]
+    return Timed(log.stem, log.t[start:end], log.q[start:end], episode)
+
+
+def _moved(part: Part, start: int, end: int) -> Part:
+    """A part of the rows from `start` to `end` as one of the whole log."""
+    first, last = part.rows or (0, end - start)
+    return dataclasses.replace(part, rows=(first + start, last + start))
 
 
 def _by_files(logs: Sequence[Timed]) -> tuple[tuple[Part, ...], str]:
     named: list[Role | None] = [_named_role(log.stem) for log in logs]
     if all(named) and "estimation" in named:
-        return (
-            tuple(Part(i, role) for i, role in enumerate(named) if role is not None),
-            "roles: by the names of the files",
-        )
+        known: list[Role] = [role for role in named if role is not None]
+        return parts_of(logs, known), "roles: by the names of the files"
     roles = _shared_out([float(log.t[-1] - log.t[0]) for log in logs])
-    parts = tuple(Part(i, role) for i, role in enumerate(roles))
-    return parts, f"roles: {counted(len(logs), 'log')} in the order given, {_counts(roles)}"
+    why = f"roles: {counted(len(logs), 'log')} in the order given, {_counts(roles)}"
+    return parts_of(logs, roles), why
+
+
+def parts_of(logs: Sequence[Timed], roles: Sequence[Role]) -> tuple[Part, ...]:
+    """Whole logs, each with its role; one part a run where a log's clock is set back."""
+    found = []
+    for i, (log, role) in enumerate(zip(logs, roles, strict=True)):
+        runs, _ = long_runs(log)
+        found += [Part(i, role, None if rows == (0, len(log.t)) else rows) for rows in runs]
+    return tuple(found)
 
 
 def _named_role(stem: str) -> Role | None:
@@ -127,22 +175,6 @@ def _episodes(log: Timed) -> list[tuple[int, int]]:
     return list(zip(starts, ends, strict=True))
 
 
-def _motions(log: Timed) -> list[tuple[int, int]]:
-    """Stretches of rows, parted in the middle of each pause."""
-    steps = np.diff(log.t)
-    speed = np.abs(np.diff(log.q, axis=0)) / np.where(steps > 0, steps, np.inf)[:, None]
-    usual = np.quantile(speed, USUAL, axis=0)
-    rests = (speed <= STANDSTILL * usual).all(axis=1) | (steps >= PAUSE)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], rests, [0]])))
-    pauses = [
-        (start, end)
-        for start, end in zip(edges[::2], edges[1::2], strict=True)
-        if log.t[end] - log.t[start] >= PAUSE and start > 0 and end < len(rests)
-    ]
-    cuts = [0, *(int((start + end) // 2) + 1 for start, end in pauses), len(log.t)]
-    return [(a, b) for a, b in itertools.pairwise(cuts) if b > a]
-
-
 def _merged(parts: Sequence[tuple[int, int]], roles: Sequence[Role]) -> tuple[Part, ...]:
     """One recording a role: parts of one role follow one another."""
     found = []
@@ -154,12 +186,16 @@ def _merged(parts: Sequence[tuple[int, int]], roles: Sequence[Role]) -> tuple[Pa
 
 
 def _are_long_enough(parts: Sequence[Part], log: Timed) -> bool:
-    least = PARAMETERS_PER_JOINT * log.q.shape[1]
+    least = _least_rows(log)
     return all(part.rows is None or part.rows[1] - part.rows[0] >= least for part in parts)
 
 
-def _by_periods(log: Timed, period: float) -> tuple[tuple[Part, ...], str]:
-    """Whole periods to each role; what is left over at the end is left out."""
+def _least_rows(log: Timed) -> int:
+    return PARAMETERS_PER_JOINT * log.q.shape[1]
+
+
+def _by_periods(log: Timed, period: float) -> tuple[tuple[Part, ...], str] | None:
+    """Whole periods to each role; what is left over at the end is left out; None if too short."""
     step = float(np.median(np.diff(log.t)))
     count = int((log.t[-1] - log.t[0] + 1.5 * step) / period)
     roles = _shared_out([period] * count)
@@ -172,7 +208,7 @@ def _by_periods(log: Timed, period: float) -> tuple[tuple[Part, ...], str]:
             first, last = np.searchsorted(log.t, [start - step / 1e3, end - step / 1e3])
             parts.append(Part(0, role, (int(first), int(last)), len(own), period))
     if not _are_long_enough(parts, log):
-        return _by_time(log)
+        return None
     why = (
         f"roles: the motion repeats every {period:.6g} s, {count} times; {_counts(roles)}. "
         "Validation and test thus visit nothing new: record another motion for them"
@@ -180,21 +216,25 @@ def _by_periods(log: Timed, period: float) -> tuple[tuple[Part, ...], str]:
     return tuple(parts), why
 
 
-def _by_time(log: Timed) -> tuple[tuple[Part, ...], str]:
-    least = PARAMETERS_PER_JOINT * log.q.shape[1]
-    end = len(log.t)
-    cuts = [
-        0,
-        *(int(np.searchsorted(log.t, log.t[0] + s * (log.t[-1] - log.t[0]))) for s in SHARES),
-        end,
-    ]
+def _by_time(log: Timed, moving: Bool[ndarray, " samples"]) -> tuple[tuple[Part, ...], str]:
+    """Shares of the time in motion; where the arm stands before and after it is left out."""
+    rows = np.flatnonzero(moving)
+    ((start, end),) = with_rest(log.t, [(int(rows[0]), int(rows[-1]) + 1)])
+    steps = np.diff(log.t, prepend=log.t[0])
+    steps[0] = 0.0
+    passed = np.cumsum(np.where(moving, steps, 0.0))
+    cuts = [start, *(int(np.searchsorted(passed, share * passed[-1])) for share in SHARES), end]
     parts = tuple(
-        Part(0, role, (a, b)) for role, a, b in zip(ROLES, cuts[:-1], cuts[1:], strict=True)
+        Part(0, role, cut) for role, cut in zip(ROLES, itertools.pairwise(cuts), strict=True)
     )
+    idle = log.t[start] - log.t[0] + log.t[-1] - log.t[end - 1]
+    left = f"; {idle:.3g} s at the ends, where the arm stands, left out" if idle > 0 else ""
     if _are_long_enough(parts, log):
-        return parts, "roles: one motion without pauses or repetitions: 60, 20 and 20 % of its time"
-    if end >= 2 * least:
-        cut = end - max(least, round((1 - SHARES[0]) * end))
+        why = "roles: one motion without pauses or repetitions: 60, 20 and 20 % of its time"
+        return parts, f"{why}{left}"
+    least, count = _least_rows(log), end - start
+    if count >= 2 * least:
+        cut = end - max(least, round((1 - SHARES[0]) * count))
         why = "roles: one short motion: the first part for estimation, the last for validation"
-        return (Part(0, "estimation", (0, cut)), Part(0, "validation", (cut, end))), why
+        return (Part(0, "estimation", (start, cut)), Part(0, "validation", (cut, end))), why
     return (Part(0, "estimation"),), "roles: too short to hold anything out: all is for estimation"

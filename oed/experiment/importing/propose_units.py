@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.experiment.importing.motions import find_runs
 from oed.experiment.limit_checks import IMPOSSIBLE_RMS
 from oed.experiment.recording_checks import LARGEST_STEP
 from oed.experiment.units import DEGREE, TIMES, units_of
@@ -132,8 +133,11 @@ def _velocity_unit(
     robot: Robot,
     ticks: float | None,
 ) -> tuple[tuple[str, ...], str]:
-    """The unit in which velocity is the slope of position over time."""
+    """The unit in which velocity is the slope of position over time, in the longest run."""
     t = values["t"][:, 0] * TIMES.get(units.get("t", ("s",))[0], 1.0)
+    start, end = max(find_runs(t), key=lambda rows: rows[1] - rows[0])
+    values = {key: column[start:end] for key, column in values.items()}
+    t = t[start:end]
     edges = np.unique(np.linspace(0, len(t) - 1, WINDOWS + 1).astype(int))
     dq = values["dq"]
     travelled = np.concatenate(

@@ -1,5 +1,7 @@
 """Logs as laboratories have them, imported in one command each, give one and the same estimate."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from tests.experiment.importing.laboratory_logs import (
     LOGS,
     TORQUE_CONSTANT,
     Truth,
+    lerobot,
     simulate,
     write_urdf,
 )
@@ -67,3 +70,23 @@ def test_every_log_gives_the_same_estimate(kind, arm, truth, expected, tmp_path)
     assert np.allclose(q, truth.q, rtol=0, atol=1e-12)
     assert all(r.dq is not None for r in dataset.recordings)
     assert np.allclose(estimate(dataset), expected, rtol=1e-7, atol=1e-9)
+
+
+def test_episodes_that_each_start_at_zero_are_a_recording_each(arm, truth, tmp_path):
+    """As of LeRobot, whose files hold many, and of a logger that a laboratory started twice."""
+    second = np.arange(len(truth.t)) >= 1200
+    own = truth.t - np.where(second, truth.t[1200], truth.t[0])
+    dataset = imported(lerobot(dataclasses.replace(truth, t=own), tmp_path), arm, tmp_path)
+    assert [r.role for r in dataset.recordings] == ["estimation", "validation"]
+    assert [len(r.t) for r in dataset.recordings] == [1200, 1200]
+    whole = imported(
+        tmp_path / "data/chunk-000/episode_000000.parquet",
+        arm,
+        tmp_path / "all",
+        "--roles",
+        "estimation",
+    )
+    assert [(r.name, r.role) for r in whole.recordings] == [
+        ("estimation-1", "estimation"),
+        ("estimation-2", "estimation"),
+    ]
