@@ -3,8 +3,9 @@
     python -m studies.payload [--workers N] [--smoke] [--out results/payload]
 
 Loads of 0.1 to 5 kg on a simulated UR5, a Panda and a four-axis SCARA; torques by Drake, with Stribeck
-friction that no model declares, friction that grows with the load and changes from day to day. A run that
-was interrupted goes on where it stopped.
+friction that no model declares, friction that grows with the load and changes from day to day. All cells
+weigh the same loads on the same arms, so that they compare. A run that was interrupted goes on where it
+stopped.
 """
 
 from __future__ import annotations
@@ -13,18 +14,18 @@ import time
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
 
 from oed.commands.configurations import ModelName
 from oed.commands.options import parse
+from oed.dynamics.friction_curve import with_friction_curve
 from oed.dynamics.models import build_model
-from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.known_arm import KnownArm
 from oed.estimation.load.loaded_model import LoadedModel
-from oed.estimation.load.payload import Payload, estimate_payload
-from oed.estimation.load.quantities import central_inertia
+from oed.estimation.load.payload import estimate_payload
 from oed.estimation.stacking import process_all
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
@@ -33,6 +34,7 @@ from oed.process_end import RESUMES, leave
 from studies.carrying_arms import ARMS
 from studies.case_runner import CaseRunner, Outcome, RowFile, leave_page, work_through
 from studies.payload_arms import TrueArm, draw_load, random_motion_of, record
+from studies.payload_judged import held, judged
 from studies.payload_motion import designed_motion
 from studies.payload_summary import page
 from studies.study_options import CaseOptions
@@ -69,6 +71,7 @@ class Cell:
         designed: Whether the motion with the load is that of `oed design --payload`.
         drift: Of the torque's offsets between the two days, as a share of Coulomb friction.
         model: Of the arm, as --torque-model.
+        without: Whether a model without friction that grows with the load weighs it too.
     """
 
     seconds: float
@@ -78,14 +81,15 @@ class Cell:
     designed: bool = False
     drift: float = 0.0
     model: ModelName = "rotor"
+    without: bool = False
 
 
 CELLS = {
-    "usual": Cell(10.0, 30.0, 1.0, 70),
-    "20 s": Cell(20.0, 30.0, 1.0, 10),
-    "3 s": Cell(3.0, 30.0, 1.0, 10),
-    "3 s, designed": Cell(3.0, 30.0, 1.0, 10, designed=True),
-    "6 s, designed": Cell(6.0, 30.0, 1.0, 10, designed=True),
+    "usual": Cell(10.0, 30.0, 1.0, 70, without=True),
+    "20 s": Cell(20.0, 30.0, 1.0, 20),
+    "3 s": Cell(3.0, 30.0, 1.0, 20),
+    "3 s, designed": Cell(3.0, 30.0, 1.0, 20, designed=True),
+    "6 s, designed": Cell(6.0, 30.0, 1.0, 20, designed=True),
     "slow": Cell(10.0, 30.0, 0.1, 10),
     "bare 10 s": Cell(10.0, 10.0, 1.0, 10),
     "bare 60 s": Cell(10.0, 60.0, 1.0, 10),
@@ -136,128 +140,103 @@ SMOKE = Config(arms=("scara",), cells=("3 s",), most=1)
 
 
 def cases_of(config: Config) -> list[Case]:
-    """All loads; the cell with the most first."""
+    """All loads; what is weighed on one arm side by side, as its bare recording is processed once."""
     return list(_cases(config))
 
 
 def _cases(config: Config) -> Iterator[Case]:
-    for cell in config.cells:
-        for number in range(min(CELLS[cell].loads, config.most)):
-            for arm in config.arms:
-                yield Case(arm, cell, number, CELLS[cell])
+    for arm in config.arms:
+        for number in range(config.most):
+            cells = [cell for cell in config.cells if number < CELLS[cell].loads]
+            if not cells:
+                break
+            yield from (Case(arm, cell, number, CELLS[cell]) for cell in cells)
 
 
 def work(case: Case) -> Outcome:
-    """Weigh one load, with and without friction that grows with it in the model."""
+    """Weigh one load; where it is asked for, without friction that grows with it in the model too."""
     start = time.process_time()
-    rng = np.random.default_rng([zlib.crc32("/".join(case.key).encode()), case.number])
+    how, rng = case.how, _source(*case.key)
     arm = ARMS[case.arm]
-    true, body, coloured = TrueArm.draw(arm, rng), draw_load(rng), bool(case.number % 2)
-    bare = (
-        None
-        if not case.how.bare
-        else record(
-            arm,
-            true,
-            random_motion_of(arm, case.how.bare, rng),
-            rng,
-            coloured=coloured,
-            name="bare",
-        )
-    )
+    true, body = _drawn(case.arm, case.number)
     motion = (
-        designed_motion(arm.key, case.how.seconds)
-        if case.how.designed
-        else random_motion_of(arm, case.how.seconds, rng, speed=case.how.speed)
+        designed_motion(arm.key, how.seconds)
+        if how.designed
+        else random_motion_of(arm, how.seconds, rng, speed=how.speed)
     )
-    holding = true.another_day(rng, drift=case.how.drift).holding(arm.frame, body)
-    loaded = record(arm, holding, motion, rng, coloured=coloured, name="loaded")
-    found, without = (
-        weigh(arm.key, bare, loaded, model=case.how.model, has_load_friction=x)
-        for x in (True, False)
-    )
-    return {
-        "status": "ok",
-        **judged(found, body),
-        "mass_error_without": without.mass / body[0] - 1,
-        "held_without": _held(without, body)[1],
-        "seconds": time.process_time() - start,
-    }
+    day = _source(case.arm, "another day", str(case.number))
+    holding = true.another_day(day, drift=how.drift).holding(arm.frame, body)
+    coloured = _is_coloured(case.number)
+    loaded = processed(record(arm, holding, motion, rng, coloured=coloured, name="loaded"))
+    found = estimate_payload(_known(case, loaded, has_load_friction=True), loaded)
+    row = {"status": "ok", **judged(found, body)}
+    if how.without:
+        without = estimate_payload(_known(case, loaded, has_load_friction=False), loaded)
+        row["mass_error_without"] = without.mass / body[0] - 1
+        row["held_without"] = held(without, body)[1]
+    return {**row, "seconds": time.process_time() - start}
 
 
-def weigh(
+def _source(*key: str) -> np.random.Generator:
+    return np.random.default_rng(zlib.crc32("/".join(key).encode()))
+
+
+def _is_coloured(number: int) -> bool:
+    """Whether the torque's noise is, on both days."""
+    return bool(number % 2)
+
+
+def _drawn(arm: str, number: int) -> tuple[TrueArm, np.ndarray]:
+    """The arm and the load of a number, whatever the cell."""
+    rng = _source(arm, str(number))
+    return TrueArm.draw(ARMS[arm], rng), draw_load(rng)
+
+
+def _known(
+    case: Case, loaded: tuple[ProcessedRecording, ...], *, has_load_friction: bool
+) -> KnownArm:
+    """What is known of the arm before its load is weighed."""
+    if case.how.bare:
+        return _from_recordings(
+            case.arm, case.number, case.how.bare, case.how.model, has_load_friction
+        )
+    return KnownArm.from_file(_alone(case.arm, loaded, case.how.model, has_load_friction), loaded)
+
+
+@lru_cache(maxsize=6)  # of one arm and number, in all lengths and models
+def _from_recordings(
     arm: str,
-    bare: DataSet | None,
-    loaded: DataSet,
-    *,
-    model: ModelName = "rotor",
-    has_load_friction: bool = True,
-) -> Payload:
-    """The load, from what was logged."""
+    number: int,
+    seconds: float,
+    model: ModelName,
+    has_load_friction: bool,  # a part of the key
+) -> KnownArm:
+    rng = _source(arm, "bare", str(seconds), str(number))
+    motion = random_motion_of(ARMS[arm], seconds, rng)
+    true, _ = _drawn(arm, number)
+    coloured = _is_coloured(number)
+    bare = processed(record(ARMS[arm], true, motion, rng, coloured=coloured, name="bare"))
+    return KnownArm.from_recordings(_alone(arm, bare, model, has_load_friction), bare)
+
+
+def _alone(
+    arm: str,
+    recordings: tuple[ProcessedRecording, ...],
+    model: ModelName,
+    has_load_friction: bool,
+) -> LoadedModel:
+    """The model of an arm that holds nothing, as the commands build it."""
     kind = ARMS[arm]
-    recordings = processed(loaded)
-    before = () if bare is None else processed(bare)
-    alone = LoadedModel.bare(
+    return LoadedModel.bare(
         with_friction_curve(build_model(model, kind.robot, sign_width=SIGN_WIDTH)),
         kind.frame,
         has_load_friction=has_load_friction,
-    ).turning_as(before or recordings)
-    known = (
-        KnownArm.from_recordings(alone, before) if before else KnownArm.from_file(alone, recordings)
-    )
-    return estimate_payload(known, recordings)
+    ).turning_as(recordings)
 
 
 def processed(dataset: DataSet) -> tuple[ProcessedRecording, ...]:
     """As the commands process it."""
     return process_all(dataset, choose_settings(dataset.recordings))["estimation"]
-
-
-def judged(found: Payload, body: np.ndarray) -> dict[str, str | float]:
-    """Which intervals hold the truth, how far off the estimate is, and how wide they are.
-
-    Args:
-        found: The estimate.
-        body: The truth about the frame.
-    """
-    truth = _truth(body)
-    error = np.array([q.value for q in found.quantities]) - truth
-    half = [
-        np.nan if q.interval is None else (q.interval[1] - q.interval[0]) / 2
-        for q in found.quantities
-    ]
-    return {
-        "mass": body[0],
-        "held": _held(found, body),
-        "mass_error": error[0] / body[0],
-        "mass_half": half[0] / body[0],
-        "centre_error": float(np.linalg.norm(error[1:4])),
-        "centre_half": _largest(half[1:4]),
-        "inertia_half": _largest(half[4:]),
-        "margin": found.margin,
-    }
-
-
-def _largest(half: Sequence[float]) -> float:
-    return float(np.max(half)) if np.isfinite(half).all() else float("nan")
-
-
-def _held(found: Payload, body: np.ndarray) -> str:
-    """One letter a quantity: 1 held, 0 not held, - no interval claimed."""
-    letters = []
-    for quantity, true in zip(found.quantities, _truth(body), strict=True):
-        if quantity.interval is None:
-            letters.append("-")
-        else:
-            low, high = quantity.interval
-            letters.append("1" if low <= true <= high else "0")
-    # A first letter that no table takes for a number.
-    return "h" + "".join(letters)
-
-
-def _truth(body: np.ndarray) -> np.ndarray:
-    inertia = central_inertia(body)[np.triu_indices(3)]
-    return np.concatenate([body[:1], body[1:4] / body[0], inertia])
 
 
 @dataclass(frozen=True)

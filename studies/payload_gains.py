@@ -20,9 +20,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.commands.options import parse
+from oed.dynamics.friction_curve import with_friction_curve
 from oed.dynamics.models import build_model
 from oed.estimation.load.current_equations import CurrentEquations, KnownLoad
-from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.gains import estimate_gains
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.experiment.dataset import DataSet

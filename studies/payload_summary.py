@@ -11,6 +11,9 @@ from oed.report.table import Row, markdown_table
 
 GROUPS = {"mass": slice(0, 1), "centre": slice(1, 4), "inertia": slice(4, 10)}
 LEVEL = 0.95
+RANDOM = {"3 s": 3.0, "usual": 10.0, "20 s": 20.0}  # [s] of random motion
+DESIGNED = ("3 s, designed", "6 s, designed")
+LONG = "20 s"
 RowOf = dict[str, str]
 
 
@@ -36,6 +39,11 @@ def page(rows: Sequence[RowOf]) -> str:
         "half width of the inertia [kg m^2]. `feasible`: all bodies can exist. `offsets drift`: between the days "
         "each joint's torque drifts by 5 % of its Coulomb friction, which the model has not, or has.\n\n"
         + markdown_table(_cells(good), digits=3)
+        + "\n## A short motion against a long one\n\n"
+        "Medians over the loads that all of these cells weigh, the same on the same arms: half width of the "
+        "mass's interval, and that over the half width by 20 s of random motion. `as long as`: of a "
+        "random motion as narrow, between the lengths here.\n\n"
+        + markdown_table(_lengths(good), digits=3)
         + "\n## Friction that grows with the load\n\n"
         "The same data by a model without it: how far off the mass is, and how often its interval holds the "
         "truth.\n\n" + markdown_table(_friction(usual), digits=3)
@@ -87,8 +95,49 @@ def _medians(rows: Sequence[RowOf]) -> Row:
     }
 
 
+def _lengths(rows: Sequence[RowOf]) -> list[Row]:
+    """Every cell that differs from another by its motion alone, beside 20 s."""
+    found: list[Row] = []
+    for arm in dict.fromkeys(row["arm"] for row in rows):
+        half = {
+            cell: {
+                row["number"]: float(row["mass_half"]) * float(row["mass"])
+                for row in rows
+                if (row["arm"], row["cell"]) == (arm, cell)
+            }
+            for cell in (*RANDOM, *DESIGNED)
+        }
+        common = set.intersection(*(set(own) for own in half.values()))
+        if not common:
+            continue
+        over = {
+            cell: float(np.median([own[k] / half[LONG][k] for k in common]))
+            for cell, own in half.items()
+        }
+        for cell, own in half.items():
+            found.append(
+                {
+                    "arm": arm,
+                    "cell": cell,
+                    "loads": len(common),
+                    "mass half [kg]": float(np.median([own[k] for k in common])),
+                    "over 20 s": over[cell],
+                    "as long as [s]": _length(over, cell),
+                }
+            )
+    return found
+
+
+def _length(over: dict[str, float], cell: str) -> float:
+    """Of a random motion as narrow, interpolated in logarithms; at the ends of what was tried."""
+    seconds = np.array(sorted(RANDOM.values()))
+    widths = np.array([over[name] for name in sorted(RANDOM, key=lambda name: RANDOM[name])])
+    return float(np.exp(np.interp(-np.log(over[cell]), -np.log(widths), np.log(seconds))))
+
+
 def _friction(rows: Sequence[RowOf]) -> list[Row]:
     found: list[Row] = []
+    rows = [row for row in rows if row["held_without"]]
     for arm in dict.fromkeys(row["arm"] for row in rows):
         own = [row for row in rows if row["arm"] == arm]
         errors = {

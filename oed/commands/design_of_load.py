@@ -15,7 +15,9 @@ from oed.counted import counted
 from oed.design.collision import Surroundings
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
-from oed.design.load_problem import FRICTION_CHANGE, KnownTorqueModel, LoadProblem, load_problem
+from oed.design.known_arm import KnownTorqueModel
+from oed.design.load_problem import GENERAL, LoadProblem, load_problem
+from oed.design.model_prior import for_design
 from oed.design.problem import DesignProblem
 from oed.design.static_poses import static_poses
 from oed.design.still_joints import hold_still_joints
@@ -53,14 +55,15 @@ def of_load(arm: DesignProblem, config: Design) -> tuple[LoadProblem, tuple[str,
     frame, known = _frame_and_model(robot, config)
     problem = load_problem(arm, frame.joint, known)
     errors = (
-        f"errors of {Path(config.arm).name} count as noise"
+        f"the arm is known as well as {Path(config.arm).name} says"
         if known
-        else "the arm is taken for known (--arm model.json: its errors count)"
+        else f"the arm is taken for one that {GENERAL:g} s of general motion have told (--arm "
+        "model.json: its own covariance counts)"
     )
     excited = (
-        f"excited are the ten parameters of a load at {frame.name}, beside friction that changes by "
-        f"{FRICTION_CHANGE:.0%} and grows with the load; the criterion is the sum of their variances, "
-        f"in units of 10 g, 5 g m and 10 g m^2; {errors}"
+        f"excited are the ten parameters of a load at {frame.name}, beside friction of any shape, which "
+        "each day has its own, and which grows with the load; the criterion is the sum of their "
+        f"variances, in units of 10 g, 5 g m and 10 g m^2; {errors}"
     )
     return problem, (excited, ROOM, RECORD)
 
@@ -75,7 +78,8 @@ def _frame_and_model(robot: Robot, config: Design) -> tuple[AttachedFrame, Known
             f"--arm {config.arm}: this model has no covariance; give that of oed identify"
         )
     check_same_robot(known.robot, robot, f"{Path(config.arm).name} and {robot.name}")
-    return frame, KnownTorqueModel(known.torque_model, known.parameters, known.covariance)
+    found = KnownTorqueModel(known.torque_model, known.parameters, known.covariance)
+    return frame, for_design(found)
 
 
 def run_static(config: Design, robot: Robot) -> int:
@@ -88,14 +92,8 @@ def run_static(config: Design, robot: Robot) -> int:
         problem, told = of_load(arm, config)
         frame, _ = _frame_and_model(robot, config)
         checked = _clearance(robot, config)
-        q = static_poses(
-            robot,
-            frame.joint,
-            config.poses,
-            problem.covariance if problem.covariance is not None else np.ones(robot.n),
-            np.random.default_rng(config.seed),
-            is_clear=checked.holds,
-        )
+        rng = np.random.default_rng(config.seed)
+        q = static_poses(problem, frame.joint, config.poses, rng, is_clear=checked.holds)
         rows, told = _rows(robot, q), (told[0], *filter(None, [checked.note]))
         with results.replaced() as new:
             write_csv(new / "poses.csv", rows)

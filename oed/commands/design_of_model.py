@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from oed.design.default_problem import DefaultProblem, ProblemSettings, default_problem
-from oed.design.load_problem import NOISE, KnownTorqueModel
+from oed.design.known_arm import NOISE, KnownTorqueModel
 from oed.design.model_prior import completing, for_design, not_designed_for
 from oed.errors import NoUsableResult
 from oed.estimation.load.same_arm import check_same_robot

@@ -12,10 +12,10 @@ from oed.commands.configurations import Gains as Config
 from oed.commands.from_data_set import Prepared, held_out_notes, prepare_at
 from oed.commands.telling import say, speak
 from oed.counted import counted
+from oed.dynamics.friction_curve import with_friction_curve
 from oed.errors import NoUsableResult
 from oed.estimation.load.current_equations import CurrentEquations, KnownLoad
 from oed.estimation.load.explained import check_explained
-from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.gains import estimate_gains
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.same_arm import check_same_arm

@@ -12,10 +12,10 @@ from oed.checkup.reversed_sign import check_signs
 from oed.commands.configurations import Payload as Config
 from oed.commands.from_data_set import Prepared, held_out_notes, prepare_at
 from oed.commands.telling import say, speak
+from oed.dynamics.friction_curve import with_friction_curve
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
 from oed.estimation.load.explained import check_explained
-from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.known_arm import FoundArm, KnownArm
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.payload import estimate_payload, with_friction

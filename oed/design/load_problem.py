@@ -1,77 +1,90 @@
-"""The motion that tells most about what the arm holds, the arm itself being known.
+"""The motion that tells most about what the arm holds, with what is not known of the arm itself.
 
-Estimated beside the load is what changes from the day on which the arm was identified: Coulomb and viscous
-friction, known to a share, and friction that grows with the load. What is not known exactly of the arm
-stands in the noise: its torque is foretold with an error, and a joint whose torque is foretold badly
-counts for less. The criterion is the sum of the variances of the load's ten parameters, each in the unit
-that matters (A, with all else integrated out). Limits, of torque too, are those of the arm.
+Estimated is all that `oed payload` estimates: the arm, known as well as its model says or as a general
+motion tells it; the load; friction of any shape over speed, which each day has its own; and friction that
+grows with what gears carry. The arm's errors are the same all along the motion, so they are parameters
+with a prior and no noise, which would average out. The criterion is the sum of the variances of the load's
+ten parameters, each in the unit that matters (A, with all else integrated out). Limits, of torque too, are
+those of the arm.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.design.known_arm import (
+    NOISE,
+    KnownTorqueModel,
+    covariance_of,
+    drive_sizes,
+    expected,
+)
 from oed.design.limits import Certificate
 from oed.design.problem import DesignProblem
-from oed.dynamics.base_parameters import find_base_parameters
-from oed.dynamics.effects import Coulomb, Effect, Viscous, with_columns
+from oed.dynamics.base_parameters import BaseParameters, find_base_parameters
+from oed.dynamics.compiled import CompiledRegressor, compile_regressor
 from oed.dynamics.effects.load import LoadFriction
 from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.effects.reference import ReferenceTorque
-from oed.dynamics.motion import Motion, random_motion
+from oed.dynamics.friction_curve import with_friction_curve
+from oed.dynamics.identifiability import base_parameters
+from oed.dynamics.models import build_model
+from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import JointLimits, Robot
 
-STATES = 400  # within the limits, over which errors of the arm's torque are averaged
-# As shares of the torque that a drive is made for: what currents leave unexplained, and Coulomb
-# friction, of a UR5 and a UR10 (150 and 28 N m; 0.8 and 0.1 N m; 9 and 1.5 N m).
-NOISE = 0.005
-FRICTION = 0.06
-# Where the file states no limit: a drive's torque over the rms that the arm needs, and the least
-# drive beside the largest.
-SPARE = 3.0
-LEAST_DRIVE = 0.05
-
-
-# What is estimated beside the load: as in `oed.estimation.load`.
-FRICTION_CHANGE = 0.2  # of Coulomb and viscous friction from one day to another
-LOAD_FRICTION = 0.2  # of what a gear carries, that it may lose
-LEAST_FRICTION = 0.001  # of a drive's torque, behind torque sensors
-OPEN = 1e3  # [kg, kg m, kg m^2] of a load of which nothing is known
+STATES = 400  # within the limits, over which columns are compared, and torque that drives need
+ARM = "rotor"  # model of an arm of which no model is given
+# General motion that an arm is known from where no model is given: as the how-to asks for.
+GENERAL = 30.0  # [s]
 # In which variances count: 10 g, 5 mm of a kilogram, a kilogram of a decimetre across.
 UNITS = (0.01, *(0.005,) * 3, *(0.01,) * 6)
-UNCOUNTED = 30.0  # prior deviations, in which those of friction count: hardly at all
-
-
-@dataclass(frozen=True)
-class KnownTorqueModel:
-    """An arm as it was identified.
-
-    Attributes:
-        torque_model: Of it.
-        parameters: (p,).
-        covariance: (p, p).
-    """
-
-    torque_model: TorqueModel
-    parameters: Float[ndarray, " parameters"]
-    covariance: Float[ndarray, "parameters parameters"]
 
 
 @dataclass(frozen=True)
 class LoadProblem(DesignProblem):
     """A design problem of a load, kept within the limits of the arm that holds it.
 
+    Lambda is that of the load alone, all else integrated out: of the load's base parameters, which
+    are `base`.
+
     Attributes:
         arm: The problem of the arm alone: same class of motions, same limits.
+        arm_base: Base parameters of the arm, with friction as it is estimated.
+        known: (a, a) information about these before the motion.
     """
 
     arm: DesignProblem = dataclasses.field(kw_only=True)
+    arm_base: BaseParameters = dataclasses.field(kw_only=True)
+    known: Float[ndarray, "arm arm"] = dataclasses.field(kw_only=True)
+
+    @cached_property
+    def regressor(self) -> CompiledRegressor:
+        """Of the arm and of its load, side by side."""
+        return compile_regressor(self.model, self.joined, native=self.native)
+
+    @property
+    def joined(self) -> BaseParameters:
+        """The arm's base parameters and the load's, of the same columns: `known` tells them apart."""
+        return _side_by_side(self.arm_base, self.base)
+
+    @property
+    def is_told_before(self) -> bool:
+        """The arm is."""
+        return True
+
+    def everything(self, bare: Float[ndarray, "columns columns"]) -> Float[ndarray, "x x"]:
+        """Information about arm and load, of a motion's and of what is known of the arm."""
+        total = bare.copy()
+        own = slice(len(self.known))
+        total[own, own] += self.known
+        return total
 
     def slower(self, scale: float) -> LoadProblem:
         """As of any problem; the arm's likewise."""
@@ -90,6 +103,39 @@ class LoadProblem(DesignProblem):
         """Proven bounds on the motion, and on the arm's nominal torque."""
         return self.arm.certificate(z)
 
+    def _complete(
+        self,
+        information: Float[ndarray, "columns columns"],
+        scaled: bool = True,
+        prior: bool = True,
+    ) -> Float[ndarray, "base base"]:
+        if prior and self.prior is not None:
+            information = information + self.prior
+        integrated = self._integrating(information)
+        told = integrated @ self.everything(information) @ integrated.T
+        if scaled and self.scaling is not None:
+            told = told * np.outer(self.scaling, self.scaling)
+        return (told + told.T) / 2
+
+    def _of_rows(
+        self, bare: Float[ndarray, "columns columns"], slope: Float[ndarray, "base base"]
+    ) -> Float[ndarray, "columns columns"]:
+        integrated = self._integrating(bare if self.prior is None else bare + self.prior)
+        if self.scaling is not None:
+            slope = slope * np.outer(self.scaling, self.scaling)
+        return integrated.T @ slope @ integrated
+
+    def _integrating(
+        self, information: Float[ndarray, "columns columns"]
+    ) -> Float[ndarray, "base columns"]:
+        """T of T Lambda T' = Lambda_ll - Lambda_la Lambda_aa^-1 Lambda_al, which is also its slope."""
+        total, own = self.everything(information), slice(len(self.known))
+        rest = slice(len(self.known), None)
+        unit = 1 / np.sqrt(np.diag(total)[own])
+        even = total[own, own] * np.outer(unit, unit)
+        shares = np.linalg.solve(even, unit[:, None] * total[own, rest]) * unit[:, None]
+        return np.hstack([-shares.T, np.eye(len(self.base))])
+
 
 def load_problem(arm: DesignProblem, joint: int, known: KnownTorqueModel | None) -> LoadProblem:
     """The problem of a load that a joint's body holds.
@@ -97,33 +143,39 @@ def load_problem(arm: DesignProblem, joint: int, known: KnownTorqueModel | None)
     Args:
         arm: The problem of the arm alone.
         joint: Index of the joint.
-        known: The arm as it was identified; None takes it as known exactly, with usual friction.
+        known: The arm as it was identified; None takes it for one that a general motion of `GENERAL`
+            seconds has told, with usual friction.
     """
     robot = arm.model.robot
-    within = random_motion(robot, STATES, np.random.default_rng(0))
-    sizes = drive_sizes(arm, within)
-    model = TorqueModel(robot, (*_friction(robot), *load_model(robot, joint).effects))
-    far = random_motion(
-        robot.with_limits(JointLimits.unlimited(robot.n)), STATES, np.random.default_rng(0)
-    )
-    base = find_base_parameters(model.regressor(far), model.parameters)
-    std, units = _expected(model, robot, sizes, known)
-    kept = base.columns
-    return LoadProblem(
+    found = build_model(ARM, robot) if known is None else known.torque_model
+    alone = _with_open_friction(found)
+    model = alone.with_effects(*load_model(robot, joint).effects)
+    own, held = base_parameters(alone), _load_base(robot, joint)
+    sizes = drive_sizes(arm, random_motion(robot, STATES, np.random.default_rng(0)))
+    wide, change = expected(alone, own, sizes, known)
+    problem = LoadProblem(
         model=model,
-        base=base,
+        base=held,
         trajectory=arm.trajectory,
         limits=arm.limits,
         instants=arm.instants,
         criterion="A",
-        covariance=(NOISE * sizes) ** 2 + _foretold(known, within),
-        prior=np.diag(1 / std[kept] ** 2),
-        scaling=units[kept],
+        covariance=(NOISE * sizes) ** 2,
+        scaling=np.array([UNITS[k] for k in held.columns]),
         stand=arm.stand,
         sign_width=arm.sign_width,
         native=arm.native,
         arm=arm,
+        arm_base=own,
+        known=np.diag(1 / wide**2),
     )
+    covariance = (
+        _told_by_general_motion(problem) if known is None else covariance_of(known, own, wide)
+    )
+    covariance = covariance + np.diag(change**2)
+    std = np.sqrt(np.diag(covariance))
+    inner = np.linalg.inv(covariance / np.outer(std, std)) / np.outer(std, std)
+    return dataclasses.replace(problem, known=inner)
 
 
 def load_model(robot: Robot, joint: int) -> TorqueModel:
@@ -131,70 +183,51 @@ def load_model(robot: Robot, joint: int) -> TorqueModel:
     return TorqueModel(robot, (PayloadChange(robot, joint, -np.inf, start=0.0),))
 
 
-def _friction(robot: Robot) -> list[Effect]:
-    """What may differ from the day on which the arm was identified."""
-    reference = ReferenceTorque(robot)
-    joints = range(robot.n)
-    plain = [kind(j) for j in joints for kind in (Coulomb, Viscous)]
-    return [*plain, *(LoadFriction(j, reference) for j in joints)]
+def _with_open_friction(model: TorqueModel) -> TorqueModel:
+    """A model with friction of any shape, which grows with what the gears of the bare arm carry."""
+    reference = ReferenceTorque(model.robot)
+    has = {effect.joint for effect in model.effects if isinstance(effect, LoadFriction)}
+    more = [LoadFriction(j, reference) for j in range(model.robot.n) if j not in has]
+    return with_friction_curve(model).with_effects(*more)
 
 
-def _expected(
-    model: TorqueModel,
-    robot: Robot,
-    sizes: Float[ndarray, " joints"],
-    known: KnownTorqueModel | None,
-) -> tuple[Float[ndarray, " parameters"], Float[ndarray, " parameters"]]:
-    """(p,) prior standard deviation of each parameter, and the unit in which its variance counts."""
-    speed = np.abs(robot.limits.velocity).max(axis=1)
-    coulomb, viscous = FRICTION * sizes, FRICTION * sizes / speed
-    if known is not None:
-        for effect, place in with_columns(known.torque_model.effects):
-            value = float(np.abs(known.parameters[place]).max(initial=0.0))
-            if isinstance(effect, Coulomb):
-                coulomb[effect.joint] = max(value, LEAST_FRICTION * sizes[effect.joint])
-            elif isinstance(effect, Viscous):
-                viscous[effect.joint] = max(
-                    value, LEAST_FRICTION * sizes[effect.joint] / speed[effect.joint]
-                )
-    std, units = [], []
-    for effect in model.effects:
-        if isinstance(effect, PayloadChange):
-            std += [OPEN] * len(effect.kept)
-            units += [UNITS[k] for k in effect.kept]
-            continue
-        size = (
-            FRICTION_CHANGE * coulomb[effect.joint]
-            if isinstance(effect, Coulomb)
-            else FRICTION_CHANGE * viscous[effect.joint]
-            if isinstance(effect, Viscous)
-            else LOAD_FRICTION
-        )
-        std.append(size)
-        units.append(UNCOUNTED * size)
-    return np.array(std), np.array(units)
+def _load_base(robot: Robot, joint: int) -> BaseParameters:
+    """Which of the load's parameters make torque of their own."""
+    load = load_model(robot, joint)
+    far = random_motion(
+        robot.with_limits(JointLimits.unlimited(robot.n)), STATES, np.random.default_rng(0)
+    )
+    return find_base_parameters(load.regressor(far), load.parameters)
 
 
-def drive_sizes(arm: DesignProblem, motion: Motion) -> Float[ndarray, " joints"]:
-    """(n,) torque that each drive is made for [N m]: its limit, or what the arm needs of it.
+def _side_by_side(arm: BaseParameters, load: BaseParameters) -> BaseParameters:
+    """Base parameters of two kinds of columns, and none regrouped from one to the other."""
+    own = arm.regrouping.shape[1]
+    shape = (len(arm) + len(load), own + load.regrouping.shape[1])
+    regrouping = np.zeros(shape)
+    regrouping[: len(arm), :own] = arm.regrouping
+    regrouping[len(arm) :, own:] = load.regrouping
+    return BaseParameters(
+        columns=np.append(arm.columns, own + load.columns),
+        regrouping=regrouping,
+        singular_values=np.append(arm.singular_values, load.singular_values),
+        names=arm.names + load.names,
+        expressions=arm.expressions + load.expressions,
+        units=arm.units + load.units,
+        joints=arm.joints + load.joints,
+        note=arm.note,
+    )
 
-    Drives are chosen by that, and so are their friction and the noise of their currents.
-    """
-    robot = arm.model.robot
-    inertial = robot.parameters
-    needed = np.ones(robot.n)
-    if np.any(inertial):
-        whole = np.zeros(len(arm.model.parameters))
-        whole[: len(inertial)] = inertial
-        needed = SPARE * np.sqrt(np.mean(arm.model.torque(whole, motion) ** 2, axis=0))
-        needed = np.maximum(needed, LEAST_DRIVE * needed.max())
-    limit = np.abs(robot.limits.torque).max(axis=1)
-    return np.where(np.isfinite(limit), limit, needed)
 
-
-def _foretold(known: KnownTorqueModel | None, motion: Motion) -> Float[ndarray, " joints"] | float:
-    """(n,) variance of the bare arm's torque as the model foretells it [N^2 m^2]."""
-    if known is None:
-        return 0.0
-    columns = known.torque_model.columns(motion)
-    return np.mean(np.einsum("kjp,pq,kjq->kj", columns, known.covariance, columns), axis=0)
+def _told_by_general_motion(problem: LoadProblem) -> Float[ndarray, "arm arm"]:
+    """Covariance of the arm's base parameters after random motions of its class, without a load."""
+    rng, count = np.random.default_rng(0), len(problem.known)
+    horizon = problem.trajectory.horizon
+    motions = max(1, round(GENERAL / horizon))
+    told = np.zeros((count, count))
+    for _ in range(motions):
+        motion = problem.trajectory.motion(problem.arm.random_start(rng), problem.instants)
+        told += problem.fast.information(motion)[:count, :count]
+    told *= GENERAL / (motions * horizon)
+    wide = 1 / np.sqrt(np.diag(problem.known))
+    return np.linalg.inv(told * np.outer(wide, wide) + np.eye(count)) * np.outer(wide, wide)

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.design.load_problem import NOISE, KnownTorqueModel, drive_sizes
+from oed.design.known_arm import NOISE, KnownTorqueModel, drive_sizes
 from oed.design.problem import DesignProblem
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.effects import Effect, with_columns

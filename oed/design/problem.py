@@ -96,6 +96,11 @@ class DesignProblem:
         return dataclasses.replace(self, trajectory=trajectory, instants=self.instants / scale)
 
     @property
+    def is_told_before(self) -> bool:
+        """Whether more counts than what the motion itself tells."""
+        return self.prior is not None
+
+    @property
     def size(self) -> int:
         """Number of decision variables."""
         return self.trajectory.size
@@ -175,9 +180,7 @@ class DesignProblem:
         value, slope = cost_and_slope(self._complete(bare), self.criterion, exponent)
         if not np.isfinite(value):
             return value, np.zeros(self.size)
-        if self.scaling is not None:
-            slope = slope * np.outer(self.scaling, self.scaling)
-        adjoint = self.fast.adjoint(entries, slope)
+        adjoint = self.fast.adjoint(entries, self._of_rows(bare, slope))
         if self.limits_torque:
             penalty, push = self._torque.penalty(entries)
             value, adjoint = value + dearer * penalty, adjoint + dearer * push
@@ -260,6 +263,14 @@ class DesignProblem:
         return self.trajectory.shift(
             smaller, (1 - factor) * (self.stand - self.trajectory.centre(z))
         )
+
+    def _of_rows(
+        self,
+        bare: Float[ndarray, "columns columns"],  # noqa: ARG002  # of which others make use
+        slope: Float[ndarray, "base base"],
+    ) -> Float[ndarray, "columns columns"]:
+        """Gradient by the rows' own information of what has the gradient `slope` by Lambda."""
+        return slope if self.scaling is None else slope * np.outer(self.scaling, self.scaling)
 
     def _complete(
         self, information: Float[ndarray, "base base"], scaled: bool = True, prior: bool = True

@@ -7,7 +7,7 @@ import pytest
 
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
-from oed.design.load_problem import KnownTorqueModel
+from oed.design.known_arm import KnownTorqueModel
 from oed.design.model_prior import (
     completing,
     for_design,

@@ -84,7 +84,7 @@ def d_efficiency(
     problem, effort = design.problem, effort or Effort()
     if problem.model.robot.n > MOST_JOINTS:
         raise NoBound(f"no bound is known for more than {MOST_JOINTS} joints")
-    if problem.prior is not None:
+    if problem.is_told_before:
         raise NoBound("the bound knows nothing of earlier experiments")
     deadline = Deadline.after(effort.cpu_seconds, PATIENCE * effort.cpu_seconds)
     try:

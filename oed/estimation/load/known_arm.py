@@ -18,11 +18,11 @@ from scipy.linalg import block_diag
 
 from oed.dynamics.effects import with_columns
 from oed.dynamics.effects.load import LoadFriction
+from oed.dynamics.friction_curve import with_friction_curve
 from oed.dynamics.torque_model import TorqueModel
 from oed.errors import NoUsableResult
 from oed.estimation.load.fit import Fit, fit
 from oed.estimation.load.friction_change import friction_change
-from oed.estimation.load.friction_curve import with_friction_curve
 from oed.estimation.load.loaded_model import ENTRIES, LoadedModel
 from oed.estimation.load.torque_equations import TorqueEquations
 from oed.estimation.prior import Prior

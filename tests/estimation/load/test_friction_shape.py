@@ -9,9 +9,9 @@ from oed.dynamics.effects import Coulomb
 from oed.dynamics.effects.actuator import TorqueGain
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.effects.stribeck import Stribeck
+from oed.dynamics.friction_curve import SHARES, with_friction_curve
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.velocity_sign import with_widths
-from oed.estimation.load.friction_curve import SHARES, with_friction_curve
 from oed.estimation.load.known_arm import KnownArm
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.payload import estimate_payload
