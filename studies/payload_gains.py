@@ -13,11 +13,13 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.stats import binom
 
 from oed.commands.options import parse
 from oed.dynamics.friction_curve import with_friction_curve
@@ -25,12 +27,15 @@ from oed.dynamics.models import build_model
 from oed.estimation.load.current_equations import CurrentEquations, KnownLoad
 from oed.estimation.load.gains import estimate_gains
 from oed.estimation.load.loaded_model import LoadedModel
+from oed.estimation.load.quantities import LEVEL
 from oed.experiment.dataset import DataSet
+from oed.experiment.preparation.processed import ProcessedRecording
 from oed.process_end import RESUMES, leave
 from oed.report.table import Row, markdown_table
 from oed.robot.inertia import transform_parameters
 from studies.carrying_arms import ARMS
 from studies.case_runner import CaseRunner, Outcome, RowFile, leave_page, work_through
+from studies.gain_references import references
 from studies.payload import SIGN_WIDTH, processed
 from studies.payload_arms import TrueArm, draw_load, random_motion_of, record
 from studies.study_options import CaseOptions
@@ -43,6 +48,7 @@ SPREAD = 0.15  # by which nobody knows them
 MASS = 2.805  # [kg]
 SECONDS = 30.0  # of both motions
 JOINTS = ARMS["ur10"].robot.joint_names
+FINE = 0.01  # half width of an interval by which a gain counts as known to 1 %
 
 
 @dataclass(frozen=True)
@@ -73,7 +79,7 @@ class Config:
     """
 
     knows: tuple[str, ...] = ("mass", "mass and centre")
-    arms: int = 40
+    arms: int = 80
 
 
 SMOKE = Config(knows=("mass",), arms=1)
@@ -90,11 +96,30 @@ def _cases(config: Config) -> Iterator[Case]:
             yield Case(knows, number)
 
 
-def work(case: Case) -> Outcome:
-    """Find the gains of one arm, three ways; numbers of its joints stand side by side."""
-    start = time.process_time()
-    rng = np.random.default_rng(case.number)  # the same arm whatever is known of its load
-    arm, coloured = ARMS["ur10"], bool(case.number % 2)
+@dataclass(frozen=True)
+class Logged:
+    """One arm, logged without and with its load.
+
+    Attributes:
+        gains: (n,) true ones [N m/A].
+        body: The true load about the frame.
+        model: Of the bare arm.
+        bare: Processed currents.
+        loaded: Likewise.
+    """
+
+    gains: Float[ndarray, " joints"]
+    body: Float[ndarray, "10"]
+    model: LoadedModel
+    bare: tuple[ProcessedRecording, ...]
+    loaded: tuple[ProcessedRecording, ...]
+
+
+@lru_cache(maxsize=1)  # the same arm whatever is known of its load
+def logged(number: int) -> Logged:
+    """The arm of a number."""
+    rng = np.random.default_rng(number)
+    arm, coloured = ARMS["ur10"], bool(number % 2)
     true = TrueArm.draw(arm, rng)
     gains = GAINS * (1 + SPREAD * rng.uniform(-1, 1, len(GAINS)))
     body = draw_load(rng)
@@ -108,11 +133,20 @@ def work(case: Case) -> Outcome:
         for state, n in ((true, "bare"), (holding, "loaded"))
     ]
     bare, loaded = (processed(log) for log in logs)
-    centre = body[1:4] / body[0] if case.knows != "mass" else None
     model = LoadedModel.bare(
         with_friction_curve(build_model("rotor", logs[0].robot, sign_width=SIGN_WIDTH)), arm.frame
     ).turning_as(bare)
-    equations = CurrentEquations.of(model, bare, [loaded], [KnownLoad(MASS, centre)])
+    return Logged(gains, body, model, bare, loaded)
+
+
+def work(case: Case) -> Outcome:
+    """Find the gains of one arm, three ways; numbers of its joints stand side by side."""
+    start = time.process_time()
+    arm, log = ARMS["ur10"], logged(case.number)
+    gains, body = log.gains, log.body
+    centre = body[1:4] / body[0] if case.knows != "mass" else None
+    known = [KnownLoad(MASS, centre)]
+    equations = CurrentEquations.of(log.model, log.bare, [log.loaded], known)
     found = estimate_gains(equations)
     values = np.array([np.nan if g.value is None else g.value for g in found.gains])
     half = [
@@ -137,63 +171,6 @@ def work(case: Case) -> Outcome:
     }
 
 
-def references(
-    equations: CurrentEquations, body: Float[ndarray, "10"]
-) -> tuple[Float[ndarray, " joints"], Float[ndarray, " joints"]]:
-    """Gains by total least squares and by instrumental variables, the load known whole.
-
-    Both solve k_j i_j = (H beta)_j + (L phi)_j for k and beta. Total least squares take the last right
-    singular vector of [H, -diag(i), L phi], whose noise they take for even; instruments are the same
-    columns with the currents of a first, biased solution in place of the measured ones.
-
-    Args:
-        equations: Of the currents.
-        body: The load about its joint's body frame, all ten parameters.
-    """
-    n = equations.joints
-    rows, loads, currents = [], [], []
-    for number, own in enumerate(equations.sets):
-        plain = replace(own.model, has_load_friction=False)
-        columns, _ = replace(own, model=plain).linearised(np.zeros(len(plain.names)))
-        columns = columns.reshape(-1, n, columns.shape[1])
-        base = len(plain.base)
-        phi = body[list(plain.kept)] if number > 0 else np.zeros(len(plain.kept))
-        rows.append(columns[:, :, :base])
-        loads.append(columns[:, :, base:] @ phi)
-        currents.append(own.torque)
-    H, known, i = np.concatenate(rows), np.concatenate(loads), np.concatenate(currents)
-    weight = 1 / np.sqrt(equations_residual(H, known, i))
-    W = np.concatenate([H, -i[:, :, None] * np.eye(n)], axis=2) * weight[:, None]
-    y = -(known * weight).reshape(-1)
-    W = W.reshape(-1, W.shape[2])
-    used = np.linalg.norm(W, axis=0)
-    scale = np.where(used > 0, used, 1.0)
-    joined = np.column_stack([W / scale, y])
-    *_, right = np.linalg.svd(joined, full_matrices=False)
-    last = right[-1]
-    tls = -(last[:-1] / last[-1]) / scale
-    first = np.linalg.lstsq(W / scale, y, rcond=None)[0] / scale
-    modelled = (H @ first[:-n] + known) / first[-n:]
-    Z = np.concatenate([H, -modelled[:, :, None] * np.eye(n)], axis=2) * weight[:, None]
-    Z = Z.reshape(-1, Z.shape[2]) / scale
-    iv = np.linalg.lstsq(Z.T @ (W / scale), Z.T @ y, rcond=None)[0] / scale
-    return tls[-n:], iv[-n:]
-
-
-def equations_residual(
-    H: Float[ndarray, "samples joints base"],
-    known: Float[ndarray, "samples joints"],
-    i: Float[ndarray, "samples joints"],
-) -> Float[ndarray, " joints"]:
-    """(n,) mean squared residual of each joint by itself, by which rows are weighted."""
-    found = []
-    for j in range(i.shape[1]):
-        columns = np.column_stack([H[:, j], known[:, j]])
-        rest = i[:, j] - columns @ np.linalg.lstsq(columns, i[:, j], rcond=None)[0]
-        found.append(np.mean(rest**2))
-    return np.array(found)
-
-
 def page(rows: Sequence[dict[str, str]]) -> str:
     """The rows as a page."""
     good = [row for row in rows if row["status"] == "ok"]
@@ -207,7 +184,9 @@ def page(rows: Sequence[dict[str, str]]) -> str:
         f"{len(good)} estimates on simulated UR10 arms, {len(rows) - len(good)} more failed. Gains are drawn "
         f"up to {SPREAD:.0%} off; {SECONDS:g} s without and with a load of {MASS} kg; undeclared friction "
         "and noise as in `studies.payload`. `told`: share of arms for which the gain is told (its "
-        "interval is within 10 %); `held`: share of intervals that hold the truth; errors are rms. Total "
+        "interval is within 10 %); `held`: share of intervals that hold the truth, of which chance allows "
+        f"{_allowed(good)} at 95 % for one that is right; errors are rms; `to 1 %`: share of arms whose "
+        "interval says that the gain is known to 1 %, and the rms error there. Total "
         "least squares (TLS) and instrumental variables (IV) are given the whole load, all ten "
         "parameters, and no friction that grows with it.\n"
         + tables
@@ -234,12 +213,21 @@ def _joints(rows: Sequence[dict[str, str]]) -> list[Row]:
                 "held": float(np.mean(held[told, j] == "1")) if told.any() else None,
                 "error": _rms(error[told, j]) if told.any() else None,
                 "half width": float(np.median(half[told, j])) if told.any() else None,
+                "to 1 %": float(np.mean(fine := told & (half[:, j] <= FINE))),
+                "error there": _rms(error[fine, j]) if fine.any() else None,
                 "error TLS": _rms(tls[:, j]),
                 "error IV": _rms(iv[:, j]),
                 "TLS negative": float(np.mean(tls[:, j] < -1)),
             }
         )
     return found
+
+
+def _allowed(rows: Sequence[dict[str, str]]) -> str:
+    """Between which shares of a table's arms hold the truth, where 95 % of all do."""
+    arms = max(len({row["number"] for row in rows}), 1)
+    low, high = binom.interval(LEVEL, arms, LEVEL)
+    return f"{low / arms:.3g} to {high / arms:.3g}"
 
 
 def _rms(values: Float[ndarray, " k"]) -> float:
