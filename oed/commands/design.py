@@ -37,6 +37,7 @@ from oed.experiment.read_dataset import read_robot
 from oed.export.model_file import load_model, model_file_at
 from oed.one_thread import on_one_thread
 from oed.process_end import NO_USABLE_RESULT
+from oed.progress import tell
 from oed.report.design_summary import summary
 from oed.report.study_files import DESIGN
 from oed.robot import JointSum, Robot, load_arm, read_sum
@@ -132,6 +133,7 @@ def find(config: Design, robot: Robot, *, bounded: bool = True) -> Result:
         notes.append(
             f"{counted(beyond, 'evaluation')} beyond the {evaluations_of(config)} of --evaluations, {why}"
         )
+    tell("proving what the motion keeps", 0, None)  # a search that ended early is over
     say(f"found after {counted(found.evaluations, 'evaluation')}; proving what it keeps")
     problem = slowed
     design = FoundDesign.from_result(

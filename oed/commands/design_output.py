@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -108,15 +108,25 @@ def _write_for_controller(design: FoundDesign, config: Design, out: Path) -> Non
 
 
 def told_of(result: Result, config: Design, notes: Sequence[str]) -> tuple[str, ...]:
-    """The notes, and what safety asks and costs."""
+    """The notes, and what safety asks and changed."""
     ends = "may start and end at speed" if config.periodic else "rest to rest"
     asked = f"{ends}; velocity and acceleration within {config.margin:.0%} of their limits"
     if config.scale != 1.0:
         asked += f"; slowed down to {config.scale:.0%} of the speed it was designed for"
     if result.before is None:
         return (asked, *notes)
-    costs = (
-        f"keeping clear costs J_k {result.before['J_k']:.4g} -> {result.design.J_k:.4g}, "
-        f"J_d {result.before['J_d_log10']:.2f} -> {result.design.J_d:.2f}"
+    return (asked, kept_clear(result.before, result.design.J_k, result.design.J_d), *notes)
+
+
+def kept_clear(before: Mapping[str, float], J_k: float, J_d: float) -> str:
+    """What became of the criteria when a motion was kept clear, which may be better or worse.
+
+    Args:
+        before: "J_k" and "J_d_log10" of the motion that was not.
+        J_k: Of the one that is.
+        J_d: Likewise.
+    """
+    return (
+        f"the motion was changed to keep clear: J_k from {before['J_k']:.4g} to {J_k:.4g} (small is "
+        f"good), J_d from {before['J_d_log10']:.2f} to {J_d:.2f} (large is good)"
     )
-    return (asked, costs, *notes)

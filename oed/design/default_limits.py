@@ -17,6 +17,8 @@ VELOCITY = 2.0  # [rad/s or m/s]: arms of 3 to 10 kg payload allow 2 to 3; told 
 SECONDS_TO_SPEED = 0.2
 ACCELERATION_CAP = 15.0  # [rad/s^2]: a Panda allows 7.5 to 20; told as assumed likewise
 
+UNITS = {"position": "rad", "velocity": "rad/s", "acceleration": "rad/s^2"}
+
 
 def with_default_limits(robot: Robot) -> tuple[Robot, tuple[str, ...]]:
     """Fill in the position, velocity and acceleration limits that are missing.
@@ -72,6 +74,6 @@ def _notes(
 ) -> list[str]:
     return [
         f"{kind} of {robot.joint_names[j]}: {why}, assumed within "
-        f"{bounds[j, 0]:.4g} ... {bounds[j, 1]:.4g}"
+        f"{bounds[j, 0]:.4g} ... {bounds[j, 1]:.4g} {robot.joints[j].unit(UNITS[kind])}"
         for j in np.flatnonzero(assumed)
     ]

@@ -44,7 +44,7 @@ def test_two_turns_are_a_range_and_more_are_none() -> None:
     found, notes = with_default_limits(limited(position=[[-turn, turn], [-turn - 0.1, turn + 0.1]]))
     np.testing.assert_allclose(found.limits.position, [[-turn, turn], [-np.pi, np.pi]])
     assert [note for note in notes if note.startswith("position")] == [
-        "position of joint_2: its limits are more than two turns apart, assumed within -3.142 ... 3.142"
+        "position of joint_2: its limits are more than two turns apart, assumed within -3.142 ... 3.142 rad"
     ]
 
 
