@@ -125,7 +125,7 @@ def _recordings(
         recording = read_recording(
             logs[part.log], entry, robot, log_format, drive=about.drive, torque=about.torque
         )
-        check_signals(recording.q, recording.tau, recording.source, range(robot.n))
+        check_signals(recording.q, recording.tau, recording.source, robot)
         recordings.append(recording)
     if why:
         first = recordings[0]

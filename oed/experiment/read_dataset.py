@@ -105,7 +105,7 @@ def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None
         robot = _load_robot(folder, manifest, kept, standing)
         recordings = tuple(_select(recording, kept) for recording in recordings)
     for recording in recordings:
-        check_signals(recording.q, recording.tau, recording.source, kept)
+        check_signals(recording.q, recording.tau, recording.source, robot)
     robot = in_its_unit(robot, manifest, recordings)
     return DataSet(
         name=manifest.name,

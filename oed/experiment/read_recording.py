@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -35,6 +36,8 @@ from oed.experiment.torque_faults import torque_fault_notes
 from oed.experiment.units import JOINT_QUANTITIES, factor_to_si
 from oed.largest_number import LARGEST
 from oed.robot import Robot
+
+OURS = re.compile(r"'((?:q|tau)_\d+)'")  # a column in a note, by our name
 
 
 @dataclass(frozen=True)
@@ -106,10 +109,11 @@ def take_samples(
     """
     table = names.table
     log_format = log_format.with_units(names.units)
-    values = table.take(names.all)
+    values = table.read(names.all)
     count = len(next(iter(values.values())))
     t = _time(names, values, count, log_format)
     rows = _cut(entry, t, table.file)
+    table.check(values, (int(rows[0]), int(rows[-1]) + 1))
     repeats = np.ones(len(rows), dtype=bool)
     repeats[0] = False
     for name, column in values.items():
@@ -242,7 +246,7 @@ def _checked(
         period=entry.period,
         source=file,
         unused_columns=unused,
-        notes=notes,
+        notes=tuple(OURS.sub(lambda column: repr(names.logged_as(column[1])), n) for n in notes),
     )
     return in_state_time(recording)
 

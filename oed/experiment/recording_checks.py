@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
@@ -134,32 +132,32 @@ def check_signals(
     q: Float[ndarray, "samples joints"],
     tau: Float[ndarray, "samples joints"],
     file: str,
-    columns: Sequence[int],
+    robot: Robot,
 ) -> None:
     """Refuse torque that was not logged, and an arm that stands still.
 
     Args:
-        q: Positions of the kept joints.
+        q: Positions of the robot's joints.
         tau: Their torques.
         file: For the message.
-        columns: Index of each kept joint in the file.
+        robot: With the joints that are kept.
     """
-    for j, column in enumerate(columns):
-        spread = float(np.ptp(tau[:, j]))
+    for joint, torque in zip(robot.joints, tau.T, strict=True):
+        spread = float(np.ptp(torque))
         if spread < LEAST_TORQUE:
-            all_rows = f"is {tau[0, j]:g} in" if spread == 0 else f"varies by {spread:.2g} over"
+            value = f"is {abs(torque[0]):g} in" if spread == 0 else f"varies by {spread:.2g} over"
             message = (
-                f"{all_rows} every row: the torque of this joint was not logged; log it, "
-                "or name the other joints with --joints where a study takes it"
+                f"the torque of joint {joint.name!r} {value} every row: it was not logged; log it, "
+                "or name the other joints with --joints where a command takes it"
             )
-            raise DataSetError(message, file=file, column=f"tau_{column + 1}")
+            raise DataSetError(message, file=file)
     travel = float(np.ptp(q, axis=0).max())
     if travel < LEAST_TRAVEL:
         message = (
             f"no joint moves by more than {travel:.2g} rad or m: an arm at rest shows no dynamics; "
             "record a motion, or leave this recording out"
         )
-        raise DataSetError(message, file=file, column="q_1")
+        raise DataSetError(message, file=file)
 
 
 def repetition_index(

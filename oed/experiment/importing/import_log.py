@@ -15,7 +15,7 @@ from oed.errors import DataSetError
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints, propose_columns
-from oed.experiment.importing.propose_roles import Part, Timed, parts_of, propose_roles
+from oed.experiment.importing.propose_roles import Part, Timed, moved, parts_of, propose_roles
 from oed.experiment.importing.propose_units import UnitProposal
 from oed.experiment.importing.read_log_values import LogValues, read_values
 from oed.experiment.importing.stated import OPTIONS, check_keys
@@ -123,7 +123,8 @@ def propose_import(
     name = choices.name or Path(out).resolve().name
     content = _content(paths, choices, robot, values[0], parts) | {"name": name}
     dataset = _read(content, Path(out), tuple(joints) or None)
-    notes = (*columns[0].notes, *values[0].notes, *_fixed_notes(robot), *dataset.notes, why)
+    dead = [note for one in values for note in one.left_out]
+    notes = (*columns[0].notes, *values[0].notes, *_fixed_notes(robot), *dataset.notes, *dead, why)
     return Import(dataset, content, paths, tuple(dict.fromkeys(notes)))
 
 
@@ -154,9 +155,11 @@ def _roles(
     logs = [
         Timed(path.stem, one.t, one.q, one.episode) for path, one in zip(paths, values, strict=True)
     ]
-    if choices.roles:
-        return parts_of(logs, choices.roles), "roles: as given"
-    return propose_roles(logs)
+    parts, why = (
+        (parts_of(logs, choices.roles), "roles: as given") if choices.roles else propose_roles(logs)
+    )
+    rows = [one.rows for one in values]
+    return tuple(moved(p, *span) if (span := rows[p.log]) else p for p in parts), why
 
 
 def _content(

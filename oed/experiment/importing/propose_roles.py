@@ -80,7 +80,7 @@ def propose_roles(logs: Sequence[Timed]) -> tuple[tuple[Part, ...], str]:
         parts, why = _of_one_run(_cut(log, runs[0]))
         if (start, end) == (0, len(log.t)):
             return parts, why
-        return tuple(_moved(part, start, end) for part in parts), f"{why}{left_out}"
+        return tuple(moved(part, start, end) for part in parts), f"{why}{left_out}"
     roles = _shared_out([float(log.t[end - 1] - log.t[start]) for start, end in runs])
     parts = tuple(Part(0, role, rows) for rows, role in zip(runs, roles, strict=True))
     why = f"roles: {len(runs)} runs, for each of which the clock was set back; {_counts(roles)}"
@@ -112,7 +112,7 @@ def _of_one_run(log: Timed) -> tuple[tuple[Part, ...], str]:
     motion = _cut(log, (first, last))
     period = find_period(motion.t, motion.q)
     if period is not None and (found := _by_periods(motion, period)) is not None:
-        return tuple(_moved(part, first, last) for part in found[0]), found[1]
+        return tuple(moved(part, first, last) for part in found[0]), found[1]
     return _by_time(log, moving)
 
 
@@ -122,8 +122,8 @@ def _cut(log: Timed, rows: Rows) -> Timed:
     return Timed(log.stem, log.t[start:end], log.q[start:end], episode)
 
 
-def _moved(part: Part, start: int, end: int) -> Part:
-    """A part of the rows from `start` to `end` as one of the whole log."""
+def moved(part: Part, start: int, end: int) -> Part:
+    """A part of the rows from `start` to `end` of a log as one of the whole log."""
     first, last = part.rows or (0, end - start)
     return dataclasses.replace(part, rows=(first + start, last + start))
 

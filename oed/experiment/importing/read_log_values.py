@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.errors import DataSetError
@@ -16,6 +16,7 @@ from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.propose_units import UnitProposal, propose_units
 from oed.experiment.log_format import LogFormat
 from oed.experiment.recording_checks import check_rows
+from oed.experiment.torque_faults import HELD_ROWS
 from oed.experiment.units import factor_to_si
 from oed.robot import Robot
 
@@ -35,7 +36,9 @@ class LogValues:
         t: (N,) time [s].
         q: (N, n) position [rad or m], without signs and zeros that a user may state.
         episode: (N,) index of the episode; None where there are none.
+        rows: Of the log that these are: first and the one behind the last, from 0; None for all.
         notes: What was concluded.
+        left_out: A word on the other rows.
     """
 
     columns: ColumnProposal
@@ -43,7 +46,9 @@ class LogValues:
     t: Float[ndarray, " samples"]
     q: Float[ndarray, "samples joints"]
     episode: Int[ndarray, " samples"] | None
+    rows: tuple[int, int] | None
     notes: tuple[str, ...]
+    left_out: tuple[str, ...]
 
 
 def read_values(
@@ -59,10 +64,12 @@ def read_values(
     for log in logs:
         columns, notes = _with_clock(log, rate)
         arrays = {
-            key: np.column_stack(list(columns.table.take(names).values())).astype(float)
+            key: np.column_stack(list(columns.table.read(names).values())).astype(float)
             for key, names in columns.columns.items()
             if key in ("q", "dq", "tau") or (key == "t" and rate is None)
         }
+        rows, dead = _logged_rows(arrays, columns)
+        arrays = {key: values[slice(*rows)] for key, values in arrays.items()}
         units = first.units if first else propose_units(arrays, robot, {**columns.units, **stated})
         if ticks_per_turn is not None:
             units = dataclasses.replace(units, ticks_per_turn=ticks_per_turn)
@@ -77,8 +84,10 @@ def read_values(
             units,
             t,
             _positions(arrays["q"], units, robot, columns),
-            _episodes(columns),
+            _episodes(columns, rows),
+            rows if dead else None,
             (*notes, *units.notes),
+            dead,
         )
         first = first or values
         found.append(values)
@@ -105,11 +114,38 @@ def _positions(
         ) from error
 
 
-def _episodes(columns: ColumnProposal) -> Int[ndarray, " samples"] | None:
+def _logged_rows(
+    arrays: Mapping[str, Float[ndarray, "samples columns"]], columns: ColumnProposal
+) -> tuple[tuple[int, int], tuple[str, ...]]:
+    """The rows from the first to the last that were logged whole, and a word on those at the ends.
+
+    A logger that starts before the drives report writes no number for them, or zero for all.
+    """
+    whole = np.logical_and.reduce([np.isfinite(values).all(axis=1) for values in arrays.values()])
+    reports = whole & (arrays["tau"] != 0).any(axis=1)
+    table, count = columns.table, len(whole)
+    start, end = _dead(whole, reports), count - _dead(whole[::-1], reports[::-1])
+    names = [name for key in arrays for name in columns.columns[key]]
+    table.check(dict(zip(names, np.hstack(list(arrays.values())).T, strict=True)), (start, end))
+    parts = ((0, start), (end, count))
+    said = [f"{a + table.first_row} to {b - 1 + table.first_row}" for a, b in parts if b > a]
+    note = (
+        f"roles: {table.file}, rows {' and '.join(said)}, where the drives do not report, left out"
+    )
+    return (start, end), (note,) if said else ()
+
+
+def _dead(whole: Bool[ndarray, " samples"], reports: Bool[ndarray, " samples"]) -> int:
+    """Rows before the first that is whole, and before a torque after zeros as long as no sensor holds."""
+    zeros = int(reports.argmax())
+    return zeros if zeros >= HELD_ROWS else int(whole.argmax())
+
+
+def _episodes(columns: ColumnProposal, rows: tuple[int, int]) -> Int[ndarray, " samples"] | None:
     name = next((name for name in EPISODES if name in columns.table.columns), None)
     if name is None:
         return None
-    return columns.table.take([name])[name].astype(np.int64)
+    return columns.table.take([name])[name][slice(*rows)].astype(np.int64)
 
 
 def _with_clock(

@@ -10,7 +10,8 @@ from oed.counted import counted
 from oed.errors import DataSetError
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-NOT_A_NUMBER = {"nan", "inf", "infinity"}
+MISSING = {"", "nan"}  # which whoever reads that row judges
+NOT_A_NUMBER = {"inf", "infinity"}
 
 
 def find_fault(
@@ -74,8 +75,8 @@ def _line_fault(
 
 
 def _cell_fault(cell: str) -> str:
-    if not cell:
-        return "empty cell; remove the row or repair the log"
+    if cell.lower().lstrip("+-") in MISSING:
+        return ""
     if cell.lower().lstrip("+-") in NOT_A_NUMBER:
         return f"{cell} is not a finite number; remove the row or repair the log"
     if not NUMBER.fullmatch(cell):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import io
+import re
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -23,6 +24,8 @@ from oed.experiment.logs.registry import log_reader
 from oed.experiment.logs.ros_echo import NANOSEC, SEC, EchoLayout, echo_layout
 from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log, Table
+
+EMPTY_CELL = re.compile(rb"(?:(?<=[,\n])|^)[ \t]*(?=[,\n])")
 
 
 @log_reader(".csv", ".txt", ".tsv", ".dat")
@@ -88,11 +91,15 @@ def _echo_table(text: CsvText, echo: EchoLayout, file: str) -> Table:
 def _load(text: CsvText, names: tuple[str, ...], file: str) -> Mapping[str, ndarray]:
     wanted = {text.header.index(name): name for name in names}
     try:
-        values = parse_cells(text, tuple(wanted), np.float64)
+        try:
+            values = parse_cells(text, tuple(wanted), np.float64)
+        except ValueError:
+            filled = EMPTY_CELL.sub(b"nan", text.body)
+            values = parse_cells(dataclasses.replace(text, body=filled), tuple(wanted), np.float64)
     except (ValueError, OverflowError) as error:
         fault = DataSetError(f"cannot be parsed: {error}", file=file)
     else:
-        if all(np.isfinite(column).all() for column in values.values()):
+        if not any(np.isinf(column).any() for column in values.values()):
             return {wanted[i]: column for i, column in values.items()}
         fault = DataSetError("cannot be parsed as numbers", file=file)
     raise _fault(text, names, file) or fault

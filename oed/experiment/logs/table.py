@@ -46,6 +46,16 @@ class Table:
             DataSetError: If a name is missing or stands for two columns, or a value is no
                 finite number.
         """
+        values = self.read(names)
+        self.check(values, (0, None))
+        return values
+
+    def read(self, names: Sequence[str]) -> dict[str, ndarray]:
+        """The (N,) numbers of some columns as they are logged, not finite where there are none.
+
+        Raises:
+            DataSetError: If a name is missing or stands for two columns, or holds no numbers.
+        """
         for name in names:
             if name not in self.columns:
                 raise DataSetError("missing", file=self.file, row=self.header_row, column=name)
@@ -54,27 +64,44 @@ class Table:
                 raise DataSetError(message, file=self.file, row=self.header_row, column=name)
         values = {name: np.asarray(column) for name, column in self.load(tuple(names)).items()}
         for name in names:
-            self._check(name, values[name])
+            if not len(values[name]):
+                raise DataSetError("holds no row", file=self.file)
+            if values[name].ndim != 1 or values[name].dtype.kind not in "iuf":
+                message = (
+                    f"holds {values[name].dtype} of shape {values[name].shape}, not a number a row"
+                )
+                raise DataSetError(message, file=self.file, column=name)
         return values
 
-    def _check(self, name: str, values: ndarray) -> None:
-        if not len(values):
-            raise DataSetError("holds no row", file=self.file)
-        if values.ndim != 1 or values.dtype.kind not in "iuf":
-            message = f"holds {values.dtype} of shape {values.shape}, not a number a row"
-            raise DataSetError(message, file=self.file, column=name)
-        wrong = np.flatnonzero(~np.isfinite(values))
-        if len(wrong) == len(values):
-            raise DataSetError("holds no number: it was not logged", file=self.file, column=name)
-        if wrong.size:
-            row = int(wrong[0])
-            message = f"{values[row]:g} is not a finite number; remove the row or repair the log"
-            raise DataSetError(message, file=self.file, row=row + self.first_row, column=name)
-        wild = np.flatnonzero(np.abs(values) > WILD)
-        if wild.size:
-            row = int(wild[0])
-            message = f"{values[row]:g} is beyond anything a log can mean; repair the log"
-            raise DataSetError(message, file=self.file, row=row + self.first_row, column=name)
+    def check(self, values: Mapping[str, ndarray], rows: tuple[int, int | None]) -> None:
+        """Refuse what is no number, in the rows that are used: those of others are not judged.
+
+        Args:
+            values: (N,) of `read`.
+            rows: First row and the row behind the last, from 0; None for the end.
+
+        Raises:
+            DataSetError: At the first such value.
+        """
+        for name, column in values.items():
+            used = column[rows[0] : rows[1]]
+            wrong = np.flatnonzero(~np.isfinite(used))
+            if len(wrong) == len(used):
+                message = "holds no number: it was not logged"
+                raise DataSetError(message, file=self.file, column=name)
+            if wrong.size:
+                some = f", here and in {len(wrong) - 1} more rows" if wrong.size > 1 else ""
+                what = (
+                    "no number" if np.isnan(used[wrong[0]]) else f"{used[wrong[0]]:g} is no number"
+                )
+                message = f"{what}{some}; remove such rows or repair the log"
+                row = rows[0] + int(wrong[0]) + self.first_row
+                raise DataSetError(message, file=self.file, row=row, column=name)
+            wild = np.flatnonzero(np.abs(used) > WILD)
+            if wild.size:
+                message = f"{used[wild[0]]:g} is beyond anything a log can mean; repair the log"
+                row = rows[0] + int(wild[0]) + self.first_row
+                raise DataSetError(message, file=self.file, row=row, column=name)
 
     def elements(self, name: str) -> tuple[str, ...]:
         """Columns `name[0]`, `name[1]`, … of a column of lists, in order; none if it is not one."""

@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from oed.dynamics.models import build_model
@@ -90,3 +91,31 @@ def test_episodes_that_each_start_at_zero_are_a_recording_each(arm, truth, tmp_p
         ("estimation-1", "estimation"),
         ("estimation-2", "estimation"),
     ]
+
+
+@pytest.mark.parametrize("value", [0.0, np.nan])
+def test_rows_before_the_drives_report_are_left_out(value, arm, truth, tmp_path, capsys):
+    tau = truth.tau.copy()
+    tau[:200] = value
+    columns = {"time": truth.t}
+    for j, name in enumerate(JOINTS):
+        columns |= {f"{name} pos": truth.q[:, j], f"{name} torque": tau[:, j]}
+    pd.DataFrame(columns).to_csv(tmp_path / "a.csv", index=False)
+    dataset = imported(tmp_path / "a.csv", arm, tmp_path)
+    assert np.array_equal(np.concatenate([r.tau for r in dataset.recordings]), truth.tau[200:])
+    assert (
+        "a.csv, rows 2 to 201, where the drives do not report, left out" in capsys.readouterr().out
+    )
+    whole = imported(tmp_path / "a.csv", arm, tmp_path / "all", "--roles", "estimation")
+    assert len(whole.recordings[0].t) == len(truth.t) - 200
+
+
+def test_what_is_said_of_a_column_has_the_name_of_the_log(arm, truth, tmp_path):
+    tau = truth.tau.copy()
+    tau[700:900, 1] = 0.0
+    columns = {"time": truth.t}
+    for j, name in enumerate(JOINTS):
+        columns |= {f"{name} pos": truth.q[:, j], f"{name} torque": tau[:, j]}
+    pd.DataFrame(columns).to_csv(tmp_path / "a.csv", index=False)
+    (note,) = (n for n in imported(tmp_path / "a.csv", arm, tmp_path).notes if "stays at 0" in n)
+    assert f"column '{JOINTS[1]} torque'" in note
