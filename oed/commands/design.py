@@ -12,7 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.commands.configurations import Design
-from oed.commands.design_of_load import of_load, run_static
+from oed.commands.design_of_load import of_load, run_static, worth_of_load
 from oed.commands.design_of_model import of_model
 from oed.commands.design_output import Result, evaluations_of, told_of, write
 from oed.commands.telling import say, speak
@@ -25,6 +25,7 @@ from oed.design.criteria import Criterion
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import DefaultProblem, ProblemSettings, default_problem
 from oed.design.design import Design as FoundDesign
+from oed.design.load_problem import LoadProblem
 from oed.design.optimisers.registry import find_optimiser
 from oed.design.optimisers.result import Budget
 from oed.design.prior_experiments import prior_information
@@ -107,7 +108,12 @@ def find(config: Design, robot: Robot, *, bounded: bool = True) -> Result:
     robot, assumed = with_default_limits(robot.with_packages(read_packages(config.package)))
     limits = robot.limits
     robot = robot.with_limits(limits.slower(config.margin))
-    notes = [*robot.notes, *held, *assumed, *([ROTORS] if config.model == "standard" else [])]
+    notes = [
+        *robot.notes,
+        *held,
+        *assumed,
+        *([ROTORS] if config.model == "standard" and not config.payload else []),
+    ]
     rng = np.random.default_rng(config.seed)
     surroundings, unchecked = _surroundings(robot, config)
     posed, told = _posed(config, robot)
@@ -147,7 +153,10 @@ def find(config: Design, robot: Robot, *, bounded: bool = True) -> Result:
         clearance = prove_clearance(surroundings, problem.trajectory, design.z)
     design = dataclasses.replace(design, status=_status(design, clearance, config))
     efficiency = None
-    if bounded:
+    if bounded and isinstance(problem, LoadProblem):
+        say("bounding how much better any motion could be")
+        notes.append(worth_of_load(problem, design.z, rng, is_quick=config.smoke))
+    elif bounded:
         say("bounding how much better any motion could be")
         try:
             efficiency = d_efficiency(design, rng, QUICK if config.smoke else None)

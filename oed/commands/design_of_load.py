@@ -12,10 +12,11 @@ from numpy import ndarray
 
 from oed.commands.configurations import Design
 from oed.counted import counted
+from oed.design.bound.least_deviation import DeviationSearch, least_deviation
 from oed.design.collision import Surroundings
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
-from oed.design.known_arm import KnownTorqueModel
+from oed.design.known_arm import NOISE, KnownTorqueModel
 from oed.design.load_problem import GENERAL, LoadProblem, load_problem
 from oed.design.model_prior import for_design
 from oed.design.problem import DesignProblem
@@ -37,6 +38,8 @@ RECORD = (
     "start the log a second before the motion and end it a second after: what filters need to settle is "
     "then cut from the standstill, not from the motion"
 )
+NORMAL = 1.96  # deviations of half an interval of 95 %
+QUICK = DeviationSearch(first=300, rounds=2, steps=20, drawn=300, kept=50, climbs=20)
 STATIC = (
     "Hold each posture for two seconds or more, come to it slowly, from both sides where friction is "
     "large, and record positions and torques all the way: weight tells mass and centre of mass, and "
@@ -66,6 +69,31 @@ def of_load(arm: DesignProblem, config: Design) -> tuple[LoadProblem, tuple[str,
         f"variances, in units of 10 g, 5 g m and 10 g m^2; {errors}"
     )
     return problem, (excited, ROOM, RECORD)
+
+
+def worth_of_load(
+    problem: LoadProblem, z: Float[ndarray, " size"], rng: np.random.Generator, *, is_quick: bool
+) -> str:
+    """To how much a motion is expected to tell the mass, and to how much any could.
+
+    Args:
+        problem: Of the load.
+        z: The motion.
+        rng: Of the states that the bound looks at.
+        is_quick: Whether to look at few.
+    """
+    masses = [k for k, name in enumerate(problem.base.names) if name.startswith("load_m_")]
+    if not masses:
+        return "the mass is told by no motion: no joint of this arm feels it by itself"
+    (mass,) = masses
+    variance = np.linalg.inv(problem.information(z, scaled=False))[mass, mass]
+    bound = least_deviation(problem, mass, rng, QUICK if is_quick else None)
+    told, least = (NORMAL * x for x in (float(np.sqrt(variance)), bound.lower))
+    return (
+        f"expected: the mass to {told:.2g} kg (half of a 95 % interval), where currents leave {NOISE:.1%} "
+        "of what the drives are made for unexplained; no motion as long within these limits could tell it "
+        f"to better than {least:.2g} kg (searched for, not proven)"
+    )
 
 
 def _frame_and_model(robot: Robot, config: Design) -> tuple[AttachedFrame, KnownTorqueModel | None]:

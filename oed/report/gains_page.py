@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from oed.counted import counted
-from oed.estimation.load.gains import Gains
+from oed.estimation.load.gains import Gain, Gains
 from oed.experiment.dataset import DataSet
 from oed.report.chart import Chart
 from oed.report.json_file import write_atomically, write_json
@@ -104,12 +104,19 @@ def gain_rows(report: GainsReport) -> list[Row]:
         low, high = gain.interval or (None, None)
         before = None if stated is None or report.gains.reference else float(stated[j])
         row: dict[str, str | float | None] = {"joint": gain.joint, "unit": unit}
-        row |= {"gain": gain.value, "lower95": low, "upper95": high}
+        row |= {"gain": gain.value, "lower95": low, "upper95": high, "known to": _accuracy(gain)}
         if before is not None:
             off = None if gain.value is None else f"{before / gain.value - 1:+.1%}"
             row |= {"stated": before, "stated is off by": off}
         rows.append({**row, "residual / current": float(share[j])})
     return rows
+
+
+def _accuracy(gain: Gain) -> str | None:
+    """Half the width of an interval, as a share of the gain."""
+    if gain.value is None or gain.interval is None:
+        return None
+    return f"{(gain.interval[1] - gain.interval[0]) / 2 / gain.value:.1%}"
 
 
 def write_gains(report: GainsReport, out: Path, provenance: Provenance) -> None:

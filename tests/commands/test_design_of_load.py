@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 
 import pytest
 
@@ -20,7 +21,12 @@ def test_a_motion_for_the_load_alone_is_left_and_said_to_be(tmp_path, capsys):
     assert (tmp_path / "out" / "motion.csv").exists()
     record = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
     assert any("parameters of a load at link_2" in note for note in record["notes"])
-    assert "start the log a second before" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "start the log a second before" in said
+    (told,) = re.findall(r"the mass to ([\d.]+) kg \(half", said)
+    (least,) = re.findall(r"better than ([\d.]+) kg", said)
+    assert 0 < float(least) <= float(told)
+    assert "rotor inertias are no part" not in said
 
 
 def test_postures_are_left_where_no_motion_is_allowed(tmp_path):
