@@ -189,12 +189,9 @@ def _coefficient(value: float, lengths: Sequence[float]) -> str:
     """A coefficient as a length, its square or its double where it is one."""
     if abs(value - 1.0) < NEGLIGIBLE:
         return ""
-    for length in lengths:
-        for form, candidate in (
-            (f"{length:g}", length),
-            (f"{length:g}^2", length**2),
-            (f"2 {length:g}", 2 * length),
-        ):
-            if abs(value - candidate) < NEGLIGIBLE:
-                return form + " "
+    # A length before twice another that is half as long.
+    for form, factor, power in (("{:g}", 1.0, 1), ("{:g}^2", 1.0, 2), ("2 {:g}", 2.0, 1)):
+        for length in lengths:
+            if abs(value - factor * length**power) < NEGLIGIBLE:
+                return f"{form.format(length)} "
     return f"{value:.6g} "

@@ -122,3 +122,18 @@ def _with_rounded_angles(robot: Robot) -> Robot:
     about_x = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
     joints = tuple(dataclasses.replace(joint, R_PJ=joint.R_PJ @ about_x) for joint in robot.joints)
     return dataclasses.replace(robot, joints=joints)
+
+
+def test_a_length_of_the_arm_is_named_before_twice_a_shorter_one() -> None:
+    """Of an arm with links of 0.2 m and 0.4 m: "2 0.2 m_3" would be read twice."""
+    column = np.random.default_rng(0).normal(size=20)
+    parameters = [Parameter("mx_2", "kg m", None), Parameter("m_3", "kg", None)]
+    lengths = (0.2, 0.4)
+    base = find_base_parameters(
+        np.column_stack([column, 0.4 * column]), parameters, lengths=lengths
+    )
+    assert base.expressions == ("mx_2 + 0.4 m_3",)
+    base = find_base_parameters(
+        np.column_stack([column, 0.8 * column]), parameters, lengths=lengths
+    )
+    assert base.expressions == ("mx_2 + 2 0.4 m_3",)
