@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,9 +45,17 @@ class PayloadReport:
         return (
             f"the arm: {self.payload.arm.words}",
             *friction_lines(self.payload, self.dataset.robot.joint_names),
-            *(f"not told: {each.what}; {each.remedy}" for each in self.open_quantities),
+            *untold_lines(self.open_quantities),
             *(f"note: {note}" for note in self.notes),
         )
+
+
+def untold_lines(quantities: Sequence[OpenQuantity]) -> tuple[str, ...]:
+    """What was not found, a line for all that the same would tell."""
+    by_remedy: dict[str, list[str]] = {}
+    for each in quantities:
+        by_remedy.setdefault(each.remedy, []).append(each.what)
+    return tuple(f"not told: {', '.join(what)}; {remedy}" for remedy, what in by_remedy.items())
 
 
 def load_rows(payload: Payload) -> list[Row]:

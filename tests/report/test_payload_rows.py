@@ -8,7 +8,8 @@ import pytest
 from oed.estimation.load.known_arm import KnownArm
 from oed.estimation.load.loaded_model import LoadedModel
 from oed.estimation.load.payload import estimate_payload, with_friction
-from oed.report.payload_rows import friction_lines, interval_words
+from oed.estimation.load.undetermined import OpenQuantity
+from oed.report.payload_rows import friction_lines, interval_words, untold_lines
 from tests.estimation.load.carrying_arm import FRAME, MODEL, ROBOT, recording
 
 
@@ -39,3 +40,16 @@ def test_a_mass_without_a_bound_is_said_to_have_none():
     assert mass.interval is not None
     low, high = mass.interval
     assert f"would be {without.mass:.4g} kg ({low:.4g} to {high:.4g} kg)" in line
+
+
+def test_quantities_that_the_same_would_tell_share_a_line() -> None:
+    heavier, wrist = "a heavier load", "turn the wrist"
+    open_ones = [
+        OpenQuantity("mass", "the mass", heavier),
+        OpenQuantity("x", "the centre of mass along x", wrist),
+        OpenQuantity("y", "the centre of mass along y", heavier),
+    ]
+    assert untold_lines(open_ones) == (
+        "not told: the mass, the centre of mass along y; a heavier load",
+        "not told: the centre of mass along x; turn the wrist",
+    )
