@@ -17,17 +17,20 @@ from oed.experiment.units_in_names import marked_unit, suffixed_unit
 TIMES = (
     *("t", "time", "stamp", "timestamp", "header.stamp", "time_stamp", "t_s", "seconds", "sec"),
     *("elapsed", "elapsed_time", "duration", "zeit", "clock", "received"),
+    *("times", "timestamps"),
 )
 POSITIONS = (
     *("q", "actual_q", "state.q", "position", "positions", "pos", "feedback.positions"),
     *("actual.positions", "observation.state", "joint_position", "joint_positions", "joint_pos"),
     *("q_meas", "q_measured", "q_actual", "measured_position", "measured_joint_position", "qpos"),
     *("angle", "angles", "joint_angle", "joint_angles", "theta", "axis", "mp"),
+    *("winkel",),
 )
 VELOCITIES = (
     *("dq", "qd", "actual_qd", "state.dq", "velocity", "velocities", "vel", "feedback.velocities"),
     *("actual.velocities", "observation.velocity", "joint_velocity", "joint_velocities"),
     *("joint_vel", "dq_meas", "dq_measured", "measured_velocity", "qvel", "speed", "omega"),
+    *("qdot", "q_dot", "theta_dot", "geschwindigkeit", "drehzahl"),
 )
 ACCELERATIONS = ("ddq", "qdd", "acceleration", "accelerations", "acc", "joint_acceleration")
 TORQUES: Mapping[TorqueKind, Sequence[str]] = {
@@ -35,7 +38,7 @@ TORQUES: Mapping[TorqueKind, Sequence[str]] = {
         *("tau", "tau_j", "state.tau_j", "effort", "efforts", "torque", "torques", "joint_torque"),
         *("joint_torques", "measured_torque", "measured_joint_torque", "tau_meas", "tau_measured"),
         *("observation.effort", "observation.torque", "joint_effort", "moment", "mt"),
-        *("feedback.effort", "actual.effort"),
+        *("feedback.effort", "actual.effort", "drehmoment"),
     ),
     "current": (
         *("actual_current_as_torque", "actual_current", "current", "currents", "motor_current"),

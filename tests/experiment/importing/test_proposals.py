@@ -52,11 +52,21 @@ def proposal(*columns: str, joints=("shoulder", "elbow"), **stated):
     return propose_columns(Log("log.csv", (table,)), RobotJoints(joints, joints), stated)
 
 
+def test_a_velocity_in_words_is_no_position_of_another_kind():
+    """Left out, a logged velocity would be differentiated without a word."""
+    log = "theta[0],theta[1],theta_dot[0],theta_dot[1],torques[0],torques[1],timestamps"
+    assert proposal(*log.split(",")).columns["dq"] == ("theta_dot[0]", "theta_dot[1]")
+
+
 @pytest.mark.parametrize(
     ("columns", "q", "tau", "t"),
     [
         ("time,success_rate,state.q[0],state.q[1],state.q_d[0],state.q_d[1],state.tau_J[0],state.tau_J[1]",
          ("state.q[0]", "state.q[1]"), ("state.tau_J[0]", "state.tau_J[1]"), ("time",)),
+        ("theta[0],theta[1],theta_dot[0],theta_dot[1],torques[0],torques[1],timestamps",
+         ("theta[0]", "theta[1]"), ("torques[0]", "torques[1]"), ("timestamps",)),
+        ("Zeit [s],Winkel shoulder,Winkel elbow,Drehmoment shoulder,Drehmoment elbow",
+         ("Winkel shoulder", "Winkel elbow"), ("Drehmoment shoulder", "Drehmoment elbow"), ("Zeit [s]",)),
         ("t,q_elbow,q_shoulder,dq_elbow,dq_shoulder,tau_elbow,tau_shoulder",
          ("q_shoulder", "q_elbow"), ("tau_shoulder", "tau_elbow"), ("t",)),
         ("record_time,time,mp1,mp2,ip1,ip2,mt1,mt2",
