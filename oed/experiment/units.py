@@ -26,6 +26,7 @@ SYNONYMS = {
     "sec": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us", "μs": "us", "nsec": "ns",
     "radian": "rad", "radians": "rad", "degree": "deg", "degrees": "deg", "°": "deg", "rev": "turn", "turns": "turn",
     "tick": TICKS, "counts": TICKS, "count": TICKS, "amp": "A", "ampere": "A",
+    "1/min": "rpm", "min^-1": "rpm", "min-1": "rpm", "U/min": "rpm",
     "degC": "C", "°C": "C", "celsius": "C", "kelvin": "K", "r/min": "rpm", "rev/min": "rpm", "newtonmeter": "Nm",
 }  # fmt: skip
 

@@ -13,6 +13,7 @@ from oed.experiment.importing.propose_roles import Timed, parts_of, propose_role
 from oed.experiment.importing.propose_units import propose_units
 from oed.experiment.importing.repetition import find_period
 from oed.experiment.logs import Log, table_of
+from oed.experiment.units import plain
 from oed.robot.builtin import imi_scara
 from tests.experiment.tiny_dataset import csv_text
 from tests.running import oed
@@ -50,6 +51,14 @@ def test_names_of_joints(labels, joints, found):
 def proposal(*columns: str, joints=("shoulder", "elbow"), **stated):
     table = table_of({name: np.arange(5.0) for name in columns}, "log.csv")
     return propose_columns(Log("log.csv", (table,)), RobotJoints(joints, joints), stated)
+
+
+@pytest.mark.parametrize("unit", ["1/min", "min^-1", "U/min", "rpm"])
+def test_velocities_in_turns_a_minute_are_taken_however_written(unit):
+    names = [f"{what} {j}" for what in ("pos", "speed", "torque") for j in ("shoulder", "elbow")]
+    found = proposal("t", *(f"{n} [{unit}]" if "speed" in n else n for n in names))
+    assert found.columns["dq"] == (f"speed shoulder [{unit}]", f"speed elbow [{unit}]")
+    assert plain(found.units["dq"][0]) == "rpm"
 
 
 def test_a_velocity_in_words_is_no_position_of_another_kind():
