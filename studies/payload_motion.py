@@ -12,6 +12,7 @@ from oed.commands.configurations import Design
 from oed.commands.design_of_load import of_load
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import ProblemSettings, default_problem
+from oed.design.load_problem import LoadProblem
 from oed.design.optimisers.interior_point import optimise
 from oed.design.optimisers.result import Budget
 from oed.dynamics.models import build_model
@@ -32,14 +33,36 @@ def designed_motion(arm: str, seconds: float) -> Motion:
         arm: Key of the arm.
         seconds: Length of the motion.
     """
-    robot, _ = with_default_limits(ARMS[arm].robot)
-    robot = robot.with_limits(robot.limits.slower(MARGIN))
-    settings = ProblemSettings(horizon=seconds)
-    alone = default_problem(build_model("standard", robot), settings).problem
-    problem, _ = of_load(alone, Design(robot=arm, out=Path(), payload=True))
+    problem = problem_of(arm, seconds)
     z = problem.repair(optimise(problem, Budget(EVALUATIONS, None), np.random.default_rng(0)).z)
     moving = problem.trajectory.motion(z, np.arange(0.0, seconds, PERIOD))
     return _with_standstill(moving)
+
+
+def problem_of(
+    arm: str,
+    seconds: float,
+    *,
+    trajectory: str = ProblemSettings.trajectory,
+    harmonics: int = ProblemSettings.harmonics,
+    instants: int = ProblemSettings.instants,
+) -> LoadProblem:
+    """The problem that `oed design --payload` solves.
+
+    Args:
+        arm: Key of the arm.
+        seconds: Length of the motion.
+        trajectory: Class of motions.
+        harmonics: Of the Fourier series.
+        instants: Sampled in a motion.
+    """
+    robot, _ = with_default_limits(ARMS[arm].robot)
+    robot = robot.with_limits(robot.limits.slower(MARGIN))
+    settings = ProblemSettings(
+        horizon=seconds, trajectory=trajectory, harmonics=harmonics, instants=instants
+    )
+    alone = default_problem(build_model("standard", robot), settings).problem
+    return of_load(alone, Design(robot=arm, out=Path(), payload=True))[0]
 
 
 def _with_standstill(motion: Motion) -> Motion:

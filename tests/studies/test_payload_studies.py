@@ -7,7 +7,7 @@ from oed.dynamics.newton_euler import rigid_body_torque
 from oed.estimation.load.quantities import central_inertia
 from oed.report.table import read_csv
 from oed.robot.inertia import pseudo_inertia
-from studies import payload, payload_gains
+from studies import payload, payload_bound, payload_gains
 from studies.carrying_arms import ARMS
 from studies.payload_arms import TrueArm, draw_load, random_motion_of
 from studies.payload_motion import designed_motion
@@ -30,6 +30,13 @@ def test_gains_are_found_beside_their_references(tmp_path):
     total = np.array([float(x) for x in row["error_tls"].split()])
     assert np.nanmax(np.abs(errors)) < 0.02
     assert np.abs(total).max() > 3 * np.nanmax(np.abs(errors))
+
+
+def test_no_random_motion_comes_below_the_bound(tmp_path):
+    assert payload_bound.main(["--smoke", "--out", str(tmp_path)]) == 0
+    random, bound = read_csv(tmp_path / "runs.csv")
+    assert 0 < bound["mass"] < random["mass"]
+    assert "How well a load can be told" in (tmp_path / "summary.md").read_text(encoding="utf-8")
 
 
 def test_loads_can_exist_and_are_as_large_as_they_say():
