@@ -15,7 +15,7 @@ from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.criterion import Moments, Worth, log_score, worth
 from oed.diagnosis.evidence.fit import Beside
 from oed.diagnosis.evidence.model import Fitted
-from oed.diagnosis.numbers import FORMULA_ERROR, OUTSIDE
+from oed.diagnosis.numbers import FORMULA_ERROR, OUTSIDE, SMOOTHNESS
 from oed.diagnosis.problem import Problem
 from oed.dynamics.effects.entry import AT_AN_END
 
@@ -65,10 +65,10 @@ def price(candidate: Candidate, values: Values, fitted: Fitted, rows: float) -> 
 
 
 def least_price(candidate: Candidate, problem: Problem) -> float:
-    """Price of a candidate whose shapes are all plain [nats]."""
+    """Price of a candidate whose shapes are all plain [nats]; of a smooth one each smoothness is alike."""
     if candidate.is_named:
         return float(np.log(max(len(problem.names), 1)))
-    return float(np.log(max(len(problem.smooth), 1) / OUTSIDE))
+    return float(np.log(max(len(problem.smooth), 1) * len(SMOOTHNESS) / OUTSIDE))
 
 
 def most_gained(beside: Beside, counted: Float[ndarray, " joints"]) -> float:
