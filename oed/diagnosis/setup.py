@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.diagnosis.candidates.candidate import SmoothCandidate
+from oed.diagnosis.evidence.columns import white_model
 from oed.diagnosis.evidence.nuisances import nuisances
 from oed.diagnosis.numbers import EFFECTS_PER_JOINT, LEAST_EFFECTS
 from oed.diagnosis.problem import Problem, named_candidates
@@ -26,6 +27,7 @@ from oed.estimation.noise_floor.baseline import Baseline, find_baseline
 from oed.estimation.noise_floor.linear_fit import LinearFit, fit_model
 from oed.estimation.noise_floor.smooth_terms import ALL_PAIRED, terms_alone, terms_together
 from oed.estimation.noise_floor.weighted_rows import weigh
+from oed.estimation.reach import find_reach
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.excerpts import excerpts
 from oed.experiment.preparation.mean_repetition import mean_of_repetitions
@@ -138,7 +140,7 @@ def pose(
         baseline.model,
         with_widths(baseline.model, baseline.least_widths),
         baseline.columns,
-        _precision_of_untold(before, baseline.columns),
+        _precision_of_untold(baseline.model, baseline.columns, rows),
         context,
         baseline.floor.deviation,
         named_candidates(catalogue, tuple(names or catalogue), context),
@@ -158,13 +160,21 @@ def pose(
 
 
 def _precision_of_untold(
-    before: Calibration, columns: Int[ndarray, " base"]
+    model: TorqueModel, columns: Int[ndarray, " base"], rows: WhiteRows
 ) -> Float[ndarray, "base base"]:
-    """Prior of base parameters that holds at zero what `oed identify` leaves there."""
-    estimate = before.estimate
-    own = np.searchsorted(columns, before.base.columns[list(estimate.columns)])
-    held = np.zeros((len(estimate.held_at_zero.factor), len(columns)))
-    held[:, own] = estimate.held_at_zero.factor
+    """Prior of base parameters that holds at zero what the fitted rows do not carry to the others.
+
+    As `oed identify` does, but an error that nobody can see is as large as noise: what the base model
+    leaves may be what it lacks, and would forbid the parameters that are right beside it.
+    """
+    white = white_model(model, columns, rows)
+
+    def by_row(where: Bool[ndarray, " rows"]) -> Float[ndarray, "_ base"]:
+        return white[:, where].transpose(1, 0, 2).reshape(-1, len(columns))
+
+    usual = np.sqrt(np.mean(rows.torque[:, rows.fitted] ** 2, axis=1))
+    seen, asked = by_row(rows.fitted), by_row(rows.held_out)
+    held = find_reach(seen, [asked], np.ones(rows.joints), usual).prior(len(seen)).factor
     return held.T @ held
 
 
