@@ -51,23 +51,15 @@ class Design:
                 result[place, place] = term.precision
         return result
 
-    def taken_up(self, coefficients: Float[ndarray, " columns"]) -> Float[ndarray, "joints rows"]:
-        """(n, R) white torque that the nuisances give: no part of a prediction.
-
-        Args:
-            coefficients: Of the columns.
-        """
-        start, nuisances = len(self.visible), self.problem.nuisances
-        return nuisances @ coefficients[start : start + nuisances.shape[2]]
-
     def left_ahead(self, coefficients: Float[ndarray, " columns"]) -> Float[ndarray, "joints rows"]:
-        """(n, R) white torque that is left where rows are predicted.
+        """(n, R) white torque that is left where rows are predicted: nuisances are part of no prediction.
 
         Args:
             coefficients: Of the columns, found on whichever rows; further ones are part of no model.
         """
-        given = self.columns @ coefficients[: self.columns.shape[2]]
-        return self.problem.rows.torque - given + self.taken_up(coefficients)
+        count, start, nuisances = self.columns.shape[2], len(self.visible), self.problem.nuisances
+        beside = nuisances @ coefficients[start : start + nuisances.shape[2]]
+        return self.problem.rows.torque - self.columns @ coefficients[:count] + beside
 
     def alike(self, coefficients: Float[ndarray, " columns"]) -> tuple[ndarray, ndarray]:
         """Columns that tell what is alike in all repetitions by their mean alone.

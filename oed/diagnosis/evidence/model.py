@@ -109,7 +109,7 @@ class Fitted:
         """
         left = self.projection.residual
         if is_ahead:
-            left = left + self.design.taken_up(self.projection.coefficients)
+            left = self.design.left_ahead(self.projection.coefficients)
         left = left[:, where]
         return np.sum(left**2, axis=1)
 
