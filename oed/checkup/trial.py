@@ -3,6 +3,7 @@
 All recordings are fitted, with a rotor's inertia and a constant torque of each joint, as drives and sensors
 have them whether or not they are declared. So every change of the log has as many parameters to fit it
 with, what two of them leave can be compared as it is, and what is no fault of the log is not put down to one.
+Friction may have any law, but takes power from every joint: so a sign tells where a joint hardly couples to others.
 
 Each joint's rows and the torques of all joints are kept as one triangular factor (Golub and Van Loan,
 Matrix Computations, section 5.3), and from it as normal equations in a basis that makes them well
@@ -16,8 +17,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy.linalg import null_space, solve_triangular
+from scipy.optimize import nnls
 
 from oed.checkup.change import Change
 from oed.dynamics.effects import RotorInertia
@@ -55,25 +58,33 @@ class NormalEquations:
     """Of each joint's rows, for all torques that may be its own.
 
     Attributes:
-        basis: (p + n, r) of the parameters: combinations that differ on the recordings.
+        basis: (p + n, r) of the parameters: combinations that differ on the recordings, first those that
+            leave the power of friction as it is.
+        power: (c, n) how much of the last c combinations makes each joint's friction take a unit of power.
         information: (n, r, r) products of the columns, mean over samples; likewise the others.
         products: (n, r, n) of the columns and each torque.
         squares: (n,) of each torque.
     """
 
     basis: Float[ndarray, "width rank"]
+    power: Float[ndarray, "last joints"]
     information: Float[ndarray, "joints rank rank"]
     products: Float[ndarray, "joints rank joints"]
     squares: Float[ndarray, " joints"]
 
     @classmethod
     def of(
-        cls, factors: Sequence[Float[ndarray, "_ width"]], *, constants: bool
+        cls,
+        factors: Sequence[Float[ndarray, "_ columns"]],
+        friction: Bool[ndarray, " parameters"],
+        *,
+        constants: bool,
     ) -> NormalEquations:
-        """From the factors of rows [columns | 1 | torques].
+        """From the factors of rows [columns | 1 | velocity | torques].
 
         Args:
             factors: Of each joint's rows, of their mean over samples.
+            friction: (p,) whether a parameter is one of friction.
             constants: Whether each joint has a constant torque.
         """
         n = len(factors)
@@ -82,7 +93,7 @@ class NormalEquations:
         unit = np.sqrt(np.where(squares > 0, squares, 1.0))
         columns = [
             np.column_stack(
-                [f[:, : -1 - n], np.outer(f[:, -1 - n], constants * (np.arange(n) == j))]
+                [f[:, : -2 - n], np.outer(f[:, -2 - n], constants * (np.arange(n) == j))]
             )
             for j, f in enumerate(factors)
         ]
@@ -93,9 +104,18 @@ class NormalEquations:
         kept = sizes > RANK * sizes[0]
         basis = np.zeros((len(norms), int(kept.sum())))
         basis[used] = right[kept].T / sizes[kept] / norms[used][:, None]
+        # Mean power that a unit of each parameter takes, the parameters in units of what they do.
+        taken = np.zeros((n, len(norms)))
+        taken[:, : len(friction)] = [f[:, : -2 - n].T @ f[:, -1 - n] * friction for f in factors]
+        taken = taken[:, used] / norms[used]
+        holding = sizes[kept][:, None] * right[kept]
+        turned, extents, _ = np.linalg.svd(holding @ null_space(taken, RANK))
+        free = int(np.sum(extents > RANK * extents[0]))
+        basis = basis @ turned
         own = [c @ basis for c in columns]
         return cls(
             basis,
+            turned[:, free:].T @ holding @ np.linalg.pinv(taken, RANK),
             np.stack([c.T @ c for c in own]),
             np.stack([c.T @ t for c, t in zip(own, torques, strict=True)]),
             squares,
@@ -116,7 +136,7 @@ class NormalEquations:
         for _ in range(STEPS):
             weights = (1.0 if counts is None else counts[source]) / left
             information = np.tensordot(weights, self.information, 1)
-            solved = np.linalg.solve(information, weights @ product)
+            solved = self._solve(information, weights @ product)
             before = left
             left = square - 2 * product @ solved + self.information @ solved @ solved
             left = np.maximum(left, least)
@@ -125,6 +145,23 @@ class NormalEquations:
         relative = np.sqrt(np.where(square > 0, left / np.where(square > 0, square, 1.0), 0.0))
         residual = change.by_column(np.sqrt(left) / np.abs(gain))
         return Outcome(change, relative, residual, self.basis @ solved)
+
+    def _solve(
+        self, information: Float[ndarray, "rank rank"], product: Float[ndarray, " rank"]
+    ) -> Float[ndarray, " rank"]:
+        """Combinations of least squares with which friction drives no joint.
+
+        What leaves its power as it is explains what it can; the powers are found beside it (Lawson
+        and Hanson 1974, Solving Least Squares Problems, chapter 23).
+        """
+        # Weights of joints far apart may leave a combination to rounding.
+        ridge = np.finfo(float).eps * np.trace(information)
+        lower = np.linalg.cholesky(information + ridge * np.eye(len(product)))
+        target = solve_triangular(lower, product, lower=True)
+        last = slice(len(target) - len(self.power), None)
+        beside = lower[last, last].T @ self.power
+        target[last] = beside @ nnls(beside, target[last])[0]
+        return solve_triangular(lower.T, target)
 
 
 def with_rotors(model: TorqueModel) -> TorqueModel:
@@ -154,7 +191,8 @@ class Trials:
     @cached_property
     def without_constants(self) -> Outcome:
         """The log as it is by the model alone."""
-        return NormalEquations.of(self._logged_factors, constants=False).fit(self._none)
+        logged = NormalEquations.of(self._logged_factors, self._friction, constants=False)
+        return logged.fit(self._none)
 
     def equations(self, changes: Sequence[Change]) -> list[NormalEquations]:
         """Of each change; those with the same columns are laid out once."""
@@ -176,6 +214,10 @@ class Trials:
         lengths = [correlation_length([own[:, j] for own in left]) for j in range(left[0].shape[1])]
         return outcome.change.by_column(np.minimum(rows / np.array(lengths), most))
 
+    @cached_property
+    def _friction(self) -> Bool[ndarray, " parameters"]:
+        return np.array([p == "friction" for e in self.model.effects for p in e.parts])
+
     @property
     def _none(self) -> Change:
         return Change.none(self.model.robot.n)
@@ -186,21 +228,25 @@ class Trials:
 
     @cached_property
     def _logged(self) -> NormalEquations:
-        return NormalEquations.of(self._logged_factors, constants=True)
+        return NormalEquations.of(self._logged_factors, self._friction, constants=True)
 
     def _equations(self, change: Change) -> NormalEquations:
         if change.of_columns == self._none.of_columns:
             return self._logged
-        return NormalEquations.of(self._factors(change), constants=True)
+        return NormalEquations.of(self._factors(change), self._friction, constants=True)
 
     def _factors(self, change: Change) -> list[Float[ndarray, "_ width"]]:
-        """Of each joint's rows [columns | 1 | torques], their mean over samples."""
+        """Of each joint's rows [columns | 1 | velocity | torques], their mean over samples."""
         factors: list[Float[ndarray, "_ width"]] = []
         for recording in self.recordings:
             for place, columns in self._pieces(recording, change):
                 tau = recording.tau[place]
                 ones = np.ones((len(tau), 1))
-                rows = [np.column_stack([columns[:, j], ones, tau]) for j in range(tau.shape[1])]
+                dq = change.motion(recording.motion[place]).dq
+                rows = [
+                    np.column_stack([columns[:, j], ones, dq[:, j], tau])
+                    for j in range(tau.shape[1])
+                ]
                 before = factors or [own[:0] for own in rows]
                 factors = [factor_of(pair) for pair in zip(before, rows, strict=True)]
         samples = sum(len(recording) for recording in self.recordings)

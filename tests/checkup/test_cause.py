@@ -198,10 +198,11 @@ def test_torques_reversed_at_two_joints_are_named_together():
 
 
 @needs_shared_data
-def test_signs_that_nothing_tells_are_not_named_with_those_that_are_reversed():
-    """Joints 2 and 3 reversed are joints 1 and 4 to 6 reversed, whose last hardly couple."""
-    found = search(changed(read_dataset(SHARED_DATA / "staubli_tx40"), tau=reversed_at(1, 2)))
-    assert found.cause is None
+@pytest.mark.parametrize("joints", [(1, 2), (3,), (4,), (5,)])
+def test_reversed_signs_are_told_by_the_power_that_friction_takes(joints):
+    """Joints 4 to 6 hardly couple to the others: without it joints 2 and 3 are joints 1 and 4 to 6."""
+    found = cause(changed(read_dataset(SHARED_DATA / "staubli_tx40"), tau=reversed_at(*joints)))
+    assert found.remedy == "reverse " + ", ".join(f"tau_{j + 1}" for j in joints)
 
 
 @needs_shared_data
