@@ -8,6 +8,8 @@ from oed.experiment.importing.import_log import ImportChoices
 from studies.public_arms.arm import ONE_MOTION, Log, Peer, PublicArm
 
 LOG = Path("src/test/measurements.csv")
+# The log's torques are those that the arm feels: against the file's inertials each correlates by -1.
+FELT = -1.0
 RATE = 100.0  # [Hz] that the published code takes the rows to have
 
 
@@ -15,7 +17,8 @@ def choices(clone: Path, folder: Path) -> ImportChoices:  # noqa: ARG001
     """Joint torque sensors."""
     columns = {x: tuple(f"{x}_{j}" for j in range(7)) for x in ("q", "tau")}
     urdf = clone / "urdf/med/med7dock.urdf"
-    return ImportChoices(robot=str(urdf), columns=columns, rate=RATE, torque="measured")
+    felt = {"tau": (FELT,) * 7}
+    return ImportChoices(robot=str(urdf), columns=columns, sign=felt, rate=RATE, torque="measured")
 
 
 def logs(clone: Path, folder: Path) -> tuple[Log, ...]:  # noqa: ARG001

@@ -37,7 +37,7 @@ class ImportChoices:
         joints: The joints of the robot that the logs are of, in the order of their columns.
         columns: Names of columns by quantity (t, q, dq, ddq, tau).
         units: Units by quantity.
-        sign: (n,) 1 or -1 a joint, for all that is logged of it.
+        sign: (n,) 1 or -1 a joint, for all that is logged of it; or by quantity.
         zero: (n,) what is logged where the robot's joint is at zero, in the unit of the log.
         ticks_per_turn: Of encoders whose positions are in ticks.
         rate: Rows a second, where no column tells the time [Hz].
@@ -54,7 +54,7 @@ class ImportChoices:
     joints: tuple[str, ...] = ()
     columns: Mapping[str, tuple[str, ...]] | None = None
     units: Mapping[str, tuple[str, ...]] | None = None
-    sign: tuple[float, ...] = ()
+    sign: tuple[float, ...] | Mapping[str, tuple[float, ...]] = ()
     zero: tuple[float, ...] = ()
     ticks_per_turn: float | None = None
     rate: float | None = None
@@ -183,7 +183,8 @@ def _content(
     if choices.rate is not None:
         content["rate"] = choices.rate
     if choices.sign:
-        content["sign"] = list(choices.sign)
+        own = choices.sign
+        content["sign"] = dict(own) if isinstance(own, Mapping) else list(own)
     if zero:
         content["zero"] = zero
     content["columns"] = {
