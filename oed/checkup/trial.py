@@ -104,18 +104,15 @@ class NormalEquations:
         kept = sizes > RANK * sizes[0]
         basis = np.zeros((len(norms), int(kept.sum())))
         basis[used] = right[kept].T / sizes[kept] / norms[used][:, None]
-        # Mean power that a unit of each parameter takes, the parameters in units of what they do.
         taken = np.zeros((n, len(norms)))
         taken[:, : len(friction)] = [f[:, : -2 - n].T @ f[:, -1 - n] * friction for f in factors]
-        taken = taken[:, used] / norms[used]
         holding = sizes[kept][:, None] * right[kept]
-        turned, extents, _ = np.linalg.svd(holding @ null_space(taken, RANK))
-        free = int(np.sum(extents > RANK * extents[0]))
+        turned, power = _power_apart(holding, taken[:, used] / norms[used])
         basis = basis @ turned
         own = [c @ basis for c in columns]
         return cls(
             basis,
-            turned[:, free:].T @ holding @ np.linalg.pinv(taken, RANK),
+            power,
             np.stack([c.T @ c for c in own]),
             np.stack([c.T @ t for c, t in zip(own, torques, strict=True)]),
             squares,
@@ -162,6 +159,23 @@ class NormalEquations:
         beside = lower[last, last].T @ self.power
         target[last] = beside @ nnls(beside, target[last])[0]
         return solve_triangular(lower.T, target)
+
+
+def _power_apart(
+    holding: Float[ndarray, "rank parameters"], taken: Float[ndarray, "joints parameters"]
+) -> tuple[Float[ndarray, "rank rank"], Float[ndarray, "last joints"]]:
+    """A turn of combinations after which only the last ones change the power of friction.
+
+    Args:
+        holding: How much of each combination a unit of each parameter is.
+        taken: Mean power that it takes from each joint.
+
+    Returns:
+        The turn; and how much of each of the last combinations a unit of each joint's power is.
+    """
+    turn, extents, _ = np.linalg.svd(holding @ null_space(taken, RANK))
+    idle = int(np.sum(extents > RANK * extents[0]))
+    return turn, turn[:, idle:].T @ holding @ np.linalg.pinv(taken, RANK)
 
 
 def with_rotors(model: TorqueModel) -> TorqueModel:
