@@ -23,13 +23,12 @@ def all_reversed(dataset: DataSet, projection: Projection) -> Cause | None:
         return None
     if (projection.braking[telling] > CLEAR_SHARE).any():
         return None  # its friction says that the signs are right, and the file is wrong
-    drives = projection.friction < -LEAST_SHARE
-    if not (drives or (projection.friction < LEAST_SHARE and len(telling) > 1)):
+    if not (projection.is_driven or (projection.friction < LEAST_SHARE and len(telling) > 1)):
         return None
     names = dataset.robot.joint_names
     shown = ", ".join(f"{projection.correlation[j]:.2f} at {names[j]}" for j in telling)
     evidence = f"correlation with the torque of the robot file's own inertials {shown}"
-    if drives:
+    if projection.is_driven:
         evidence += "; friction would drive the joints instead of braking them"
     every = f"tau_1 ... tau_{len(names)}" if len(names) > 1 else "tau_1"
     return Cause("sign", "all torques have the opposite sign", f"reverse {every}", evidence)

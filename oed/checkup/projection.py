@@ -17,7 +17,7 @@ from numpy import ndarray
 
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.dissipation import CLEAR_SHARE
+from oed.estimation.dissipation import CLEAR_SHARE, LEAST_SHARE
 from oed.estimation.triangular import factor_of
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
@@ -56,6 +56,11 @@ class Projection:
     def contrary(self) -> Bool[ndarray, " joints"]:
         """Joints whose torque is the file's with the other sign, or that friction clearly drives."""
         return (self.correlation <= -SUSPECT) | (self.braking < -CLEAR_SHARE)
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether friction drives the arm as a whole."""
+        return self.friction < -LEAST_SHARE
 
 
 def project(

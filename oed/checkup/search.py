@@ -17,7 +17,6 @@ from oed.checkup.projection import Projection, project
 from oed.checkup.repair import Weighing, find_repair
 from oed.checkup.trial import Outcome, Trials, with_rotors
 from oed.dynamics.torque_model import TorqueModel
-from oed.estimation.dissipation import LEAST_SHARE
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.processed import ProcessedRecording
 from oed.experiment.recording import Role
@@ -59,7 +58,7 @@ def find_cause(
     as_logged = trials.without_constants
     is_bad = bool((as_logged.relative > USELESS).any() or projection.contrary.any())
     cause, is_repaired = _magnitude(dataset) if is_bad else None, False
-    if cause is None and projection.friction < -LEAST_SHARE:  # it drives the arm as a whole
+    if cause is None and projection.is_driven:
         cause = all_reversed(dataset, projection)
     if cause is None:
         cause, is_repaired = find_repair(trials, dataset, is_bad=is_bad)

@@ -13,10 +13,10 @@ from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.effects import Coulomb, TorqueOffset, Viscous, with_columns
 from oed.dynamics.effects.load import LoadFriction
 from oed.dynamics.effects.stribeck import Stribeck
-from oed.dynamics.motion import Motion, random_motion
+from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 
-STATES = 400  # within the limits, over which the torque that drives are made for is averaged
+STATES = 400  # within the limits, over which torque that drives need is averaged, and columns
 # As shares of the torque that a drive is made for: what currents leave unexplained, and Coulomb
 # friction, of a UR5 and a UR10 (150 and 28 N m; 0.8 and 0.1 N m; 9 and 1.5 N m).
 NOISE = 0.005
@@ -94,7 +94,7 @@ def covariance_of(
     return covariance + np.diag(np.where(nothing, wide, 0.0) ** 2)
 
 
-def drive_sizes(arm: DesignProblem, motion: Motion) -> Float[ndarray, " joints"]:
+def drive_sizes(arm: DesignProblem) -> Float[ndarray, " joints"]:
     """(n,) torque that each drive is made for [N m]: its limit, or what the arm needs of it.
 
     Drives are chosen by that, and so are their friction and the noise of their currents.
@@ -105,7 +105,8 @@ def drive_sizes(arm: DesignProblem, motion: Motion) -> Float[ndarray, " joints"]
     if np.any(inertial):
         whole = np.zeros(len(arm.model.parameters))
         whole[: len(inertial)] = inertial
-        needed = SPARE * np.sqrt(np.mean(arm.model.torque(whole, motion) ** 2, axis=0))
+        within = random_motion(robot, STATES, np.random.default_rng(0))
+        needed = SPARE * np.sqrt(np.mean(arm.model.torque(whole, within) ** 2, axis=0))
         needed = np.maximum(needed, LEAST_DRIVE * needed.max())
     limit = np.abs(robot.limits.torque).max(axis=1)
     return np.where(np.isfinite(limit), limit, needed)

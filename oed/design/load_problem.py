@@ -39,7 +39,7 @@ from oed.dynamics.motion import random_motion
 from oed.dynamics.torque_model import TorqueModel
 from oed.robot import JointLimits, Robot
 
-STATES = 400  # within the limits, over which columns are compared, and torque that drives need
+STATES = 400  # random ones, over which a load's columns are compared
 ARM = "rotor"  # model of an arm of which no model is given
 # General motion that an arm is known from where no model is given: as the how-to asks for.
 GENERAL = 30.0  # [s]
@@ -151,7 +151,7 @@ def load_problem(arm: DesignProblem, joint: int, known: KnownTorqueModel | None)
     alone = _with_open_friction(found)
     model = alone.with_effects(*load_model(robot, joint).effects)
     own, held = base_parameters(alone), _load_base(robot, joint)
-    sizes = drive_sizes(arm, random_motion(robot, STATES, np.random.default_rng(0)))
+    sizes = drive_sizes(arm)
     wide, change = expected(alone, own, sizes, known)
     problem = LoadProblem(
         model=model,

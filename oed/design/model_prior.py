@@ -16,11 +16,9 @@ from oed.design.known_arm import NOISE, KnownTorqueModel, drive_sizes
 from oed.design.problem import DesignProblem
 from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.effects import Effect, with_columns
-from oed.dynamics.motion import random_motion
 from oed.dynamics.online import Offline
 from oed.dynamics.torque_model import TorqueModel
 
-STATES = 400  # within the limits, over which the torque that drives are made for is averaged
 RANK = 1e-10  # of the largest variance, in units of the deviations: beneath it nothing was sampled
 
 
@@ -65,10 +63,9 @@ def completing(problem: DesignProblem, known: KnownTorqueModel) -> DesignProblem
         problem: Of the model's effects, without a covariance of its own.
         known: The same model's numbers.
     """
-    within = random_motion(problem.model.robot, STATES, np.random.default_rng(0))
     return dataclasses.replace(
         problem,
-        covariance=(NOISE * drive_sizes(problem, within)) ** 2,
+        covariance=(NOISE * drive_sizes(problem)) ** 2,
         prior=known_information(problem.base, known.covariance),
     )
 

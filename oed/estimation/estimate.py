@@ -9,7 +9,6 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import stats
 
-from oed.estimation.prior import Prior
 from oed.estimation.quoted_interval import lower_bounds
 
 
@@ -36,7 +35,6 @@ class Estimate:
         columns: (p,) indices of the regressor's columns that the parameters multiply.
         reach: (p,) how far an unseen error reaches along each direction of the parameters, as
             `oed.estimation.reach`, largest first; those beyond 1 are left at zero.
-        held_at_zero: The prior along those.
         quoted_from: Standard deviations from zero from which on a parameter is quoted, which its
             interval knows; 0 where all are.
     """
@@ -56,7 +54,6 @@ class Estimate:
     reasons: tuple[str, ...]
     columns: tuple[int, ...]
     reach: Float[ndarray, " p"]
-    held_at_zero: Prior
     quoted_from: float = 0.0
 
     def __post_init__(self) -> None:

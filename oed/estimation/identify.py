@@ -154,7 +154,6 @@ def identify(
         reasons=found.reasons + tuple(weak.values()),
         columns=found.kept,
         reach=reach.factor,
-        held_at_zero=reach.prior(torque.size),
         quoted_from=1 / largest_relative_std,
     )
 
