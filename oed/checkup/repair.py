@@ -110,15 +110,20 @@ def find_repair(trials: Trials, dataset: DataSet, *, is_bad: bool) -> tuple[Caus
     lead = min(found.over(other) for other in rivals)
     if lead <= VERY_STRONG or weigh(trials, found.after[0], every).repairs:
         return None, True
-    # Where the sign of a torque and that of a position do the same, the torque's is named.
-    near = (s for s, outcome in alike if found.over(outcome) <= VERY_STRONG)
+    # Of a joint that hardly couples, the sign of the torque and that of the position do the same.
+    near = [s for s, outcome in alike if not dataclasses.replace(found, before=outcome).repairs]
     best = next((s for s in near if s.kind == "sign"), best)
+    either = [best, *(s for s in near if s.kind == "position_sign" and s is not best)]
     if best.kind == "sign" and not _brakes(trials, best.change):
         kept = tuple(j for j, gain in enumerate(best.change.gain) if gain > 0)
         if (_projection(trials, trials.as_logged.change).braking[list(kept)] > LEAST_SHARE).any():
             return None, True
         best = signs(dataset, kept)
-    return Cause(best.kind, best.text, best.remedy, _evidence(dataset, found, lead)), True
+        either = [best]
+    text, remedy = (
+        ", or ".join(words) for words in zip(*((s.text, s.remedy) for s in either), strict=True)
+    )
+    return Cause(best.kind, text, remedy, _evidence(dataset, found, lead)), True
 
 
 def _parted(found: Weighing) -> tuple[list[tuple[Suspicion, Outcome]], list[Outcome]]:

@@ -50,17 +50,25 @@ def exchanged(i, j):
     return lambda x: x[:, order]
 
 
+def either_sign(joint):
+    """The remedy for a joint of which the data cannot tell whether its torque or its position is reversed."""
+    n = joint + 1
+    return f"reverse tau_{n}, or reverse q_{n} (and dq_{n}), or the axis in the robot's file"
+
+
 def times(*factors):
     return lambda x: x * np.array(factors)
 
 
-@pytest.mark.parametrize("joint", range(3))
-def test_a_reversed_torque_is_named(sound, joint):
+@pytest.mark.parametrize(
+    ("joint", "remedy"), [(0, either_sign(0)), (1, "reverse tau_2"), (2, "reverse tau_3")]
+)
+def test_a_reversed_torque_is_named(sound, joint, remedy):
     factors = np.where(np.arange(3) == joint, -1.0, 1.0)
     found = cause(changed(sound, tau=times(*factors)))
     assert found.kind == "sign"
     assert f"(tau_{joint + 1}) is reversed" in found.text
-    assert found.remedy == f"reverse tau_{joint + 1}"
+    assert found.remedy == remedy
 
 
 @pytest.mark.parametrize("known_inertials", [True, False])
@@ -183,12 +191,14 @@ def reversed_at(*joints):
 
 
 @needs_shared_data
-@pytest.mark.parametrize("joint", range(3))
-def test_a_reversed_torque_is_named_beside_a_joint_that_nothing_explains(joint):
+@pytest.mark.parametrize(
+    ("joint", "remedy"), [(0, either_sign(0)), (1, "reverse tau_2"), (2, "reverse tau_3")]
+)
+def test_a_reversed_torque_is_named_beside_a_joint_that_nothing_explains(joint, remedy):
     """Half of the torque of the fifth joint stays unexplained, whatever is changed."""
     found = cause(changed(read_dataset(SHARED_DATA / "staubli_tx40"), tau=reversed_at(joint)))
     assert found.kind == "sign"
-    assert found.remedy == f"reverse tau_{joint + 1}"
+    assert found.remedy == remedy
 
 
 @needs_shared_data
@@ -198,11 +208,22 @@ def test_torques_reversed_at_two_joints_are_named_together():
 
 
 @needs_shared_data
-@pytest.mark.parametrize("joints", [(1, 2), (3,), (4,), (5,)])
-def test_reversed_signs_are_told_by_the_power_that_friction_takes(joints):
-    """Joints 4 to 6 hardly couple to the others: without it joints 2 and 3 are joints 1 and 4 to 6."""
-    found = cause(changed(read_dataset(SHARED_DATA / "staubli_tx40"), tau=reversed_at(*joints)))
-    assert found.remedy == "reverse " + ", ".join(f"tau_{j + 1}" for j in joints)
+def test_reversed_signs_are_told_by_the_power_that_friction_takes():
+    """The last joints hardly couple to the others: without it TX40's 2 and 3 are 1 and 4 to 6."""
+    found = cause(changed(read_dataset(SHARED_DATA / "staubli_tx40"), tau=reversed_at(1, 2)))
+    assert found.remedy == "reverse tau_2, tau_3"
+
+
+@needs_shared_data
+@pytest.mark.parametrize(
+    ("name", "joint"),
+    [("staubli_tx40", 3), ("staubli_tx40", 4), ("staubli_tx40", 5), ("franka_panda", 6)],
+)
+def test_the_sign_of_a_joint_that_hardly_couples_is_its_torque_s_or_its_position_s(name, joint):
+    """A few per cent that the Panda's seventh position explains better with its other sign are no repair."""
+    found = cause(changed(read_dataset(SHARED_DATA / name), tau=reversed_at(joint)))
+    assert found.kind == "sign"
+    assert found.remedy == either_sign(joint)
 
 
 @needs_shared_data
