@@ -19,6 +19,7 @@ from oed.experiment.importing.propose_roles import Part, Timed, moved, parts_of,
 from oed.experiment.importing.propose_units import UnitProposal
 from oed.experiment.importing.read_log_values import LogValues, read_values
 from oed.experiment.importing.stated import OPTIONS, check_keys
+from oed.experiment.importing.unused_columns import unused_note
 from oed.experiment.log_format import COLUMN_KEYS, UNIT_KEYS
 from oed.experiment.logs import read_log
 from oed.experiment.manifest import MANIFEST, manifest_of
@@ -124,7 +125,9 @@ def propose_import(
     content = _content(paths, choices, robot, values[0], parts) | {"name": name}
     dataset = _read(content, Path(out), tuple(joints) or None)
     dead = [note for one in values for note in one.left_out]
-    notes = (*columns[0].notes, *values[0].notes, *_fixed_notes(robot), *dataset.notes, *dead, why)
+    passed = unused_note([one.columns for one in values])
+    first = (*columns[0].notes, *passed, *values[0].notes)
+    notes = (*first, *_fixed_notes(robot), *dataset.notes, *dead, why)
     return Import(dataset, content, paths, tuple(dict.fromkeys(notes)))
 
 

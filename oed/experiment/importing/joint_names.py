@@ -51,12 +51,12 @@ def _same_core(labels: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
 
 def _cores(names: Sequence[str]) -> list[str]:
     plain = [_plain(name) for name in names]
-    start = _common_start(plain)
-    end = _common_start([name[start:][::-1] for name in plain])
+    start = common_start(plain)
+    end = common_start([name[start:][::-1] for name in plain])
     return [name[start : len(name) - end].strip("_") for name in plain]
 
 
-def _common_start(words: Sequence[str]) -> int:
+def common_start(words: Sequence[str]) -> int:
     """How many letters all words begin with."""
     columns = itertools.takewhile(lambda letters: len(set(letters)) == 1, zip(*words, strict=False))
     return sum(1 for _ in columns)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from oed.counted import counted
 from oed.errors import DataSetError
@@ -52,6 +52,7 @@ class ColumnProposal:
         units: Units that the names state, by quantity.
         torque: What the torque seems to be.
         notes: Why, a line each.
+        log: That the table is of.
     """
 
     table: Table
@@ -59,7 +60,8 @@ class ColumnProposal:
     columns: Mapping[str, tuple[str, ...]]
     units: Mapping[str, tuple[str, ...]]
     torque: TorqueKind
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...]
+    log: Log
 
 
 def propose_columns(
@@ -79,7 +81,7 @@ def propose_columns(
     errors = []
     for table in log.tables:
         try:
-            return _proposal(table, joints, stated)
+            return _proposal(log, table, joints, stated)
         except DataSetError as error:
             errors.append(error)
     # The first table has the most columns.
@@ -87,7 +89,7 @@ def propose_columns(
 
 
 def _proposal(
-    table: Table, joints: RobotJoints, stated: Mapping[str, tuple[str, ...]]
+    log: Log, table: Table, joints: RobotJoints, stated: Mapping[str, tuple[str, ...]]
 ) -> ColumnProposal:
     called = {column: _called(table, column) for column in table.columns}
     if not stated and all(column.isdigit() for column in table.columns):
@@ -119,7 +121,7 @@ def _proposal(
         columns[REPETITION] = (REPETITION,)
     given = {key: value for key, value in units.items() if any(value)}
     notes = (*table.text, _told(order, names), *more)
-    return ColumnProposal(table, names, columns, given, kind, notes)
+    return ColumnProposal(table, names, columns, given, kind, notes, log)
 
 
 def _times(called: Mapping[str, str], stated: Mapping[str, tuple[str, ...]]) -> list[Named]:

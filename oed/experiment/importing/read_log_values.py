@@ -15,6 +15,7 @@ from oed.experiment.importing.layouts import EPISODES
 from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.propose_units import UnitProposal, propose_units
 from oed.experiment.log_format import LogFormat
+from oed.experiment.logs.table import Table
 from oed.experiment.recording_checks import check_rows
 from oed.experiment.torque_faults import HELD_ROWS
 from oed.experiment.units import factor_to_si
@@ -142,10 +143,15 @@ def _dead(whole: Bool[ndarray, " samples"], reports: Bool[ndarray, " samples"]) 
 
 
 def _episodes(columns: ColumnProposal, rows: tuple[int, int]) -> Int[ndarray, " samples"] | None:
-    name = next((name for name in EPISODES if name in columns.table.columns), None)
+    name = episode_column(columns.table)
     if name is None:
         return None
     return columns.table.take([name])[name][slice(*rows)].astype(np.int64)
+
+
+def episode_column(table: Table) -> str | None:
+    """The column that numbers the episodes of a log; None if there is none."""
+    return next((name for name in EPISODES if name in table.columns), None)
 
 
 def _with_clock(

@@ -85,7 +85,8 @@ def _echo_table(text: CsvText, echo: EchoLayout, file: str) -> Table:
         return values
 
     what = "read as the CSV of `ros2 topic echo` of sensor_msgs/msg/JointState"
-    return Table(("stamp", *text.header), load, file, first_row=text.first_row, text=(what,))
+    told = ("stamp", *text.header[echo.names_at.stop :])
+    return Table(told, load, file, first_row=text.first_row, text=(what,))
 
 
 def _load(text: CsvText, names: tuple[str, ...], file: str) -> Mapping[str, ndarray]:

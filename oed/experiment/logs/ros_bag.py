@@ -83,7 +83,8 @@ def read_bag(path: Path) -> Log:
     for sample in samples:
         groups.setdefault((sample.topic, frozenset(sample.columns)), []).append(sample)
     tables = [_table(group, file) for group in groups.values()]
-    return Log(file, tuple(sorted(tables, key=lambda table: -len(table.columns))))
+    others = tuple(f"topic {topic} ({kind})" for topic, kind in topics if kind not in KINDS)
+    return Log(file, tuple(sorted(tables, key=lambda table: -len(table.columns))), others)
 
 
 def _samples(reader: AnyReader, file: str) -> Iterator[_Sample]:

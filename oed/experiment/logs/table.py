@@ -121,10 +121,12 @@ class Log:
     Attributes:
         file: Where it comes from, for messages.
         tables: At least one.
+        passed_over: What else it holds, such as topics that carry no joint states.
     """
 
     file: str
     tables: tuple[Table, ...]
+    passed_over: tuple[str, ...] = ()
 
 
 def table_of(
