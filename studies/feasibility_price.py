@@ -1,6 +1,6 @@
 """What do physical constraints cost in torque residual, and what do they buy?
 
-    python -m studies.feasibility_price [--smoke] [--out results/feasibility_price] [--seed N]
+    python -m studies.feasibility_price [--workers N] [--scheduler ADDRESS] [--smoke] [--seed N]
 
 Calafiore, Indri and Bona (2001) left open how constraints change the residuals where plain least
 squares "may lead to physically unfeasible values". Here an arm with known parameters moves well
@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
 
@@ -27,7 +27,6 @@ from oed.dynamics.base_parameters import BaseParameters
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.motion import Motion, random_motion
 from oed.dynamics.torque_model import TorqueModel
-from oed.errors import OedError
 from oed.estimation.feasible.base_feasibility import base_feasibility
 from oed.estimation.feasible.data_factor import DataFactor
 from oed.estimation.feasible.estimate import estimate_feasible
@@ -37,15 +36,20 @@ from oed.estimation.feasible.mass_matrix import (
     share_positive_definite,
 )
 from oed.estimation.feasible.regularisation import Regularisation
-from oed.process_end import leave
-from oed.report.progress import progress
-from oed.report.provenance import Provenance
-from oed.report.table import Row, write_csv
+from oed.process_end import RESUMES, leave
 from oed.robot import Robot
 from oed.robot.inertia import parameters_from_pseudo_inertia, pseudo_inertia
+from studies.case_runner import CaseRunner, Outcome, RowFile, leave_page, work_through
 from studies.elbow_arm import COULOMB, VISCOUS, elbow_arm
 from studies.feasibility_summary import summarise
-from studies.study_options import StudyOptions
+from studies.study_options import CaseOptions
+
+KEY = ("excitation", "noise", "samples", "repeat", "estimator")
+VALUES = (
+    "condition", "estimation_rms", "validation_error", "parameter_error", "positive_definite",
+    "feasible_robot", "seconds", "status",
+)  # fmt: skip
+ESTIMATORS = ("plain", "feasible", "feasible, prior")
 
 
 @dataclass(frozen=True)
@@ -98,12 +102,31 @@ SMOKE = Config(
 
 @dataclass(frozen=True)
 class Case:
-    """One experiment: which motion, how much noise per torque rms, how many samples."""
+    """One estimator on one experiment.
 
+    Attributes:
+        config: Of the study.
+        place: Of the experiment among all: with the study's seed it decides what is drawn.
+        excitation: Of the motion.
+        noise: Per torque rms.
+        samples: Of the motion.
+        repeat: Which draw.
+        estimator: Of `ESTIMATORS`.
+    """
+
+    config: Config
+    place: int
     excitation: Excitation
     noise: float
     samples: int
     repeat: int
+    estimator: str
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What its line begins with."""
+        numbers = (str(self.noise), str(self.samples), str(self.repeat))
+        return (self.excitation.name, *numbers, self.estimator)
 
 
 @dataclass(frozen=True)
@@ -125,22 +148,19 @@ class Arm:
     poses: Float[ndarray, "k joints"]
 
 
-def run(config: Config) -> list[Row]:
-    """One row for each case, draw and estimator; failures are rows with a reason."""
-    arm = build_arm(config)
-    cases = [
-        Case(*choice)
-        for choice in itertools.product(
-            config.excitations, config.noises, config.samples, range(config.repeats)
-        )
+def cases_of(config: Config) -> list[Case]:
+    """Every estimator on every experiment."""
+    choices = itertools.product(
+        config.excitations, config.noises, config.samples, range(config.repeats)
+    )
+    return [
+        Case(config, place, *choice, name)
+        for place, choice in enumerate(choices)
+        for name in ESTIMATORS
     ]
-    seeds = np.random.SeedSequence(config.seed).spawn(len(cases))
-    rows: list[Row] = []
-    for case, seed in progress(list(zip(cases, seeds, strict=True)), "feasibility price"):
-        rows += _rows(arm, config, case, np.random.default_rng(seed))
-    return rows
 
 
+@lru_cache(maxsize=1)
 def build_arm(config: Config) -> Arm:
     """The elbow arm, its base parameters and the poses to examine."""
     rng = np.random.default_rng(config.seed)
@@ -159,46 +179,33 @@ def build_arm(config: Config) -> Arm:
     )
 
 
-def _rows(arm: Arm, config: Config, case: Case, rng: np.random.Generator) -> Iterator[Row]:
+def work(case: Case) -> Outcome:
+    """What an estimator's parameters are worth."""
+    config, arm = case.config, build_arm(case.config)
+    rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(case.place,)))
     model = arm.model
     motion = random_harmonics(case.excitation, model.robot.n, case.samples, config.rate, rng)
     held = random_harmonics(config.excitations[-1], model.robot.n, 400, config.rate, rng)
     clean, held_torque = model.torque(arm.truth, motion), model.torque(arm.truth, held)
     deviation = case.noise * np.sqrt(np.mean(clean**2, axis=0))
     torque = clean + deviation * rng.standard_normal(clean.shape)
-    regressor = model.regressor(motion)
-    data = DataFactor.of(regressor, torque, deviation**2)
+    data = DataFactor.of(model.regressor(motion), torque, deviation**2)
     white = arm.base.reduce(data.factor)
     prior = wrong_prior(model.robot, config.prior_error, rng)
-    for name in ("plain", "feasible", "feasible, prior"):
-        start = time.process_time()
-        shared: Row = {
-            "excitation": case.excitation.name,
-            "noise": case.noise,
-            "samples": case.samples,
-            "repeat": case.repeat,
-            "estimator": name,
-            "condition": float(np.linalg.cond(white / np.linalg.norm(white, axis=0))),
-        }
-        try:
-            parameters = _estimate(arm, data, name, prior)
-        except OedError as error:
-            yield {**shared, "failure": str(error)}
-            continue
-        seconds = time.process_time() - start
-        values = arm.base.from_standard(parameters)
-        yield {
-            **shared,
-            "estimation_rms": float(np.sqrt(data.misfit(parameters))),
-            "validation_error": relative_rms(model.torque(parameters, held), held_torque),
-            "parameter_error": parameter_error(arm, parameters),
-            "positive_definite": share_positive_definite(
-                mass_matrices(model, parameters, arm.poses)
-            ),
-            "feasible_robot": base_feasibility(model, arm.base, values).is_feasible,
-            "seconds": seconds,
-            "failure": None,
-        }
+    start = time.process_time()
+    parameters = _estimate(arm, data, case.estimator, prior)
+    seconds = time.process_time() - start
+    masses, values = mass_matrices(model, parameters, arm.poses), arm.base.from_standard(parameters)
+    return {
+        "condition": float(np.linalg.cond(white / np.linalg.norm(white, axis=0))),
+        "estimation_rms": float(np.sqrt(data.misfit(parameters))),
+        "validation_error": relative_rms(model.torque(parameters, held), held_torque),
+        "parameter_error": parameter_error(arm, parameters),
+        "positive_definite": share_positive_definite(masses),
+        "feasible_robot": base_feasibility(model, arm.base, values).is_feasible,
+        "seconds": seconds,
+        "status": "done",
+    }
 
 
 def _estimate(
@@ -262,18 +269,8 @@ def parameter_error(arm: Arm, parameters: Float[ndarray, " p"]) -> float:
     return float(np.linalg.norm(error * arm.scales) / np.linalg.norm(true * arm.scales))
 
 
-def write(rows: list[Row], config: Config, out: Path) -> None:
-    """Save runs.csv, summary.md and provenance.json."""
-    out.mkdir(parents=True, exist_ok=True)
-    write_csv(out / "runs.csv", rows)
-    (out / "summary.md").write_text(
-        summarise(rows, repeats=config.repeats, poses=config.poses), encoding="utf-8"
-    )
-    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
-
-
 @dataclass(frozen=True)
-class Options(StudyOptions):
+class Options(CaseOptions):
     """What does physical feasibility cost in prediction, and what does it save?
 
     Attributes:
@@ -281,20 +278,23 @@ class Options(StudyOptions):
     """
 
     study: ClassVar[str] = "feasibility_price"
+    names: ClassVar[tuple[str, ...]] = ("summary.md", "provenance.json")
 
     seed: Seed = Config.seed
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run from the command line."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line; 1 if all failed, else 0."""
     options = parse(Options, prog="python -m studies.feasibility_price", arguments=arguments)
     config = dataclasses.replace(SMOKE if options.smoke else Config(), seed=options.seed)
-    with options.held() as results:
-        rows = run(config)
-        with results.replaced() as new:
-            write(rows, config, new)
-    sys.stdout.write(summarise(rows, repeats=config.repeats, poses=config.poses))
+    rows, cases = RowFile(options.results / "runs.csv", KEY, VALUES), cases_of(config)
+
+    def write(out: Path) -> None:
+        text = summarise(rows.rows_of(case.key for case in cases), config.repeats, config.poses)
+        leave_page(text, config, config.seed, out)
+
+    return work_through(CaseRunner(work, rows, "feasibility"), cases, options, config, write)
 
 
 if __name__ == "__main__":
-    leave(main, "studies.feasibility_price")
+    leave(main, "studies.feasibility_price", RESUMES)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from oed.report.table import Row, markdown_table
 
+Line = Mapping[str, str]
 
-def summarise(rows: list[Row], *, repeats: int, poses: int) -> str:
+
+def summarise(rows: Sequence[Line], repeats: int, poses: int) -> str:
     """Medians over draws as a page.
 
     Args:
@@ -28,32 +32,32 @@ def summarise(rows: list[Row], *, repeats: int, poses: int) -> str:
     )
 
 
-def _medians(rows: list[Row]) -> list[Row]:
-    groups: dict[tuple, list[Row]] = {}
+def _medians(rows: Sequence[Line]) -> list[Row]:
+    groups: dict[tuple[str, ...], list[Line]] = {}
     for row in rows:
         key = tuple(row[k] for k in ("excitation", "noise", "samples", "estimator"))
         groups.setdefault(key, []).append(row)
-    table = []
+    table: list[Row] = []
     for (excitation, noise, samples, estimator), group in groups.items():
-        solved = [row for row in group if row["failure"] is None]
+        solved = [row for row in group if row["status"] == "done"]
 
-        def median(column: str, solved: list[Row] = solved) -> float:
-            values = [float(row[column]) for row in solved]  # type: ignore[arg-type]
+        def median(column: str, solved: list[Line] = solved) -> float:
+            values = [float(row[column]) for row in solved]
             return float(np.median(values)) if values else np.nan
 
         table.append(
             {
                 "excitation": excitation,
-                "noise": noise,
-                "samples": samples,
+                "noise": float(noise),
+                "samples": int(samples),
                 "estimator": estimator,
                 "condition": median("condition"),
                 "estimation": median("estimation_rms"),
                 "validation": median("validation_error"),
                 "parameters": median("parameter_error"),
-                "PD": min((float(row["positive_definite"]) for row in solved), default=np.nan),  # type: ignore[arg-type]
+                "PD": min((float(row["positive_definite"]) for row in solved), default=np.nan),
                 "robot": float(
-                    np.mean([bool(row["feasible_robot"]) for row in solved] or [np.nan])
+                    np.mean([row["feasible_robot"] == "True" for row in solved] or [np.nan])
                 ),
                 "seconds": median("seconds"),
                 "failed": len(group) - len(solved),

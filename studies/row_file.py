@@ -61,13 +61,13 @@ class RowFile:
         return [line.row for line in self.lines().values()]
 
     def rows_of(self, keys: Iterable[tuple[str, ...]]) -> list[dict[str, str]]:
-        """The same, of some cases alone.
+        """The same, of some cases alone and in their order, whichever was done first.
 
         Args:
-            keys: Of the cases.
+            keys: Of the cases; one that has no line is left out.
         """
-        asked = set(keys)
-        return [line.row for key, line in self.lines().items() if key in asked]
+        lines = self.lines()
+        return [lines[key].row for key in keys if key in lines]
 
     def lines(self) -> dict[tuple[str, ...], Line]:
         """The last complete line of each case, in the order in which the cases came.

@@ -122,8 +122,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows = RowFile(options.results / "runs.csv", KEY, VALUES)
         runner = CaseRunner(work, rows, "public arms")
         runner.run(cases, workers=options.workers, scheduler=options.scheduler)
-        found = rows.lines()
-        lines = [found[case.key].row for case in cases]
+        lines = rows.rows_of(case.key for case in cases)
         with results.replaced() as new:
             write_atomically(new / "summary.md", page(lines))
             config = config_of(cases, options)

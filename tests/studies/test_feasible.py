@@ -181,6 +181,14 @@ def test_the_price_study_runs_and_shows_its_point(tmp_path: Path) -> None:
     assert (tmp_path / "provenance.json").is_file()
 
 
+def test_every_experiment_of_the_price_study_is_another_draw() -> None:
+    config = dataclasses.replace(feasibility_price.SMOKE, repeats=2)
+    cases = feasibility_price.cases_of(config)
+    assert len({case.key for case in cases}) == len(cases) == 6
+    conditions = [feasibility_price.work(case)["condition"] for case in cases[::3]]
+    assert len(set(conditions)) == 2
+
+
 def test_the_accuracy_and_the_changes_are_in_the_record_and_on_the_page(
     simulated: Path, tmp_path: Path
 ) -> None:

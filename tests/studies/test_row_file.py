@@ -113,6 +113,14 @@ def test_a_damaged_line_is_told_and_only_its_case_is_done_again(
     assert sorted(row["length"] for row in work.rows.rows()) == ["1", "2", "3", "4", "5"]
 
 
+def test_rows_of_some_cases_stand_in_the_order_of_these(tmp_path: Path) -> None:
+    rows = RowFile(tmp_path / "runs.csv", ("case",), ("status",))
+    rows.prepare()
+    for key in ("b", "c", "a"):  # as they happened to end
+        rows.append((key,), {"status": "done"})
+    assert [row["case"] for row in rows.rows_of([("a",), ("absent",), ("b",)])] == ["a", "b"]
+
+
 def test_a_break_within_a_cell_breaks_no_line(tmp_path: Path) -> None:
     rows = RowFile(tmp_path / "runs.csv", ("case",), ("status",))
     rows.prepare()
