@@ -11,6 +11,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from oed.experiment.drive import TorqueKind
+from oed.experiment.importing.name_words import (
+    Source,
+    parted,
+    without_source,
+    without_word_of_joints,
+)
 from oed.experiment.units import Quantity
 from oed.experiment.units_in_names import marked_unit, suffixed_unit
 
@@ -19,45 +25,31 @@ TIMES = (
     *("elapsed", "elapsed_time", "duration", "zeit", "clock", "received"),
     *("times", "timestamps"),
 )
+# Without words on joints and on who says it, such as actual: see `name_words`.
 POSITIONS = (
-    *("q", "actual_q", "state.q", "position", "positions", "pos", "feedback.positions"),
-    *("actual.positions", "observation.state", "joint_position", "joint_positions", "joint_pos"),
-    *("q_meas", "q_measured", "q_actual", "measured_position", "measured_joint_position", "qpos"),
-    *("angle", "angles", "joint_angle", "joint_angles", "theta", "axis", "mp"),
-    *("winkel",),
+    *("q", "position", "positions", "pos", "qpos", "angle", "angles", "theta", "axis", "mp"),
+    *("winkel", "state"),
 )
 VELOCITIES = (
-    *("dq", "qd", "actual_qd", "state.dq", "velocity", "velocities", "vel", "feedback.velocities"),
-    *("actual.velocities", "observation.velocity", "joint_velocity", "joint_velocities"),
-    *("joint_vel", "dq_meas", "dq_measured", "measured_velocity", "qvel", "speed", "omega"),
+    *("dq", "qd", "velocity", "velocities", "vel", "qvel", "speed", "omega"),
     *("qdot", "q_dot", "theta_dot", "geschwindigkeit", "drehzahl"),
 )
-ACCELERATIONS = ("ddq", "qdd", "acceleration", "accelerations", "acc", "joint_acceleration")
+ACCELERATIONS = ("ddq", "qdd", "acceleration", "accelerations", "acc")
 TORQUES: Mapping[TorqueKind, Sequence[str]] = {
     "measured": (
-        *("tau", "tau_j", "state.tau_j", "effort", "efforts", "torque", "torques", "joint_torque"),
-        *("joint_torques", "measured_torque", "measured_joint_torque", "tau_meas", "tau_measured"),
-        *("observation.effort", "observation.torque", "joint_effort", "moment", "mt"),
-        *("feedback.effort", "actual.effort", "drehmoment"),
+        *("tau", "tau_j", "effort", "efforts", "torque", "torques", "moment", "mt", "drehmoment"),
     ),
     "current": (
-        *("actual_current_as_torque", "actual_current", "current", "currents", "motor_current"),
-        *("motor_currents", "joint_current", "observation.current", "i", "iq", "i_q"),
+        *("current_as_torque", "current", "currents", "motor_current", "motor_currents"),
+        *("i", "iq", "i_q"),
     ),
-    "commanded": (
-        *("tau_cmd", "tau_d", "tau_j_d", "cmd.tau_j", "cmd.tau_j_d", "commanded_torque"),
-        *("target_moment", "qfrc_actuator", "ctrl"),
-    ),
+    # These say so without a word of their own.
+    "commanded": ("tau_d", "tau_j_d", "qfrc_actuator", "ctrl"),
 }
-TEMPERATURES = ("temperature", "temperatures", "temp", "joint_temperatures", "motor_temperature")
+TEMPERATURES = ("temperature", "temperatures", "temp", "motor_temperature")
 EPISODES = ("episode_index", "episode", "run")
-# Words for what was asked for, not measured.
-NOT_MEASURED = {
-    *("cmd", "command", "commanded", "target", "desired", "des", "reference", "ref", "setpoint"),
-    *("goal", "error", "action"),
-}
 # Columns of lists whose elements may be of several quantities, and then say so.
-MIXED = ("observation.state", "state")
+MIXED = "state"
 
 
 @dataclass(frozen=True)
@@ -69,41 +61,60 @@ class Named:
         stem: What is logged, in lower case.
         label: Of which joint, "" if it is of none.
         unit: Stated in the name; "" if none is.
+        source: Whether the name says that it was measured or commanded.
+        words: By which it does so, and those that say that it is of the joints.
     """
 
     column: str
     stem: str
     label: str
     unit: str
+    source: Source = ""
+    words: tuple[str, ...] = ()
 
 
 def columns_of(
-    columns: Mapping[str, str], stems: Sequence[str], quantity: Quantity
+    columns: Mapping[str, str],
+    stems: Sequence[str],
+    quantity: Quantity,
+    sources: Sequence[Source] = ("measured", ""),
 ) -> list[list[Named]]:
-    """Columns of a quantity, those of one stem together, in the order of the stems.
+    """Columns of a quantity, those of one stem and source together.
 
     Args:
         columns: What each column is called, by its name.
         stems: Names of the quantity.
         quantity: Whose units a name may state.
+        sources: That count.
+
+    Returns:
+        In the order of the sources, and for each in that of the stems.
     """
-    found = []
-    for stem in stems:
-        named = [
-            one
-            for column, called in columns.items()
-            if (one := _take_apart(column, called, stem, quantity)) is not None
-        ]
-        if named:
-            found.append(named)
-    return found
+    found: dict[tuple[Source, int, tuple[str, ...]], list[Named]] = {}
+    for i, stem in enumerate(stems):
+        for column, called in columns.items():
+            one = _take_apart(column, called, stem, quantity)
+            if one is not None and one.source in sources:
+                found.setdefault((one.source, i, one.words), []).append(one)
+    return [found[key] for key in sorted(found, key=lambda key: (sources.index(key[0]), key[1]))]
+
+
+def torques_of(columns: Mapping[str, str], kind: TorqueKind) -> list[list[Named]]:
+    """Columns of what stands for torque, as `columns_of`."""
+    if kind != "commanded":
+        return columns_of(columns, TORQUES[kind], "tau")
+    said = columns_of(columns, TORQUES["measured"], "tau", ("commanded",))
+    return said + columns_of(columns, TORQUES[kind], "tau", ("commanded", ""))
 
 
 def _take_apart(column: str, called: str, stem: str, quantity: Quantity) -> Named | None:
     for name, unit in _with_units(called, quantity):
-        label = _label(name, stem)
-        if label is not None:
-            return Named(column, stem, label, unit)
+        for spelling in dict.fromkeys((name, parted(name))):
+            bare, source, words = without_source(spelling.strip())
+            found = _label(bare, stem)
+            if found is not None:
+                label, of_joints = found
+                return Named(column, stem, label, unit, source, (*words, *of_joints))
     return None
 
 
@@ -113,21 +124,28 @@ def _with_units(called: str, quantity: Quantity) -> list[tuple[str, str]]:
     return [*((name, unit) for name, unit in ways if unit), (called, "")]
 
 
-def _label(called: str, stem: str) -> str | None:
-    """Whose a column with this stem is: the rest of its name; None if it has another stem.
+def _label(name: str, stem: str) -> tuple[str, tuple[str, ...]] | None:
+    """Whose a column with this stem is, the rest of its name, and the words before the stem.
 
-    A folder before the name, as of HDF5 groups and structs, changes nothing unless it says that
-    something was asked for and not measured.
+    None if it has another stem. A folder before the name, as of HDF5 groups and structs, changes
+    nothing.
     """
-    name = called.strip()
-    label = _label_of(name, stem)
-    folder, _, inner = name.replace("/", ".").partition(".")
-    if label is not None or not inner or NOT_MEASURED & set(re.split(r"[_ ]", folder.lower())):
-        return label
-    return _label(inner, stem)
+    words: tuple[str, ...] = ()
+    rest: str | None = name
+    while rest is not None:
+        label = _label_behind(rest, stem)
+        if label is not None:
+            return label, words
+        word, rest = without_word_of_joints(rest)
+        words = (*words, word)
+    if name.lower().endswith(stem) and name[: -len(stem)][-1] in "._/ ":
+        return name[: -len(stem)].strip("._/ "), ()
+    _, _, inner = name.replace("/", ".").partition(".")
+    return _label(inner, stem) if inner else None
 
 
-def _label_of(name: str, stem: str) -> str | None:
+def _label_behind(name: str, stem: str) -> str | None:
+    """What stands behind a stem that a name begins with."""
     lower = name.lower()
     bracket = re.fullmatch(r"(.*?)\[(.+)\]", name)
     if bracket is not None:
@@ -140,8 +158,6 @@ def _label_of(name: str, stem: str) -> str | None:
             return rest
         if rest[0] in "._/ (" and rest.strip("._/ ()"):
             return rest.strip("._/ ()")
-    if lower.endswith(stem) and name[: -len(stem)][-1] in "._/ ":
-        return name[: -len(stem)].strip("._/ ")
     return None
 
 
@@ -149,6 +165,11 @@ def _label_of_element(owner: str, element: str, stem: str) -> str | None:
     """Whose an element of a column of lists is, such as "elbow.pos" of LeRobot's state."""
     said = re.fullmatch(r"(.+)[._](pos|position|vel|velocity|effort|torque|current)", element)
     label = element if said is None else said[1]
-    if owner in MIXED and said is not None and said[2] not in ("pos", "position"):
+    if owner == MIXED and said is not None and said[2] not in ("pos", "position"):
         return label if said[2] == stem else None
     return label if owner == stem else None
+
+
+def as_one(columns: Sequence[str]) -> str:
+    """Columns of several joints in few words: the first and the last."""
+    return f"{columns[0]} … {columns[-1]}" if len(columns) > 1 else columns[0]

@@ -12,7 +12,7 @@ LIST = re.compile(r"^([\w.]+ = )\[\n((?:    [^\[\]\n]+,\n)+)\]", re.MULTILINE)
 
 # Which notes stand above which table, by the word that a note begins with.
 ABOVE = {
-    "columns": ("t", "joints", "torque", "read", "unused"),
+    "columns": ("t", "joints", "torque", "read", "taken", "unused"),
     "units": ("q", "dq", "tau"),
     "fixed": ("fixed",),
     "recording": ("roles",),

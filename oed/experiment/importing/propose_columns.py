@@ -18,8 +18,12 @@ from oed.experiment.importing.layouts import (
     TORQUES,
     VELOCITIES,
     Named,
+    as_one,
     columns_of,
+    torques_of,
 )
+from oed.experiment.importing.name_words import joint_number
+from oed.experiment.importing.taken import of_same_joints, taken_notes
 from oed.experiment.log_format import REPETITION
 from oed.experiment.logs.table import Log, Table
 
@@ -98,29 +102,29 @@ def _proposal(
             "--columns t=1 q=2,3 tau=4,5"
         )
         raise DataSetError(message, file=table.file, row=table.first_row)
-    positions = _stated(stated, "q") or _first(columns_of(called, POSITIONS, "q"))
-    if not positions:
-        raise DataSetError(_nothing(table, "joint positions", "q"), file=table.file)
-    order, names = _assigned(positions, joints, table)
+    order, names = _positions(table, called, joints, _stated(stated, "q"))
+    chosen = {} if "q" in stated else {"q": order}
     columns, units = {"q": tuple(one.column for one in order)}, {"q": _units(order)}
     for quantity, stems in (("dq", VELOCITIES), ("ddq", ACCELERATIONS)):
-        found = _of_same_joints(columns_of(called, stems, quantity), order)  # type: ignore[arg-type]
+        found = of_same_joints(columns_of(called, stems, quantity), order)  # type: ignore[arg-type]
+        chosen |= {} if quantity in stated else {quantity: found}
         found = _stated(stated, quantity) if quantity in stated else found
         if found:
             columns[quantity], units[quantity] = tuple(o.column for o in found), _units(found)
     torque, kind, more = _torque(table, called, order, stated)
+    chosen |= {} if stated.get("tau") else {"tau": torque}
     columns["tau"], units["tau"] = tuple(one.column for one in torque), _units(torque)
     times = _times(called, stated)[:1]
     if times:
         columns["t"], units["t"] = (times[0].column,), _units(times)
-    temperature = _of_same_joints(columns_of(called, TEMPERATURES, "temperature"), order)
+    temperature = of_same_joints(columns_of(called, TEMPERATURES, "temperature"), order)
     if temperature:
         columns["temperature"] = tuple(one.column for one in temperature)
         units["temperature"] = _units(temperature)
     if REPETITION in table.columns:
         columns[REPETITION] = (REPETITION,)
     given = {key: value for key, value in units.items() if any(value)}
-    notes = (*table.text, _told(order, names), *more)
+    notes = (*table.text, _told(order, names), *more, *taken_notes(called, chosen))
     return ColumnProposal(table, names, columns, given, kind, notes, log)
 
 
@@ -143,10 +147,32 @@ def _stated(stated: Mapping[str, tuple[str, ...]], quantity: str) -> list[Named]
     return [Named(name, "", str(i + 1), "") for i, name in enumerate(stated.get(quantity, ()))]
 
 
-def _first(found: Sequence[list[Named]]) -> list[Named]:
-    """The first stem with a column for each of several joints, or the first."""
-    several = [named for named in found if len(named) > 1]
-    return (several or found or [[]])[0] if len(found) else []
+def _positions(
+    table: Table, called: Mapping[str, str], joints: RobotJoints, stated: list[Named]
+) -> tuple[list[Named], tuple[str, ...]]:
+    """Positions in the order of the robot's joints, and the names of these.
+
+    Of the columns that may be positions, those of the first stem that is of the robot's joints; a
+    stem with a column for each of several joints goes before one that has a single one.
+    """
+    found = [stated] if stated else columns_of(called, POSITIONS, "q")
+    errors = []
+    for named in [named for named in found if len(named) > 1] or found[:1]:
+        try:
+            return _assigned(named, joints, table)
+        except DataSetError as error:
+            errors.append(error)
+    if errors:
+        raise errors[0]
+    commanded = columns_of(called, POSITIONS, "q", ("commanded",))
+    if commanded:
+        names = [one.column for one in commanded[0]]
+        message = (
+            f"holds positions that were commanded ({as_one(names)}) and none that were measured; to take "
+            "those, name them, as in --columns q=NAME,NAME"
+        )
+        raise DataSetError(message, file=table.file)
+    raise DataSetError(_nothing(table, "joint positions", "q"), file=table.file)
 
 
 def _assigned(
@@ -154,8 +180,11 @@ def _assigned(
 ) -> tuple[list[Named], tuple[str, ...]]:
     """Positions in the order of the robot's joints, and the names of these."""
     numbered = [one for one in positions if one.label.isdigit() or not one.label]
+    if not numbered and not _matched(positions, joints):
+        by_number = [one for one in positions if joint_number(one.label) is not None]
+        numbered = by_number if len(by_number) == len(positions) else []
     if numbered:
-        order = sorted(numbered, key=lambda one: int(one.label or 0))
+        order = sorted(numbered, key=lambda one: joint_number(one.label) or 0)
         for names in (joints.chosen,) if joints.chosen else (joints.arm, joints.movable):
             if len(names) == len(order):
                 return order, names
@@ -167,10 +196,9 @@ def _assigned(
         )
         raise DataSetError(message, file=table.file)
     labels = {one.label: one for one in positions}
-    for names in (joints.chosen or joints.arm, joints.chosen or joints.movable):
-        found = match_joints(list(labels), names)
-        if found and (len(found) == len(names) or len(found) == len(labels)):
-            return [labels[label] for label in found.values()], tuple(found)
+    found = _matched(positions, joints)
+    if found:
+        return [labels[label] for label in found.values()], tuple(found)
     if len(joints.chosen) == len(positions):
         return positions, joints.chosen
     message = (
@@ -180,13 +208,14 @@ def _assigned(
     raise DataSetError(message, file=table.file)
 
 
-def _of_same_joints(found: Sequence[list[Named]], order: Sequence[Named]) -> list[Named]:
-    """The first stem with a column for each of these joints, in their order."""
-    for named in found:
-        by_label = {one.label: one for one in named}
-        if all(one.label in by_label for one in order):
-            return [by_label[one.label] for one in order]
-    return []
+def _matched(positions: Sequence[Named], joints: RobotJoints) -> dict[str, str]:
+    """The label of each joint where the names of all tell which is which, else none."""
+    labels = list(dict.fromkeys(one.label for one in positions))
+    for names in (joints.chosen or joints.arm, joints.chosen or joints.movable):
+        found = match_joints(labels, names)
+        if found and (len(found) == len(names) or len(found) == len(labels)):
+            return found
+    return {}
 
 
 def _torque(
@@ -199,8 +228,8 @@ def _torque(
         named = " ".join(stated["tau"]).lower()
         kind: TorqueKind = "current" if "current" in named else "measured"
         return _stated(stated, "tau"), kind, []
-    for kind, stems in TORQUES.items():
-        found = _of_same_joints(columns_of(called, stems, "tau"), order)
+    for kind in TORQUES:
+        found = of_same_joints(torques_of(called, kind), order)
         if found:
             return found, kind, [_about(kind, found)]
     raise DataSetError(
@@ -209,7 +238,7 @@ def _torque(
 
 
 def _about(kind: TorqueKind, found: Sequence[Named]) -> str:
-    what = _as_one(found)
+    what = as_one([one.column for one in found])
     if kind == "current":
         return (
             f"torque: {what} are drive currents; give --current-to-torque [N m/A] a joint, gear "
@@ -221,11 +250,6 @@ def _about(kind: TorqueKind, found: Sequence[Named]) -> str:
             "for the arm"
         )
     return f"torque: {what}, taken as measured at the joints"
-
-
-def _as_one(named: Sequence[Named]) -> str:
-    """Columns of several joints in few words: the first and the last."""
-    return f"{named[0].column} … {named[-1].column}" if len(named) > 1 else named[0].column
 
 
 def _nothing(table: Table, what: str, key: str) -> str:
@@ -240,9 +264,9 @@ def _nothing(table: Table, what: str, key: str) -> str:
 
 def _told(order: Sequence[Named], names: Sequence[str]) -> str:
     if all(one.label == name for one, name in zip(order, names, strict=True)):
-        return f"joints: {_as_one(order)}, by the robot's own names"
+        return f"joints: {as_one([one.column for one in order])}, by the robot's own names"
     pairs = (f"{one.label or one.column} is {name}" for one, name in zip(order, names, strict=True))
-    return f"joints: {_as_one(order)}, where {', '.join(pairs)}"
+    return f"joints: {as_one([one.column for one in order])}, where {', '.join(pairs)}"
 
 
 def _units(named: Sequence[Named]) -> tuple[str, ...]:

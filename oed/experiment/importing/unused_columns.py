@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from oed.counted import counted
 from oed.experiment.importing.joint_names import common_start
+from oed.experiment.importing.layouts import as_one
 from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.read_log_values import RECEIVED, STAMP, episode_column
 
@@ -27,7 +28,7 @@ def unused_note(logs: Sequence[ColumnProposal]) -> tuple[str, ...]:
                 names.append(name)
     if not groups:
         return ()
-    shown = [_as_one(names) for names in groups.values()]
+    shown = [as_one(names) for names in groups.values()]
     more = [f"… ({len(shown)} such groups in all)"] if len(shown) > MOST_SHOWN else []
     count = counted(sum(map(len, groups.values())), "column or topic", "columns or topics")
     return (f"unused: {count}: {', '.join([*shown[:MOST_SHOWN], *more])}",)
@@ -57,7 +58,3 @@ def _joints(columns: Sequence[str]) -> re.Pattern[str]:
     words = sorted((name[start : len(name) - end] for name in columns), key=len, reverse=True)
     either = "|".join(re.escape(word) for word in words if word)
     return re.compile(rf"(?<![A-Za-z0-9])(?:{either})(?![A-Za-z0-9])" if either else r"(?!)")
-
-
-def _as_one(names: Sequence[str]) -> str:
-    return f"{names[0]} … {names[-1]}" if len(names) > 1 else names[0]

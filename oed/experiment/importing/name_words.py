@@ -1,0 +1,72 @@
+"""What the words of a column's name tell beside the quantity: who says it, and that it is a joint's."""
+
+from __future__ import annotations
+
+import re
+from typing import Literal
+
+Source = Literal["measured", "commanded", "difference", ""]
+
+# Words of vendors and loggers. Actual, target: RTDE; cmd: libfranka; msr: the KUKA FRI; feedback,
+# reference, desired, error: control_msgs; present, goal: Dynamixel; observation, action: LeRobot;
+# ist, soll: German controllers.
+SOURCES: dict[Source, frozenset[str]] = {
+    "difference": frozenset({"error", "err"}),
+    "commanded": frozenset({
+        *("cmd", "command", "commanded", "target", "desired", "des", "reference", "ref", "setpoint"),
+        *("goal", "action", "soll"),
+    }),
+    "measured": frozenset({
+        *("actual", "act", "measured", "measurement", "meas", "msr", "feedback", "fbk", "present"),
+        *("observation", "observed", "sensed", "ist"),
+    }),
+}  # fmt: skip
+# Words before a quantity that say that it is of the joints, at this instant.
+OF_JOINTS = ("joint", "joints", "jnt", "axis", "axes", "current")
+SEPARATOR = r"[._/ -]+"
+WORD = re.compile(r"[^\W\d_]+")
+HUMP = re.compile(r"(?<=[a-z])(?=[A-Z][a-z])")
+BEFORE = re.compile(rf"({'|'.join(OF_JOINTS)}){SEPARATOR}", re.IGNORECASE)
+NUMBERED = re.compile(r"(?:joint|jnt|axis|motor|j|a)?[._ -]?(\d+)", re.IGNORECASE)
+
+
+def parted(name: str) -> str:
+    """The name with its words apart where only a capital letter begins one, as in actualPosition."""
+    return HUMP.sub("_", name)
+
+
+def without_source(name: str) -> tuple[str, Source, tuple[str, ...]]:
+    """A name without the words that say whether it was measured, what they say, and these words.
+
+    What was commanded is not measured, whatever it is the feedback of; the difference is neither.
+    """
+    words = [word for word in WORD.findall(name) if _source(word)]
+    if not words:
+        return name, "", ()
+    either = "|".join(map(re.escape, words))
+    rest = re.sub(rf"\(\s*({either})\s*\)", r"\1", name)
+    rest = re.sub(rf"(?<![^\W_])(?:{either}){SEPARATOR}", "", rest)
+    rest = re.sub(rf"{SEPARATOR}(?:{either})(?![^\W\d_])", "", rest)
+    said = {_source(word) for word in words}
+    return rest, next(source for source in SOURCES if source in said), tuple(words)
+
+
+def without_word_of_joints(name: str) -> tuple[str, str | None]:
+    """The first word, and the name without it; no name if it does not say that it is of the joints."""
+    match = BEFORE.match(name)
+    return ("", None) if match is None else (match[1].lower(), name[match.end() :])
+
+
+def joint_number(label: str) -> int | None:
+    """The number of a joint that is told by no more than that, as in 3, J3 or joint_3."""
+    match = NUMBERED.fullmatch(label)
+    return None if match is None else int(match[1])
+
+
+def _source(word: str) -> Source:
+    """What a word says, in the singular or the plural."""
+    lower = word.lower()
+    for source, words in SOURCES.items():
+        if lower in words or lower.removesuffix("s") in words:
+            return source
+    return ""

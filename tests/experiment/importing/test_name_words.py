@@ -1,0 +1,112 @@
+"""Columns are told by the words in their names: who says it, of what, of which joint."""
+
+import numpy as np
+import pytest
+
+from oed.errors import DataSetError
+from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
+from oed.experiment.logs import Log, table_of
+
+JOINTS = ("shoulder", "elbow")
+
+
+def proposal(columns: str):
+    names = columns.split(",")
+    table = table_of({name: np.arange(5.0) for name in names}, "log.csv")
+    return propose_columns(Log("log.csv", (table,)), RobotJoints(JOINTS, JOINTS), {})
+
+
+@pytest.mark.parametrize(
+    ("q", "tau"),
+    [
+        ("actual_joint_position_{}", "measured_joint_torque_{}"),
+        ("actual_q_{}", "actual_current_{}"),
+        ("msr_joint_pos[{}]", "msr_joint_tau[{}]"),
+        ("joint_states.position[{}]", "joint_states.effort[{}]"),
+        ("/joint_states/position[{}]", "/joint_states/effort[{}]"),
+        ("q_meas_{}", "tau_meas_{}"),
+        ("q_measured[{}]", "tau_J[{}]"),
+        ("measured_joint_positions_{}", "joint_torques_measured_{}"),
+        ("joint_{}_actual_position", "joint_{}_actual_torque"),
+        ("actual_position_joint{}", "actual_torque_joint{}"),
+        ("J{}_ActPos", "J{}_ActTorque"),
+        ("actualJointPosition{}", "actualJointTorque{}"),
+        ("Position (actual) {} [deg]", "Torque (actual) {} [Nm]"),
+        ("current_joint_position_{}", "joint_current_{}"),
+        ("present_position_{}", "present_current_{}"),
+        ("feedback.positions[{}]", "feedback.effort[{}]"),
+        ("observation.state[{}]", "observation.effort[{}]"),
+        ("axis_{}_pos", "axis_{}_motor_current"),
+    ],
+)
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_quantity_of_joints_is_told_whatever_stands_around_it(q, tau, first):
+    positions, torques = (tuple(name.format(first + j) for j in range(2)) for name in (q, tau))
+    found = proposal(",".join(["t", *positions, *torques]))
+    assert found.joints == JOINTS
+    assert found.columns["q"] == positions
+    assert found.columns["tau"] == torques
+
+
+@pytest.mark.parametrize("first", ["measured", "commanded"])
+@pytest.mark.parametrize(
+    ("measured", "commanded"),
+    [
+        ("actual_{}_{}", "target_{}_{}"),
+        ("{}_meas_{}", "{}_cmd_{}"),
+        ("msr_joint_{}[{}]", "cmd_joint_{}[{}]"),
+        ("feedback.{}[{}]", "desired.{}[{}]"),
+        ("{}_{}", "{}_ref_{}"),
+        ("robot/{}_{}", "setpoints/{}_{}"),
+        ("actual_{}_{}", "{}_{}"),
+    ],
+)
+def test_what_was_measured_goes_before_what_was_commanded(measured, commanded, first):
+    order = (measured, commanded) if first == "measured" else (commanded, measured)
+    columns = ["t"]
+    for kind in ("position", "velocity", "torque"):
+        columns += [name.format(kind, j) for name in order for j in range(2)]
+    found = proposal(",".join(columns))
+    for key, kind in (("q", "position"), ("dq", "velocity"), ("tau", "torque")):
+        assert found.columns[key] == tuple(measured.format(kind, j) for j in range(2))
+        (note,) = (note for note in found.notes if note.startswith(f"taken: {key} "))
+        taken, passed = note.split(", not from ")
+        assert measured.format(kind, 1) in taken
+        assert commanded.format(kind, 1) in passed
+    assert found.torque == "measured"
+
+
+def test_of_one_kind_nothing_is_said_to_be_taken_before_another():
+    found = proposal("t,actual_q_0,actual_q_1,tau_0,tau_1")
+    assert not any(note.startswith("taken") for note in found.notes)
+
+
+def test_commanded_torques_are_taken_as_such_where_none_were_measured():
+    found = proposal("t,q_0,q_1,target_torque_0,target_torque_1,error.torque_0,error.torque_1")
+    assert found.columns["tau"] == ("target_torque_0", "target_torque_1")
+    assert found.torque == "commanded"
+
+
+def test_positions_that_were_commanded_are_not_taken_for_measured_ones():
+    with pytest.raises(DataSetError, match=r"commanded \(target_q_0 … target_q_1\) and none"):
+        proposal("t,target_q_0,target_q_1,tau_0,tau_1")
+
+
+@pytest.mark.parametrize("word", ["error", "cmd", "desired"])
+def test_a_velocity_that_was_not_measured_is_left_out(word):
+    columns = f"t,q_0,q_1,dq_{word}_0,dq_{word}_1,tau_0,tau_1"
+    assert "dq" not in proposal(columns).columns
+
+
+def test_a_measured_quantity_of_something_else_is_passed_over():
+    columns = "t,measured_angle_x,measured_angle_y,measured_angle_z,q_0,q_1,tau_0,tau_1"
+    assert proposal(columns).columns["q"] == ("q_0", "q_1")
+
+
+def test_numbers_of_joints_are_those_of_the_robot_where_its_names_have_them():
+    names = [f"{quantity}_joint_{j}" for quantity in ("q", "tau") for j in (2, 3)]
+    table = table_of({name: np.arange(5.0) for name in ("t", *names)}, "a")
+    joints = ("joint_3", "joint_2")
+    found = propose_columns(Log("a", (table,)), RobotJoints(joints, joints), {})
+    assert found.columns["q"] == ("q_joint_3", "q_joint_2")
+    assert found.joints == joints
