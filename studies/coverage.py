@@ -3,14 +3,15 @@
 Simulated torques of the paper's two-link arm, (16), on random harmonic motion (10); each run
 draws a motion and a noise, estimates, and asks of each interval whether it holds the truth.
 
-    python -m studies.coverage [--smoke] [--out results/coverage]
+    python -m studies.coverage [--workers N] [--scheduler ADDRESS] [--smoke]
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
 
@@ -26,19 +27,24 @@ from oed.dynamics.planar import planar_regressor
 from oed.estimation.covariance import CovarianceMethod, estimate_covariance
 from oed.estimation.least_squares import batch_least_squares
 from oed.estimation.noise import whiten
+from oed.estimation.triangular import Solution
 from oed.estimation.weights import variances_from_residuals
-from oed.process_end import leave
-from oed.report.progress import progress
-from oed.report.provenance import Provenance
-from oed.report.table import markdown_table, write_csv
+from oed.process_end import RESUMES, leave
+from oed.report.table import markdown_table, parse_cell
 from oed.robot.builtin import (
     IMI_BASE_PARAMETERS,
     IMI_COULOMB,
     IMI_LINK_LENGTHS,
     IMI_VISCOUS,
 )
-from studies.study_options import StudyOptions
+from studies.case_runner import CaseRunner, Outcome, RowFile, leave_page, work_through
+from studies.study_options import CaseOptions
 
+KEY = ("samples", "recordings", "noise", "colour", "method")
+VALUES = (
+    "runs", "coverage", "coverage_error", "least", "greatest", "median_half_width_Izz_1",
+    "milliseconds", "status",
+)  # fmt: skip
 TRUTH = np.array(
     [*IMI_BASE_PARAMETERS, IMI_COULOMB[0], IMI_VISCOUS[0], IMI_COULOMB[1], IMI_VISCOUS[1]]
 )
@@ -106,67 +112,96 @@ class Config:
 SMOKE = Config(runs=3, stacks=((240, 1),), noises=(Noise("white"), Noise("ar1", 0.8)))
 
 
-def run(config: Config) -> list[dict[str, str | int | float]]:
-    """One row for each length, number of recordings, noise and method."""
-    cases = [
-        (samples, recordings, noise)
-        for samples, recordings in config.stacks
-        for noise in config.noises
+@dataclass(frozen=True)
+class Condition:
+    """What estimates are made from.
+
+    Attributes:
+        config: Of the study.
+        place: Among all conditions: with the study's seed it decides what is drawn.
+        samples: Total N.
+        recordings: Of equal length, that they come from.
+        noise: Of the torque.
+    """
+
+    config: Config
+    place: int
+    samples: int
+    recordings: int
+    noise: Noise
+
+    @property
+    def segments(self) -> tuple[int, ...]:
+        """Samples of each recording."""
+        return (self.samples // self.recordings,) * self.recordings
+
+
+@dataclass(frozen=True)
+class Case:
+    """A covariance method under a condition."""
+
+    condition: Condition
+    method: CovarianceMethod
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What its line begins with."""
+        one = self.condition
+        stack = (str(one.samples), str(one.recordings))
+        return (*stack, one.noise.kind, str(one.noise.colour), self.method)
+
+
+def cases_of(config: Config) -> list[Case]:
+    """All methods of a condition together, so that its estimates are made once."""
+    choices = [(*stack, noise) for stack in config.stacks for noise in config.noises]
+    return [
+        Case(Condition(config, place, *choice), method)
+        for place, choice in enumerate(choices)
+        for method in config.methods
     ]
-    seeds = np.random.SeedSequence(config.seed).spawn(len(cases))
-    rows = []
-    for (samples, recordings, noise), seed in progress(
-        list(zip(cases, seeds, strict=True)), "coverage"
-    ):
-        rng = np.random.default_rng(seed)
-        rows += _case(config, samples, recordings, noise, rng)
-    return rows
 
 
-def _case(
-    config: Config, samples: int, recordings: int, noise: Noise, rng: np.random.Generator
-) -> Iterator[dict[str, str | int | float]]:
-    hits = {method: [] for method in config.methods}
-    widths = {method: [] for method in config.methods}
-    seconds = dict.fromkeys(config.methods, 0.0)
+@lru_cache(maxsize=1)
+def simulate(one: Condition) -> list[tuple[ndarray, ndarray, Solution]]:
+    """Whitened regressor (N n, 8) and residual (N, n) of each run, and the estimate."""
+    config, found = one.config, []
+    rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(one.place,)))
     for _ in range(config.runs):
-        segments = (samples // recordings,) * recordings
-        W = np.concatenate([random_regressor(rng, n, config.sample_time) for n in segments])
-        v = np.concatenate([noise.draw(rng, n) for n in segments])
+        W = np.concatenate([random_regressor(rng, n, config.sample_time) for n in one.segments])
+        v = np.concatenate([one.noise.draw(rng, n) for n in one.segments])
         y = W @ TRUTH + (v * config.deviations).reshape(-1)
         variances = variances_from_residuals(W, y, 2)
-        found = batch_least_squares(W, y, 2, noise=variances)
-        residual = whiten(y - W @ found.parameters, variances, 2).reshape(-1, 2)
-        for method in config.methods:
-            start = time.perf_counter()
-            spread = estimate_covariance(
-                whiten(W, variances, 2),
-                residual,
-                found.posterior_factor,
-                method=method,
-                segments=segments,
-            )
-            seconds[method] += time.perf_counter() - start
-            quantile = stats.t.ppf(0.5 + config.level / 2, spread.degrees_of_freedom)
-            reach = quantile * np.sqrt(np.diag(spread.covariance))
-            hits[method].append(np.abs(found.parameters - TRUTH) <= reach)
-            widths[method].append(reach)
-    for method in config.methods:
-        by_parameter = np.mean(hits[method], axis=0)
-        yield {
-            "samples": samples,
-            "recordings": recordings,
-            "noise": noise.kind,
-            "colour": noise.colour,
-            "method": method,
-            "runs": config.runs,
-            "coverage": float(by_parameter.mean()),
-            "coverage_error": float(np.mean(hits[method], axis=1).std() / np.sqrt(config.runs)),
-            "least": float(by_parameter.min()),
-            "greatest": float(by_parameter.max()),
-            "median_half_width_Izz_1": float(np.median(np.array(widths[method])[:, 0])),
-            "milliseconds": 1e3 * seconds[method] / config.runs,
-        }
+        solution = batch_least_squares(W, y, 2, noise=variances)
+        residual = whiten(y - W @ solution.parameters, variances, 2).reshape(-1, 2)
+        found.append((whiten(W, variances, 2), residual, solution))
+    return found
+
+
+def work(case: Case) -> Outcome:
+    """How often a method's intervals hold the truth."""
+    config, one = case.condition.config, case.condition
+    hits, widths, seconds = [], [], 0.0
+    for W, residual, found in simulate(one):
+        start = time.perf_counter()
+        spread = estimate_covariance(
+            W, residual, found.posterior_factor, method=case.method, segments=one.segments
+        )
+        seconds += time.perf_counter() - start
+        quantile = stats.t.ppf(0.5 + config.level / 2, spread.degrees_of_freedom)
+        reach = quantile * np.sqrt(np.diag(spread.covariance))
+        hits.append(np.abs(found.parameters - TRUTH) <= reach)
+        widths.append(reach)
+    by_parameter = np.mean(hits, axis=0)
+    return {
+        "runs": config.runs,
+        "coverage": float(by_parameter.mean()),
+        "coverage_error": float(np.mean(hits, axis=1).std() / np.sqrt(config.runs)),
+        "least": float(by_parameter.min()),
+        "greatest": float(by_parameter.max()),
+        "median_half_width_Izz_1": float(np.median(np.array(widths)[:, 0])),
+        "milliseconds": 1e3 * seconds / config.runs,
+        "status": "done",
+    }
 
 
 def random_regressor(
@@ -186,44 +221,40 @@ def random_regressor(
     return planar_regressor(motion, IMI_LINK_LENGTHS[0]).reshape(2 * samples, 8)
 
 
-def summarise(rows: list[dict[str, str | int | float]], config: Config) -> str:
+def summarise(rows: Sequence[Mapping[str, str]], config: Config) -> str:
     """The rows as a page."""
     columns = ["samples", "recordings", "noise", "colour", "method", "coverage", "least"]
+    shown = [{c: parse_cell(row[c]) for c in columns} for row in rows]
     return (
         f"# Coverage of {100 * config.level:g} % intervals\n\n"
         f"{config.runs} simulated estimates a row; two-link arm (16), random harmonic motion, "
         f"one sample every {config.sample_time:g} s. `coverage` is the share of intervals that "
         "hold the truth, over all eight parameters; `least` that of the parameter covered worst. "
         "`colour` is the coefficient of the AR(1), or the cut-off per Nyquist frequency of the "
-        "low-pass.\n\n" + markdown_table(rows, columns=columns, digits=3)
+        "low-pass.\n\n" + markdown_table(shown, digits=3)
     )
 
 
-def write(rows: list[dict[str, str | int | float]], config: Config, out: Path) -> None:
-    """Save runs.csv, summary.md and provenance.json."""
-    out.mkdir(parents=True, exist_ok=True)
-    write_csv(out / "runs.csv", rows)
-    (out / "summary.md").write_text(summarise(rows, config), encoding="utf-8")
-    Provenance.collect(config, seed=config.seed).write(out / "provenance.json")
-
-
 @dataclass(frozen=True)
-class Options(StudyOptions):
+class Options(CaseOptions):
     """Do 95 % intervals hold the truth in 95 % of estimates, with white and with coloured noise?"""
 
     study: ClassVar[str] = "coverage"
+    names: ClassVar[tuple[str, ...]] = ("summary.md", "provenance.json")
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run from the command line."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line; 1 if all failed, else 0."""
     options = parse(Options, prog="python -m studies.coverage", arguments=arguments)
     config = SMOKE if options.smoke else Config()
-    with options.held() as results:
-        rows = run(config)
-        with results.replaced() as new:
-            write(rows, config, new)
-    print(summarise(rows, config))
+    rows, cases = RowFile(options.results / "runs.csv", KEY, VALUES), cases_of(config)
+
+    def write(out: Path) -> None:
+        text = summarise(rows.rows_of(case.key for case in cases), config)
+        leave_page(text, config, config.seed, out)
+
+    return work_through(CaseRunner(work, rows, "coverage"), cases, options, config, write)
 
 
 if __name__ == "__main__":
-    leave(main, "studies.coverage")
+    leave(main, "studies.coverage", RESUMES)

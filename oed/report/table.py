@@ -107,7 +107,7 @@ def read_csv(path: str | Path) -> list[dict[str, Any]]:
     for number, cells in enumerate(lines, start=2):
         if len(cells) != len(header):
             raise ValueError(f"{path}, row {number}: {len(cells)} cells, header {len(header)}")
-    return [dict(zip(header, map(_parsed, cells), strict=True)) for cells in lines]
+    return [dict(zip(header, map(parse_cell, cells), strict=True)) for cells in lines]
 
 
 def column_names(rows: Sequence[Row]) -> list[str]:
@@ -148,7 +148,8 @@ def _exact(value: Cell) -> str:
     return "" if value is None else str(value)
 
 
-def _parsed(text: str) -> Cell:
+def parse_cell(text: str) -> Cell:
+    """What was written as this text, as far as it tells: a number, a boolean, None or text."""
     if text in ("True", "False"):
         return text == "True"
     for kind in (int, float):

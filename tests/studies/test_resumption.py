@@ -5,17 +5,17 @@ from types import ModuleType
 
 import pytest
 
-from studies import feasibility_price
+from studies import coverage, feasibility_price
 from studies.row_file import RowFile
 
-TIMED = {"seconds"}  # columns that no two runs share
+TIMED = {"seconds", "milliseconds"}  # columns that no two runs share
 
 
 def rows_of(study: ModuleType, out: Path) -> list[dict[str, str]]:
     return RowFile(out / "runs.csv", study.KEY, study.VALUES).rows()
 
 
-@pytest.mark.parametrize("study", [feasibility_price], ids=lambda study: study.__name__)
+@pytest.mark.parametrize("study", [coverage, feasibility_price], ids=lambda study: study.__name__)
 def test_an_interrupted_study_goes_on_where_it_stopped(study: ModuleType, tmp_path: Path) -> None:
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     for out in (whole, cut):
