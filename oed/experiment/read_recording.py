@@ -20,6 +20,7 @@ from oed.experiment.log_format import REPETITION, TEMPERATURE, TIME, LogFormat
 from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log
 from oed.experiment.manifest import RecordingEntry
+from oed.experiment.missing_rows import rows_with_numbers
 from oed.experiment.recording import Recording
 from oed.experiment.recording_checks import (
     check_positions,
@@ -37,6 +38,7 @@ from oed.experiment.units import JOINT_QUANTITIES, factor_to_si
 from oed.largest_number import LARGEST
 from oed.robot import Robot
 
+OPTIONAL = ("dq", "ddq", TEMPERATURE)
 OURS = re.compile(r"'((?:q|tau)_\d+)'")  # a column in a note, by our name
 
 
@@ -102,7 +104,7 @@ def read_recording(
 def take_samples(
     names: ColumnNames, entry: RecordingEntry, robot: Robot, log_format: LogFormat
 ) -> Samples:
-    """The rows of a recording in SI; exact repetitions of the row before are left out.
+    """The rows of a recording in SI, without those that repeat the row before or hold no number.
 
     Raises:
         DataSetError: If a value is no number that can be believed, or there is no such row.
@@ -112,20 +114,19 @@ def take_samples(
     values = table.read(names.all)
     count = len(next(iter(values.values())))
     t = _time(names, values, count, log_format)
-    rows = _cut(entry, t, table.file)
-    table.check(values, (int(rows[0]), int(rows[-1]) + 1))
+    optional = {name for key in OPTIONAL for name in names.fields.get(key, ())}
+    rows, notes = rows_with_numbers(table, values, _cut(entry, t, table.file), optional)
     repeats = np.ones(len(rows), dtype=bool)
     repeats[0] = False
     for name, column in values.items():
         if name != REPETITION or len(values) > 1:
             repeats[1:] &= np.diff(column[rows]) == 0
     repeats &= log_format.rate is None
-    notes = ()
     if repeats.any():
         first = int(rows[repeats.argmax()]) + table.first_row
         some = counted(int(repeats.sum()), "row that repeats", "rows that repeat")
         what = f"without {some} the row before exactly"
-        notes = (f"{table.file}: {what}, the first of them row {first}",)
+        notes = (*notes, f"{table.file}: {what}, the first of them row {first}")
     rows = rows[~repeats]
     lines = rows + table.first_row
     joints = {
@@ -164,14 +165,18 @@ def _cut(entry: RecordingEntry, t: Float[ndarray, " samples"], file: str) -> Int
             message = f"recording {entry.name!r}: rows end at {last}, but the log has {len(t)} rows"
             raise DataSetError(message, file=file)
         rows = rows[first - 1 : last]
-    if entry.span is not None:
-        since = t - t[0]
-        rows = rows[(since >= entry.span[0]) & (since < entry.span[1])]
+    told = np.isfinite(t)
+    if entry.span is not None and told.any():
+        since = t - t[told.argmax()]
+        within = np.flatnonzero((since >= entry.span[0]) & (since < entry.span[1]))
+        # Rows whose time is missing are where they stand in the log.
+        rows = np.arange(within[0], within[-1] + 1) if within.size else within
+        rows = rows[np.isin(rows, within) | ~told[rows]]
         if not len(rows):
             start, end = entry.span
             message = (
                 f"recording {entry.name!r}: no row from {start:g} s to {end:g} s; the log "
-                f"lasts {since.max():.6g} s"
+                f"lasts {since[told].max():.6g} s"
             )
             raise DataSetError(message, file=file)
     return rows

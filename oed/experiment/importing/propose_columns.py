@@ -11,12 +11,8 @@ from oed.errors import DataSetError
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.joint_names import match_joints
 from oed.experiment.importing.layouts import (
-    ACCELERATIONS,
-    POSITIONS,
-    TEMPERATURES,
-    TIMES,
+    STEMS,
     TORQUES,
-    VELOCITIES,
     Named,
     as_one,
     columns_of,
@@ -26,8 +22,10 @@ from oed.experiment.importing.name_words import joint_number
 from oed.experiment.importing.taken import of_same_joints, taken_notes
 from oed.experiment.log_format import REPETITION
 from oed.experiment.logs.table import Log, Table
+from oed.experiment.units import Quantity
 
 MOST_SHOWN = 12  # names in a message
+OPTIONAL: tuple[Quantity, ...] = ("dq", "ddq", "temperature")
 
 
 @dataclass(frozen=True)
@@ -103,10 +101,10 @@ def _proposal(
         )
         raise DataSetError(message, file=table.file, row=table.first_row)
     order, names = _positions(table, called, joints, _stated(stated, "q"))
-    chosen = {} if "q" in stated else {"q": order}
+    chosen: dict[Quantity, list[Named]] = {} if "q" in stated else {"q": order}
     columns, units = {"q": tuple(one.column for one in order)}, {"q": _units(order)}
-    for quantity, stems in (("dq", VELOCITIES), ("ddq", ACCELERATIONS)):
-        found = of_same_joints(columns_of(called, stems, quantity), order)  # type: ignore[arg-type]
+    for quantity in OPTIONAL:
+        found = of_same_joints(columns_of(called, STEMS[quantity], quantity), order)
         chosen |= {} if quantity in stated else {quantity: found}
         found = _stated(stated, quantity) if quantity in stated else found
         if found:
@@ -117,10 +115,6 @@ def _proposal(
     times = _times(called, stated)[:1]
     if times:
         columns["t"], units["t"] = (times[0].column,), _units(times)
-    temperature = of_same_joints(columns_of(called, TEMPERATURES, "temperature"), order)
-    if temperature:
-        columns["temperature"] = tuple(one.column for one in temperature)
-        units["temperature"] = _units(temperature)
     if REPETITION in table.columns:
         columns[REPETITION] = (REPETITION,)
     given = {key: value for key, value in units.items() if any(value)}
@@ -132,7 +126,7 @@ def _times(called: Mapping[str, str], stated: Mapping[str, tuple[str, ...]]) -> 
     """Columns of time, one of the whole log before one within a folder of it."""
     if "t" in stated:
         return _stated(stated, "t")
-    found = [one for named in columns_of(called, TIMES, "t") for one in named]
+    found = [one for named in columns_of(called, STEMS["t"], "t") for one in named]
     within = [
         one for one in found if re.fullmatch(rf".*[./]{re.escape(one.stem)}", one.column.lower())
     ]
@@ -155,7 +149,7 @@ def _positions(
     Of the columns that may be positions, those of the first stem that is of the robot's joints; a
     stem with a column for each of several joints goes before one that has a single one.
     """
-    found = [stated] if stated else columns_of(called, POSITIONS, "q")
+    found = [stated] if stated else columns_of(called, STEMS["q"], "q")
     errors = []
     for named in [named for named in found if len(named) > 1] or found[:1]:
         try:
@@ -164,7 +158,7 @@ def _positions(
             errors.append(error)
     if errors:
         raise errors[0]
-    commanded = columns_of(called, POSITIONS, "q", ("commanded",))
+    commanded = columns_of(called, STEMS["q"], "q", ("commanded",))
     if commanded:
         names = [one.column for one in commanded[0]]
         message = (

@@ -16,6 +16,7 @@ from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.propose_units import UnitProposal, propose_units
 from oed.experiment.log_format import LogFormat
 from oed.experiment.logs.table import Table
+from oed.experiment.missing_rows import rows_with_numbers
 from oed.experiment.recording_checks import check_rows
 from oed.experiment.torque_faults import HELD_ROWS
 from oed.experiment.units import factor_to_si
@@ -37,7 +38,8 @@ class LogValues:
         t: (N,) time [s].
         q: (N, n) position [rad or m], without signs and zeros that a user may state.
         episode: (N,) index of the episode; None where there are none.
-        rows: Of the log that these are: first and the one behind the last, from 0; None for all.
+        rows: (N,) of the log that these are, from 0.
+        logged: How many rows the log has.
         notes: What was concluded.
         left_out: A word on the other rows.
     """
@@ -47,7 +49,8 @@ class LogValues:
     t: Float[ndarray, " samples"]
     q: Float[ndarray, "samples joints"]
     episode: Int[ndarray, " samples"] | None
-    rows: tuple[int, int] | None
+    rows: Int[ndarray, " samples"]
+    logged: int
     notes: tuple[str, ...]
     left_out: tuple[str, ...]
 
@@ -70,15 +73,15 @@ def read_values(
             if key in ("q", "dq", "tau") or (key == "t" and rate is None)
         }
         rows, dead = _logged_rows(arrays, columns)
-        arrays = {key: values[slice(*rows)] for key, values in arrays.items()}
+        logged = len(arrays["q"])
+        arrays = {key: values[rows] for key, values in arrays.items()}
         units = first.units if first else propose_units(arrays, robot, {**columns.units, **stated})
         if ticks_per_turn is not None:
             units = dataclasses.replace(units, ticks_per_turn=ticks_per_turn)
-        count = len(arrays["q"])
         if rate is None:
             t = arrays["t"][:, 0] * factor_to_si("t", units.units.get("t", ("s",))[0])
         else:
-            t = np.arange(count) / rate
+            t = rows / rate
         check_rows(t, robot.n, columns.table.file)
         values = LogValues(
             columns,
@@ -86,7 +89,8 @@ def read_values(
             t,
             _positions(arrays["q"], units, robot, columns),
             _episodes(columns, rows),
-            rows if dead else None,
+            rows,
+            logged,
             (*notes, *units.notes),
             dead,
         )
@@ -116,9 +120,9 @@ def _positions(
 
 
 def _logged_rows(
-    arrays: Mapping[str, Float[ndarray, "samples columns"]], columns: ColumnProposal
-) -> tuple[tuple[int, int], tuple[str, ...]]:
-    """The rows from the first to the last that were logged whole, and a word on those at the ends.
+    arrays: Mapping[str, Float[ndarray, "logged columns"]], columns: ColumnProposal
+) -> tuple[Int[ndarray, " samples"], tuple[str, ...]]:
+    """The rows that were logged whole, and a word on those at the ends.
 
     A logger that starts before the drives report writes no number for them, or zero for all.
     """
@@ -127,13 +131,14 @@ def _logged_rows(
     table, count = columns.table, len(whole)
     start, end = _dead(whole, reports), count - _dead(whole[::-1], reports[::-1])
     names = [name for key in arrays for name in columns.columns[key]]
-    table.check(dict(zip(names, np.hstack(list(arrays.values())).T, strict=True)), (start, end))
+    values = dict(zip(names, np.hstack(list(arrays.values())).T, strict=True))
+    rows, _ = rows_with_numbers(table, values, np.arange(start, end), columns.columns.get("dq", ()))
     parts = ((0, start), (end, count))
     said = [f"{a + table.first_row} to {b - 1 + table.first_row}" for a, b in parts if b > a]
     note = (
         f"roles: {table.file}, rows {' and '.join(said)}, where the drives do not report, left out"
     )
-    return (start, end), (note,) if said else ()
+    return rows, (note,) if said else ()
 
 
 def _dead(whole: Bool[ndarray, " samples"], reports: Bool[ndarray, " samples"]) -> int:
@@ -142,11 +147,15 @@ def _dead(whole: Bool[ndarray, " samples"], reports: Bool[ndarray, " samples"]) 
     return zeros if zeros >= HELD_ROWS else int(whole.argmax())
 
 
-def _episodes(columns: ColumnProposal, rows: tuple[int, int]) -> Int[ndarray, " samples"] | None:
+def _episodes(
+    columns: ColumnProposal, rows: Int[ndarray, " samples"]
+) -> Int[ndarray, " samples"] | None:
     name = episode_column(columns.table)
     if name is None:
         return None
-    return columns.table.take([name])[name][slice(*rows)].astype(np.int64)
+    values = columns.table.read([name])
+    columns.table.check(values, rows)
+    return values[name][rows].astype(np.int64)
 
 
 def episode_column(table: Table) -> str | None:

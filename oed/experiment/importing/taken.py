@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from oed.experiment.importing.layouts import (
-    ACCELERATIONS,
-    POSITIONS,
+    STEMS,
     TORQUES,
-    VELOCITIES,
     Named,
     as_one,
     columns_of,
     torques_of,
 )
 from oed.experiment.importing.name_words import Source
+from oed.experiment.units import Quantity
 
 SAID: tuple[Source, ...] = ("measured", "", "commanded")
-STEMS = {"q": POSITIONS, "dq": VELOCITIES, "ddq": ACCELERATIONS}
 
 
 def of_same_joints(found: Sequence[list[Named]], order: Sequence[Named]) -> list[Named]:
@@ -25,7 +23,7 @@ def of_same_joints(found: Sequence[list[Named]], order: Sequence[Named]) -> list
     return next(iter(_all_of_same_joints(found, order)), [])
 
 
-def taken_notes(called: Mapping[str, str], chosen: Mapping[str, Sequence[Named]]) -> list[str]:
+def taken_notes(called: Mapping[str, str], chosen: Mapping[Quantity, Sequence[Named]]) -> list[str]:
     """A line on each quantity that the log holds more than once.
 
     Args:
@@ -47,10 +45,10 @@ def taken_notes(called: Mapping[str, str], chosen: Mapping[str, Sequence[Named]]
     return notes
 
 
-def _found(called: Mapping[str, str], quantity: str) -> list[list[Named]]:
+def _found(called: Mapping[str, str], quantity: Quantity) -> list[list[Named]]:
     if quantity == "tau":
         return [named for kind in TORQUES for named in torques_of(called, kind)]
-    return columns_of(called, STEMS[quantity], quantity, SAID)  # type: ignore[arg-type]
+    return columns_of(called, STEMS[quantity], quantity, SAID)
 
 
 def _all_of_same_joints(found: Sequence[list[Named]], order: Sequence[Named]) -> list[list[Named]]:

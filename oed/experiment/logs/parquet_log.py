@@ -141,9 +141,10 @@ def _numbers(column: pa.ChunkedArray, name: str, file: str) -> ndarray:
     kind = column.type
     if pa.types.is_timestamp(kind):
         stamps = column.cast(pa.timestamp("ns", tz=kind.tz)).cast(pa.int64())
-        if stamps.null_count:
-            raise DataSetError("holds times that are missing", file=file, column=name)
-        return seconds_of_day(stamps.to_numpy())
+        seconds = np.full(len(stamps), np.nan)
+        told = ~stamps.is_null().to_numpy()
+        seconds[told] = seconds_of_day(stamps.drop_null().to_numpy())
+        return seconds
     if pa.types.is_duration(kind):
         return column.cast(pa.duration("ns")).cast(pa.int64()).to_numpy() / 1e9
     if pa.types.is_string(kind) or pa.types.is_large_string(kind):

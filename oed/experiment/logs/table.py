@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from jaxtyping import Int
 from numpy import ndarray
 
 from oed.errors import DataSetError
@@ -47,7 +48,7 @@ class Table:
                 finite number.
         """
         values = self.read(names)
-        self.check(values, (0, None))
+        self.check(values, np.arange(len(next(iter(values.values())))))
         return values
 
     def read(self, names: Sequence[str]) -> dict[str, ndarray]:
@@ -73,18 +74,18 @@ class Table:
                 raise DataSetError(message, file=self.file, column=name)
         return values
 
-    def check(self, values: Mapping[str, ndarray], rows: tuple[int, int | None]) -> None:
+    def check(self, values: Mapping[str, ndarray], rows: Int[ndarray, " rows"]) -> None:
         """Refuse what is no number, in the rows that are used: those of others are not judged.
 
         Args:
             values: (N,) of `read`.
-            rows: First row and the row behind the last, from 0; None for the end.
+            rows: That are used, from 0.
 
         Raises:
             DataSetError: At the first such value.
         """
         for name, column in values.items():
-            used = column[rows[0] : rows[1]]
+            used = column[rows]
             wrong = np.flatnonzero(~np.isfinite(used))
             if len(wrong) == len(used):
                 message = "holds no number: it was not logged"
@@ -95,12 +96,12 @@ class Table:
                     "no number" if np.isnan(used[wrong[0]]) else f"{used[wrong[0]]:g} is no number"
                 )
                 message = f"{what}{some}; remove such rows or repair the log"
-                row = rows[0] + int(wrong[0]) + self.first_row
+                row = int(rows[wrong[0]]) + self.first_row
                 raise DataSetError(message, file=self.file, row=row, column=name)
             wild = np.flatnonzero(np.abs(used) > WILD)
             if wild.size:
                 message = f"{used[wild[0]]:g} is beyond anything a log can mean; repair the log"
-                row = rows[0] + int(wild[0]) + self.first_row
+                row = int(rows[wild[0]]) + self.first_row
                 raise DataSetError(message, file=self.file, row=row, column=name)
 
     def elements(self, name: str) -> tuple[str, ...]:
