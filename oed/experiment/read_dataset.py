@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from oed.errors import DataSetError, OedError
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import DRIVE_KEYS, Drive
 from oed.experiment.limit_checks import check_limits
-from oed.experiment.logs import Log, read_log
+from oed.experiment.logs import Log, held, read_log
 from oed.experiment.manifest import MANIFEST, Manifest, read_manifest
 from oed.experiment.read_recording import read_recording
 from oed.experiment.recording import Recording
@@ -169,26 +170,39 @@ def _check_all_listed(folder: Path, manifest: Manifest, robot: Robot) -> None:
 
 
 def _read_recordings(folder: Path, manifest: Manifest, robot: Robot) -> tuple[Recording, ...]:
+    """Every recording; a log is parsed once, and let go with the last that is cut from it."""
+    files = _files(folder, manifest)
+    left = Counter(files)
     logs: dict[Path, Log] = {}
-    names: dict[Path, str] = {}
     recordings = []
-    for entry in manifest.recordings:
-        path = folder / entry.file
-        try:
-            real = path.resolve()
-        except (OSError, RuntimeError, ValueError) as error:
-            raise DataSetError(f"cannot be found: {error}", file=str(path)) from error
-        if names.setdefault(real, entry.file) != entry.file:
-            message = f"{entry.file!r} and {names[real]!r} are the same file; list it once"
-            raise DataSetError(message, file=str(folder / MANIFEST), column="recording.file")
+    for entry, real in zip(manifest.recordings, files, strict=True):
         if real not in logs:
-            logs[real] = read_log(path)
+            logs[real] = held(read_log(folder / entry.file))
         recordings.append(
             read_recording(
                 logs[real], entry, robot, manifest.log, drive=manifest.drive, torque=manifest.torque
             )
         )
+        left[real] -= 1
+        if not left[real]:
+            del logs[real]
     return tuple(recordings)
+
+
+def _files(folder: Path, manifest: Manifest) -> tuple[Path, ...]:
+    """The log of each recording; one log has one name."""
+    names: dict[Path, str] = {}
+    files = []
+    for entry in manifest.recordings:
+        path = folder / entry.file
+        try:
+            files.append(path.resolve())
+        except (OSError, RuntimeError, ValueError) as error:
+            raise DataSetError(f"cannot be found: {error}", file=str(path)) from error
+        if names.setdefault(files[-1], entry.file) != entry.file:
+            message = f"{entry.file!r} and {names[files[-1]]!r} are the same file; list it once"
+            raise DataSetError(message, file=str(folder / MANIFEST), column="recording.file")
+    return tuple(files)
 
 
 def _kept(folder: Path, manifest: Manifest, joints: Sequence[str] | None) -> tuple[int, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Int
@@ -128,6 +128,23 @@ class Log:
     file: str
     tables: tuple[Table, ...]
     passed_over: tuple[str, ...] = ()
+
+
+def held(log: Log) -> Log:
+    """The log with its columns kept, once they were read, for as long as it is."""
+    tables = tuple(replace(table, load=_once(table.load)) for table in log.tables)
+    return replace(log, tables=tables)
+
+
+def _once(load: Load) -> Load:
+    columns: dict[str, ndarray] = {}
+
+    def kept(names: tuple[str, ...]) -> Mapping[str, ndarray]:
+        new = tuple(name for name in names if name not in columns)
+        columns.update(load(new) if new else {})
+        return {name: columns[name] for name in names}
+
+    return kept
 
 
 def table_of(
