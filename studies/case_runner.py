@@ -99,12 +99,12 @@ class CaseRunner(Generic[CaseT]):
         """
         digests = {case.key: self.digest(case) for case in cases}
         self.rows.prepare()
-        done = self.rows.done(digests)
+        done, before = self.rows.done(digests), self.rows.done()
         missing = [case for case in cases if case.key not in done]
         if kept := len(cases) - len(missing):
             there = f"{kept} of {len(cases)} lines are there and stay"
             print(f"{self.label}: {there}: same code, settings and data", file=sys.stderr)
-        if old := sum(case.key in self.rows.done() for case in missing):
+        if old := sum(case.key in before for case in missing):
             print(
                 f"{self.label}: {old} lines of other code or data are done again", file=sys.stderr
             )
@@ -205,7 +205,12 @@ def leave_page(text: str, configuration: object, seed: int | None, out: Path) ->
 
 def all_failed(rows: Sequence[Mapping[str, str]]) -> bool:
     """Whether there are lines, and each is of a case that failed."""
-    return bool(rows) and all(row["status"].startswith(FAILED) for row in rows)
+    return bool(rows) and all(map(is_failed, rows))
+
+
+def is_failed(row: Mapping[str, str]) -> bool:
+    """Whether a line is of a case that failed."""
+    return row["status"].startswith(FAILED)
 
 
 def failure(error: BaseException) -> Outcome:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from oed.commands.options import Folder, OutFolder, parse
+from oed.parallel_map import processes
 from oed.process_end import leave
 from paper_figures.writing import HERE, RESULTS, write_all
 from studies import close_loop, identify, scara_recordings
@@ -72,13 +73,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _steps(data: Path | None, out: Path, results: Path, smoke: bool) -> list[Step]:
-    small = ["--smoke"] if smoke else []
+    small, wide = ["--smoke"] if smoke else [], ["--workers", str(processes())]
     recordings = out / "scara_recordings"
     loop = results / "loop_scara"
     steps = [
         Step(
             "the paper's experiment, rebuilt",
-            lambda: experiment.main(["--out", str(results / "paper"), *small]),
+            lambda: experiment.main(["--out", str(results / "paper"), *(small or wide)]),
         ),
         Step(
             "the paper's figures",

@@ -13,6 +13,7 @@ from pathlib import Path
 from oed.report.json_file import write_atomically
 
 Outcome = Mapping[str, str | int | float]
+csv.field_size_limit(2**31 - 1)  # a cell may hold arrays
 DIGEST = "digest"  # last column; a file of before there was one has none
 
 

@@ -64,6 +64,27 @@ def test_what_is_there_is_read_back(results, capsys):
     assert "…" not in said
 
 
+def test_an_interrupted_run_goes_on_where_it_stopped(results, tmp_path):
+    cache = tmp_path / "cache"
+    shutil.copytree(results.parent / "cache", cache)
+    cases = sorted((cache / "smoke").glob("*.csv"))
+    assert [file.stem for file in cases] == [
+        "designs_on_arm",
+        "exact_limits",
+        "searches",
+        "test_motions_on_arm",
+    ]
+    before = [file.read_text().splitlines(keepends=True) for file in cases]
+    for file, lines in zip(cases, before, strict=True):
+        file.write_text("".join(lines[:3]) + lines[3][:20])
+    for file in (cache / "smoke").glob("designs-*.npz"):
+        file.unlink()
+    run(tmp_path / "out", cache)
+    assert [file.read_text().splitlines(keepends=True) for file in cases] == before
+    told = left(results) | {"provenance.json": b""}
+    assert left(tmp_path / "out") | {"provenance.json": b""} == told
+
+
 def test_every_number_of_the_paper_stands_beside_ours(results):
     rows = read_csv(results / "comparison.csv")
     published = [row["paper"] for row in rows]

@@ -6,21 +6,19 @@ motion; each estimate is then asked for the torque of each test motion.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from functools import partial
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.motion import Motion
 from oed.estimation.weights import variances_from_repetitions
 from oed.experiment.paper_signals import Processing, SampledRuns, sample_runs
-from oed.parallel_map import one_by_one
-from oed.report.progress import progress
+from oed.experiment.simulation import Log
+from studies.case_runner import Outcome
 from studies.paper_experiment import energy
-from studies.paper_experiment.fitting import PLAIN, Sums, regressor
+from studies.paper_experiment.designs import DesignSet, reference
+from studies.paper_experiment.fitting import PLAIN, Sums, regressor, stacked
 from studies.paper_experiment.laboratory import (
     DESIGN,
     FRICTIONS,
@@ -30,11 +28,13 @@ from studies.paper_experiment.laboratory import (
     Bench,
     LaboratoryConfig,
 )
+from studies.paper_experiment.stage_cache import Arrays, StageCache, packed
 
 WAYS: tuple[Processing, ...] = ("online", "aligned", "zero_phase", "parallel")
 # The paper's estimate; the same with R_v of the torque as it was filtered; richer friction.
 FITS = ("paper", "filtered R_v", "richer friction")
 SETS = ("estimation", "validation")
+KEY = ("friction", "motion")
 
 
 @dataclass(frozen=True)
@@ -56,12 +56,6 @@ class Estimates:
     filtered: Float[ndarray, "*cells n"]
     rms: Float[ndarray, "*cells sets n"]
     relative: Float[ndarray, "*cells sets n"]
-
-    @classmethod
-    def stacked(cls, parts: Sequence[Estimates], axis: int = 0) -> Estimates:
-        """Several as one, along a new axis."""
-        names = [field.name for field in fields(cls)]
-        return cls(*(np.stack([getattr(p, name) for p in parts], axis) for name in names))
 
 
 @dataclass(frozen=True)
@@ -86,35 +80,64 @@ class Conditions:
 
     Attributes:
         config: Of the laboratory.
-        bench: Made ready.
+        bench: Made ready: the numbers of a `Bench`.
         draws: E.
+        horizon: T [s].
+        terms: W.
     """
 
     config: LaboratoryConfig
-    bench: Bench
+    bench: tuple[tuple[float, ...], ...]
     draws: int
+    horizon: float
+    terms: int
 
 
-def run_campaign(
-    conditions: Conditions, designs: Sequence[Sequence[Motion]], tests: Sequence[Motion]
-) -> Campaign:
-    """Record, estimate and predict.
+@dataclass(frozen=True)
+class OnArm:
+    """One motion on the arm.
 
-    Args:
+    Attributes:
         conditions: Of all.
-        designs: K kinds of P motions.
-        tests: T motions.
+        friction: Index in `FRICTIONS`.
+        draw: Use and numbers of the motion, which tell its noise from all other.
+        z: The motion's variables.
     """
-    shape = (len(FRICTIONS), len(designs), len(designs[0]))
-    places = list(np.ndindex(*shape))
-    work = partial(_design, conditions, designs)
-    found = list(progress(one_by_one(work, places), "designs on the arm", total=len(places)))
-    flat = vars(Estimates.stacked([estimates for estimates, _ in found]))
+
+    conditions: Conditions
+    friction: int
+    draw: tuple[int, ...]
+    z: tuple[float, ...]
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What its line begins with."""
+        return (FRICTIONS[self.friction], " ".join(map(str, self.draw)))
+
+    def record(self, sets: int) -> Log:
+        """Repetitions, of some sets for each draw of the noise."""
+        one = self.conditions
+        motion = reference(one.terms, one.horizon, np.array(self.z), PERIOD)
+        runs = one.draws * sets * one.config.repetitions
+        bench = Bench(*map(np.array, one.bench))
+        return bench.record(one.config, FRICTIONS[self.friction], motion, self.draw, runs)
+
+
+def run_campaign(conditions: Conditions, designs: DesignSet, cache: StageCache) -> Campaign:
+    """Record, estimate and predict."""
+    shape = (len(FRICTIONS), *designs.z.shape[:2])
+    todo = [
+        OnArm(conditions, f, (DESIGN, k, p), tuple(designs.z[k, p].tolist()))
+        for f, k, p in np.ndindex(*shape)
+    ]
+    found = cache.each("designs_on_arm", KEY, on_design, todo)
+    names = [name for name in found[0] if name != "energy"]
+    flat = {name: np.stack([own[name] for own in found]) for name in names}
     shaped = {name: part.reshape(*shape, *part.shape[1:]) for name, part in flat.items()}
-    works = np.array([energies for _, energies in found if energies is not None])
-    places = list(np.ndindex(len(FRICTIONS), len(tests)))
-    work = partial(_test, conditions, tests)
-    sums = list(progress(one_by_one(work, places), "test motions on the arm", total=len(places)))
+    works = np.array([own["energy"] for own in found if "energy" in own])
+    places = list(np.ndindex(len(FRICTIONS), len(designs.tests)))
+    todo = [OnArm(conditions, f, (TEST, t), tuple(designs.tests[t].tolist())) for f, t in places]
+    sums = cache.each("test_motions_on_arm", KEY, on_test, todo)
     rms, relative = _predict(shaped["parameters"], dict(zip(places, sums, strict=True)))
     return Campaign(
         **shaped,
@@ -124,31 +147,22 @@ def run_campaign(
     )
 
 
-def _design(
-    conditions: Conditions, designs: Sequence[Sequence[Motion]], place: tuple[int, int, int]
-) -> tuple[Estimates, Float[ndarray, "E 2 8"] | None]:
+def on_design(one: OnArm) -> Outcome:
     """One design: (E, W) estimates, and by the energy model where J_k is the criterion."""
-    friction, kind, seed = place
-    config, M = conditions.config, conditions.config.repetitions
-    log = conditions.bench.record(
-        config,
-        FRICTIONS[friction],
-        designs[kind][seed],
-        (DESIGN, kind, seed),
-        runs=conditions.draws * 2 * M,
-    )
-    firsts = range(0, conditions.draws * 2 * M, 2 * M)
+    config, M = one.conditions.config, one.conditions.config.repetitions
+    log = one.record(len(SETS))
+    firsts = range(0, one.conditions.draws * 2 * M, 2 * M)
     by_way = []
     for way in WAYS:
         runs = sample_runs(log, PERIOD, config.samples, way, regressor=regressor)
-        drawn = [_estimate(runs.of(slice(i, i + 2 * M)), M) for i in firsts]
-        by_way.append(Estimates.stacked(drawn))
-    found = Estimates.stacked(by_way, axis=1)
+        by_way.append(stacked([_estimate(runs.of(slice(i, i + 2 * M)), M) for i in firsts]))
+    found = vars(stacked(by_way, axis=1))
+    _, kind, _ = one.draw
     if kind > 0:
-        return found, None
+        return packed(found)
     sets = [range(i, i + M) for i in firsts]
     works = [energy.energy_estimates(log, way, config.samples, sets) for way in energy.WAYS]
-    return found, np.stack(works, axis=1)
+    return packed(found | {"energy": np.stack(works, axis=1)})
 
 
 def _estimate(runs: SampledRuns, repetitions: int) -> Estimates:
@@ -170,33 +184,30 @@ def _estimate(runs: SampledRuns, repetitions: int) -> Estimates:
     )
 
 
-def _test(
-    conditions: Conditions, tests: Sequence[Motion], place: tuple[int, int]
-) -> list[list[Sums]]:
-    """One test motion: sums of each draw and processing."""
-    friction, test = place
-    config, M = conditions.config, conditions.config.repetitions
-    log = conditions.bench.record(
-        config, FRICTIONS[friction], tests[test], (TEST, test), runs=conditions.draws * M
-    )
+def on_test(one: OnArm) -> Outcome:
+    """One test motion: (E, W) sums."""
+    config, M = one.conditions.config, one.conditions.config.repetitions
+    log = one.record(1)
     by_way = [sample_runs(log, PERIOD, config.samples, w, regressor=regressor) for w in WAYS]
-    return [
-        [Sums.of(runs.of(slice(e * M, (e + 1) * M))) for runs in by_way]
-        for e in range(conditions.draws)
+    sums = [
+        stacked([Sums.of(runs.of(slice(e * M, (e + 1) * M))) for runs in by_way])
+        for e in range(one.conditions.draws)
     ]
+    return packed(vars(stacked(sums)))
 
 
 def _predict(
-    parameters: Float[ndarray, "F K P E W fits c"], sums: dict[tuple[int, ...], list[list[Sums]]]
+    parameters: Float[ndarray, "F K P E W fits c"], sums: dict[tuple[int, ...], Arrays]
 ) -> tuple[Float[ndarray, "F K P T E W fits n"], Float[ndarray, "F K P T E W fits n"]]:
     """Rms and relative error of every estimate on every test motion, draw by draw."""
     frictions, kinds, seeds, draws, ways, fits, _ = parameters.shape
     tests = len(sums) // frictions
     rms = np.empty((frictions, kinds, seeds, tests, draws, ways, fits, JOINTS))
     relative = np.empty_like(rms)
-    for (f, t), by_draw in sums.items():
+    for (f, t), own in sums.items():
         for e, w in np.ndindex(draws, ways):
-            part, xi = by_draw[e][w], parameters[f, :, :, e, w]
+            part = Sums(**{name: array[e, w] for name, array in own.items()})
+            xi = parameters[f, :, :, e, w]
             rms[f, :, :, t, e, w] = np.sqrt(part.squared_residual(xi))
             relative[f, :, :, t, e, w] = part.relative(xi)
     return rms, relative

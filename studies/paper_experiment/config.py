@@ -61,5 +61,10 @@ class Config:
             variance_repetitions=4,
         )
         return dataclasses.replace(
-            self, designs=designs, laboratory=laboratory, draws=2, drake_seconds=0.05
+            self,
+            cache=self.cache / "smoke",
+            designs=designs,
+            laboratory=laboratory,
+            draws=2,
+            drake_seconds=0.05,
         )

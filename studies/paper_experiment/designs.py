@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -15,10 +14,10 @@ from oed.design.optimisers.result import Budget
 from oed.design.problem import DesignProblem
 from oed.design.trajectories.harmonic import HarmonicClass
 from oed.dynamics.motion import Motion
-from oed.parallel_map import one_by_one
-from oed.report.progress import progress
 from oed.robot.builtin import imi_scara
+from studies.case_runner import Outcome
 from studies.paper_experiment.searches import DesignConfig, Search, Searches, paper_class, problem
+from studies.paper_experiment.stage_cache import StageCache, packed
 
 CRITERIA: tuple[Criterion, Criterion] = ("J_k", "J_d")
 # In the order of every table: the genetic algorithm's under the paper's limits (12), then the
@@ -49,22 +48,54 @@ class DesignSet:
     neighbours: Float[ndarray, "2"]
 
 
-def design_all(config: DesignConfig, horizon: float, searches: Searches) -> DesignSet:
+@dataclass(frozen=True)
+class ExactDesign:
+    """One design under the limits themselves.
+
+    Attributes:
+        criterion: Its own.
+        horizon: T [s].
+        terms: W.
+        samples: Instants of the criterion.
+        evaluations: Of it.
+        seed: Of all designs.
+        run: Which; with the rest it decides where it starts.
+    """
+
+    criterion: Criterion
+    horizon: float
+    terms: int
+    samples: int
+    evaluations: int
+    seed: int
+    run: int
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What its line begins with."""
+        return (self.criterion, str(self.run))
+
+
+def design_all(
+    config: DesignConfig, horizon: float, searches: Searches, cache: StageCache
+) -> DesignSet:
     """The designs of every kind and seed, and the test trajectories."""
     genetic_runs = (searches.condition, searches.determinant)
     narrow = paper_class(horizon, config.terms)
-    wide = HarmonicClass.exact(imi_scara().limits, horizon, config.terms)
+    wide = wide_class(horizon, config.terms)
     problems = [problem(c, j, config.samples) for c in (narrow, wide) for j in CRITERIA]
     shown = [
         run_to_show(spec, found, config)
         for spec, found in zip(problems, genetic_runs, strict=False)
     ]
-    z = [found.z[: config.pairs] for found in genetic_runs]
-    for spec in problems[2:]:
-        work = partial(_within_limits, spec, config)
-        found = one_by_one(work, range(config.pairs))
-        label = f"{spec.criterion}, exact limits"
-        z.append(np.array(list(progress(found, label, total=config.pairs))))
+    common = (horizon, config.terms, config.samples, config.exact_evaluations, config.seed)
+    todo = [ExactDesign(j, *common, run) for j in CRITERIA for run in range(config.pairs)]
+    exact = [x["z"] for x in cache.each("exact_limits", ("criterion", "run"), within_limits, todo)]
+    z = [
+        *(found.z[: config.pairs] for found in genetic_runs),
+        exact[: config.pairs],
+        exact[config.pairs :],
+    ]
     worths = [[spec.worth(x) for x in own] for spec, own in zip(problems, z, strict=True)]
     rng = np.random.default_rng([config.seed, 99])
     return DesignSet(
@@ -82,10 +113,15 @@ def design_all(config: DesignConfig, horizon: float, searches: Searches) -> Desi
     )
 
 
-def reference(config: DesignConfig, horizon: float, z: ndarray, period: float) -> Motion:
+def wide_class(horizon: float, terms: int) -> HarmonicClass:
+    """Sums of sines under the limits themselves."""
+    return HarmonicClass.exact(imi_scara().limits, horizon, terms)
+
+
+def reference(terms: int, horizon: float, z: ndarray, period: float) -> Motion:
     """What is asked of the arm; both classes of `design_all` read z alike."""
     t = np.arange(round(horizon / period)) * period
-    return paper_class(horizon, config.terms).motion(z, t)
+    return paper_class(horizon, terms).motion(z, t)
 
 
 def run_to_show(spec: DesignProblem, found: Search, config: DesignConfig) -> tuple[int, float]:
@@ -125,7 +161,9 @@ def best_neighbour(spec: DesignProblem, z: Float[ndarray, " size"], bits: int) -
     return 10 ** min(costs) if spec.criterion == "J_k" else -min(costs)
 
 
-def _within_limits(spec: DesignProblem, config: DesignConfig, run: int) -> ndarray:
-    rng = np.random.default_rng([config.seed, 10 + CRITERIA.index(spec.criterion), run])
-    budget = Budget(evaluations=config.exact_evaluations)
-    return interior_point.optimise(spec, budget, rng).z
+def within_limits(one: ExactDesign) -> Outcome:
+    """Design by the interior-point method."""
+    spec = problem(wide_class(one.horizon, one.terms), one.criterion, one.samples)
+    rng = np.random.default_rng([one.seed, 10 + CRITERIA.index(one.criterion), one.run])
+    found = interior_point.optimise(spec, Budget(evaluations=one.evaluations), rng)
+    return packed({"z": found.z})

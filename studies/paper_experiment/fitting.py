@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import TypeVar
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.dynamics.effects import State
@@ -55,6 +57,15 @@ def regressor(motion: Motion) -> Float[ndarray, "samples 2 columns"]:
     return np.concatenate([paper_regressor(motion), extra], axis=2)
 
 
+T = TypeVar("T")  # a frozen dataclass of arrays and numbers
+
+
+def stacked(parts: Sequence[T], axis: int = 0) -> T:
+    """Several as one, along a new axis."""
+    names = [field.name for field in fields(parts[0])]  # type: ignore[arg-type]
+    return type(parts[0])(*(np.stack([getattr(p, name) for p in parts], axis) for name in names))
+
+
 @dataclass(frozen=True)
 class Sums:
     """All that least squares wants of a recording.
@@ -63,13 +74,13 @@ class Sums:
         gram: (..., n, c, c) sum of the products of a joint's columns.
         moment: (..., n, c) of its columns and its torque.
         square: (..., n) of its torque with itself [N^2 m^2].
-        rows: Of a joint.
+        rows: (..., n) of each joint.
     """
 
     gram: Float[ndarray, "*cells n c c"]
     moment: Float[ndarray, "*cells n c"]
     square: Float[ndarray, "*cells n"]
-    rows: int
+    rows: Int[ndarray, "*cells n"]
 
     @classmethod
     def of(cls, runs: SampledRuns) -> Sums:
@@ -80,7 +91,7 @@ class Sums:
             columns.transpose(0, 2, 1) @ columns,
             (columns * torque[:, :, None]).sum(axis=1),
             (torque**2).sum(axis=1),
-            torque.shape[1],
+            np.full(JOINTS, torque.shape[1]),
         )
 
     def squared_residual(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, fields
 
 import numpy as np
 from jaxtyping import Float
@@ -17,11 +17,11 @@ from oed.design.problem import DesignProblem
 from oed.design.trajectories.harmonic import HarmonicClass
 from oed.dynamics.identifiability import base_parameters
 from oed.dynamics.torque_model import TorqueModel
-from oed.parallel_map import one_by_one
-from oed.report.progress import progress
 from oed.robot.builtin import imi_scara
+from studies.case_runner import Outcome
 from studies.paper_experiment import values as paper
 from studies.paper_experiment.fitness import FITNESSES, Fitness, LinearCondition, criterion_of
+from studies.paper_experiment.stage_cache import StageCache, packed
 
 
 @dataclass(frozen=True)
@@ -82,6 +82,11 @@ class Search:
     def generations(self) -> int:
         """G."""
         return self.best.shape[1] - 1
+
+    @classmethod
+    def joined(cls, parts: Sequence[Search]) -> Search:
+        """The runs of several."""
+        return cls(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(cls)))
 
 
 @dataclass(frozen=True)
@@ -144,39 +149,74 @@ def problem(trajectory: HarmonicClass, criterion: Criterion, samples: int) -> De
     return DesignProblem(model, base, trajectory, robot.limits, instants, criterion)
 
 
-def search(
+@dataclass(frozen=True)
+class SearchRun:
+    """One run of the genetic algorithm.
+
+    Attributes:
+        fitness: What it evolves.
+        settings: Of the algorithm.
+        terms: W.
+        horizon: T [s].
+        samples: Instants of the criterion.
+        seed: Of all runs.
+        run: Which; with the rest it decides what is drawn.
+    """
+
+    fitness: Fitness
+    settings: genetic.GeneticSettings
+    terms: int
+    horizon: float
+    samples: int
+    seed: int
+    run: int
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What its line begins with, see `KEY`."""
+        numbers = (self.settings.population, self.terms, self.horizon, self.run)
+        return (self.fitness, *map(str, numbers))
+
+
+KEY = ("fitness", "population", "terms", "horizon", "run")
+
+
+def runs_of(
     config: DesignConfig,
     horizon: float,
     fitness: Fitness,
-    *,
     runs: int,
+    *,
     terms: int | None = None,
     is_large: bool = False,
-) -> Search:
-    """Run the paper's genetic algorithm from several seeds."""
-    population = config.large_population if is_large else config.population
+) -> list[SearchRun]:
+    """The paper's genetic algorithm from several seeds."""
     settings = genetic.GeneticSettings(
         bits=config.bits,
-        population=population,
+        population=config.large_population if is_large else config.population,
         generations=config.large_generations if is_large else config.generations,
     )
-    terms = terms or config.terms
-    spec = problem(paper_class(horizon, terms), criterion_of(fitness), config.samples)
-    key = [config.seed, round(1000 * horizon), terms, FITNESSES.index(fitness), population]
-    work = partial(_evolve, spec, fitness, settings, key)
-    label = f"{fitness}, {population} individuals, W = {terms}, T = {horizon:g} s"
-    found = list(progress(one_by_one(work, range(runs)), label, total=runs))
-    return Search(*(np.array(part) for part in zip(*found, strict=True)))
+    common = (fitness, settings, terms or config.terms, horizon, config.samples, config.seed)
+    return [SearchRun(*common, run) for run in range(runs)]
 
 
-def sweep_horizons(config: DesignConfig) -> HorizonTable:
+def search(cache: StageCache, *searches: Sequence[SearchRun]) -> list[Search]:
+    """All runs of some searches, side by side."""
+    runs = [run for own in searches for run in own]
+    found = iter(cache.each("searches", KEY, evolve, runs))
+    return [Search.joined([Search(**next(found)) for _ in own]) for own in searches]
+
+
+def sweep_horizons(config: DesignConfig, cache: StageCache) -> HorizonTable:
     """Run the genetic algorithm over horizons and seeds."""
+    kinds: tuple[Fitness, Fitness] = ("-J_k", "J_d")
+    places = list(itertools.product(config.horizons, kinds))
+    found = search(cache, *(runs_of(config, *place, config.horizon_runs) for place in places))
     ends: dict[str, list[ndarray]] = {"J_k": [], "J_d": [], "half": []}
-    for horizon in config.horizons:
-        for fitness in ("-J_k", "J_d"):
-            found = search(config, horizon, fitness, runs=config.horizon_runs)
-            ends[criterion_of(fitness)].append(found.best[:, -1])
-        ends["half"].append(at_half_the_instants(config, horizon, found))
+    for (horizon, fitness), own in zip(places, found, strict=True):
+        ends[criterion_of(fitness)].append(own.best[:, -1])
+        if fitness == "J_d":
+            ends["half"].append(at_half_the_instants(config, horizon, own))
     J_k, J_d, half = (np.array(values) for values in ends.values())
     distance = np.abs(np.log(np.median(J_k, axis=1) / paper.J_K))
     horizons = np.array(config.horizons)
@@ -191,21 +231,21 @@ def at_half_the_instants(
     return np.array([-spec.cost(z) for z in found.z])
 
 
-def _evolve(
-    spec: DesignProblem,
-    fitness: Fitness,
-    settings: genetic.GeneticSettings,
-    key: Sequence[int],
-    run: int,
-) -> tuple[ndarray, ndarray, ndarray]:
-    """End, best so far and mean by generation of one run."""
-    budget = Budget(evaluations=((settings.generations or 0) + 2) * settings.population)
-    rng = np.random.default_rng([*key, run])
-    scored = LinearCondition(spec) if fitness == "-J_k" else spec
-    result, generations = genetic.evolve(scored, budget, rng, settings)
+def evolve(one: SearchRun) -> Outcome:
+    """End, best so far and mean by generation, as a `Search` of one run."""
+    spec = problem(paper_class(one.horizon, one.terms), criterion_of(one.fitness), one.samples)
+    population = one.settings.population
+    budget = Budget(evaluations=((one.settings.generations or 0) + 2) * population)
+    kind = FITNESSES.index(one.fitness)
+    key = [one.seed, round(1000 * one.horizon), one.terms, kind, population, one.run]
+    scored = LinearCondition(spec) if one.fitness == "-J_k" else spec
+    rng = np.random.default_rng(key)
+    result, generations = genetic.evolve(scored, budget, rng, one.settings)
     best, mean = (
         np.array([getattr(g, name) for g in generations]) for name in ("best_so_far", "mean_cost")
     )
-    if fitness == "J_d":
-        return result.z, -best, -mean
-    return (result.z, best, mean) if fitness == "-J_k" else (result.z, 10**best, 10**mean)
+    if one.fitness == "J_d":
+        best, mean = -best, -mean
+    elif one.fitness == "-log10 J_k":
+        best, mean = 10**best, 10**mean
+    return packed({"z": result.z[None], "best": best[None], "mean": mean[None]})

@@ -25,9 +25,9 @@ from studies.paper_experiment.laboratory import PERIOD, Bench, prepare
 from studies.paper_experiment.searches import (
     DesignConfig,
     HorizonTable,
-    Search,
     Searches,
     at_half_the_instants,
+    runs_of,
     search,
     sweep_horizons,
 )
@@ -88,16 +88,17 @@ class Result:
         return np.array([[np.sqrt((m.dq**2).mean(axis=0)) for m in own] for own in self.references])
 
 
-def run_stages(config: Config) -> Result:
+def run_stages(config: Config, cache: StageCache) -> Result:
     """All stages, each read back where it is unchanged."""
-    cache, sizes, laboratory = StageCache(config.cache), config.designs, config.laboratory
+    sizes, laboratory = config.designs, config.laboratory
     key = cache.key("designs", [sizes], [design_all.__module__])
-    horizons = cache.get("horizons", key, HorizonTable, lambda: sweep_horizons(sizes))
+    horizons = sweep_horizons(sizes, cache)
     horizon = float(horizons.chosen)
-    found = _search(cache, key, sizes, horizon)
-    designs = cache.get("designs", key, DesignSet, lambda: design_all(sizes, horizon, found))
-    references = [[reference(sizes, horizon, z, PERIOD) for z in own] for own in designs.z]
-    tests = [reference(sizes, horizon, z, PERIOD) for z in designs.tests]
+    found = _search(cache, sizes, horizon)
+    designs = cache.get("designs", key, DesignSet, lambda: design_all(sizes, horizon, found, cache))
+    asked = partial(reference, sizes.terms, horizon, period=PERIOD)
+    references = [[asked(z) for z in own] for own in designs.z]
+    tests = [asked(z) for z in designs.tests]
     shown_references = [references[k][run] for k, run in enumerate(designs.shown)]
     key = cache.key("laboratory", [key, laboratory], [prepare.__module__])
     bench = cache.get("laboratory", key, Bench, lambda: prepare(laboratory, shown_references[0]))
@@ -117,39 +118,26 @@ def run_stages(config: Config) -> Result:
         )
         for kind, motion in enumerate(shown_references)
     ]
-    campaign = cache.get(
-        "campaign",
-        cache.key("campaign", [key, config.draws], [run_campaign.__module__]),
-        Campaign,
-        lambda: run_campaign(Conditions(laboratory, bench, config.draws), references, tests),
-    )
+    ready = tuple(tuple(x.tolist()) for x in vars(bench).values())
+    conditions = Conditions(laboratory, ready, config.draws, horizon, sizes.terms)
+    campaign = run_campaign(conditions, designs, cache)
     pair = (shown[0], shown[1])
     return Result(horizons, found, designs, references, tests, bench, drake, pair, campaign)
 
 
-def _search(cache: StageCache, key: str, sizes: DesignConfig, horizon: float) -> Searches:
-    """Every run of the algorithm, kept by fitness and population."""
+def _search(cache: StageCache, sizes: DesignConfig, horizon: float) -> Searches:
+    """Every run of the algorithm, by fitness and population."""
     small, large = sizes.population, sizes.large_population
-    kinds: list[tuple[Fitness, bool]] = [
-        (fitness, is_large) for is_large in (False, True) for fitness in ("-J_k", "-log10 J_k")
+    kinds: list[tuple[Fitness, int]] = [
+        *((fitness, size) for size in (small, large) for fitness in ("-J_k", "-log10 J_k")),
+        ("J_d", small),
     ]
-    runs = {
-        (fitness, large if is_large else small): cache.get(
-            f"search_{fitness.split()[0]}_{large if is_large else small}",
-            key,
-            Search,
-            partial(search, sizes, horizon, fitness, runs=sizes.runs, is_large=is_large),
-        )
-        for fitness, is_large in [*kinds, ("J_d", False)]
-    }
-    more = cache.get(
-        "search_more_terms",
-        key,
-        Search,
-        partial(
-            search, sizes, horizon, "-J_k", runs=2 * sizes.horizon_runs, terms=sizes.more_terms
-        ),
+    *found, more = search(
+        cache,
+        *(runs_of(sizes, horizon, j, sizes.runs, is_large=size == large) for j, size in kinds),
+        runs_of(sizes, horizon, "-J_k", 2 * sizes.horizon_runs, terms=sizes.more_terms),
     )
+    runs = dict(zip(kinds, found, strict=True))
     half = at_half_the_instants(sizes, horizon, runs["J_d", small])
     return Searches(runs, small, more, half)
 

@@ -7,9 +7,12 @@ from oed.estimation.least_squares import batch_least_squares
 from oed.experiment.imi_laboratory import ImiLaboratory
 from oed.experiment.paper_signals import SampledRuns
 from studies.paper_experiment import designs, searches
+from studies.paper_experiment.campaign import Conditions, OnArm
 from studies.paper_experiment.fitness import LinearCondition
 from studies.paper_experiment.fitting import EXTRA, PLAIN, RICH, XI, Sums, infeasible, regressor
+from studies.paper_experiment.laboratory import LaboratoryConfig
 from studies.paper_experiment.searches import DesignConfig, paper_class, problem
+from studies.paper_experiment.stage_cache import StageCache
 
 VARIANCES = np.array([0.04, 0.01])
 
@@ -69,9 +72,9 @@ def test_the_paper_s_fitness_is_the_condition_itself():
     np.testing.assert_allclose(LinearCondition(spec).cost(z), expected, rtol=1e-9)
 
 
-def test_a_search_is_converged_where_no_bit_improves_it():
+def test_a_search_is_converged_where_no_bit_improves_it(tmp_path):
     config = DesignConfig(bits=1, terms=1, population=8, generations=25)
-    found = searches.search(config, 7.0, "J_d", runs=1)
+    (found,) = searches.search(StageCache(tmp_path), searches.runs_of(config, 7.0, "J_d", 1))
     spec = problem(paper_class(7.0, 1), "J_d", config.samples)
     lower, upper = spec.trajectory.bounds.T
     genotypes = np.array(np.meshgrid(*[[0, 1]] * spec.size)).reshape(spec.size, -1).T
@@ -82,3 +85,17 @@ def test_a_search_is_converged_where_no_bit_improves_it():
     np.testing.assert_allclose(designs.best_neighbour(spec, z, 1), near)
     # Sixteen genotypes, two hundred looks: the algorithm ends at the best of all.
     np.testing.assert_allclose(found.best[0, -1], values.max())
+
+
+def test_every_motion_on_the_arm_has_a_noise_of_its_own():
+    laboratory = LaboratoryConfig(repetitions=1)
+    gains = laboratory.laboratory.controller()
+    bench = (tuple(gains.stiffness), tuple(gains.damping), (1.0, 0.3))
+    conditions = Conditions(laboratory, bench, draws=2, horizon=0.1, terms=1)
+    z = tuple(paper_class(0.1, 1).draw(np.random.default_rng(0)).tolist())
+    first, again, other = (
+        OnArm(conditions, 0, draw, z).record(1) for draw in ((2, 0, 0), (2, 0, 0), (2, 0, 1))
+    )
+    assert first.q.shape[-1] == 2  # one repetition for each draw of the noise
+    assert np.array_equal(first.command, again.command)
+    assert not np.isclose(first.command, other.command).all()

@@ -3,13 +3,55 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from studies.paper_experiment.stage_cache import StageCache
+from oed.errors import OedError
+from studies.paper_experiment.stage_cache import StageCache, packed
 
 
 @dataclass(frozen=True)
 class Numbers:
     values: np.ndarray
     total: np.ndarray
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Some random numbers; none of a negative one."""
+
+    number: int
+    count: int = 3
+
+    @property
+    def key(self):
+        return (str(self.number),)
+
+
+def drawn(case):
+    return np.random.default_rng(case.number).normal(size=(1, case.count))
+
+
+def draw(case):
+    return packed({"values": drawn(case), "kind": np.array(2)})
+
+
+def test_cases_are_done_once_and_every_digit_is_read_back(tmp_path):
+    cache = StageCache(tmp_path)
+    # The last takes more than the 131072 characters at which a reader of CSV stops by itself.
+    cases = [Draw(1), Draw(2), Draw(3, 20_000)]
+    before = cache.each("draws", ("number",), draw, cases[:1])
+    found = cache.each("draws", ("number",), draw, cases)
+    for case, arrays in zip(cases, found, strict=True):
+        assert np.array_equal(arrays["values"], drawn(case))
+        assert arrays["kind"] == 2
+    assert np.array_equal(before[0]["values"], found[0]["values"])
+    assert len((tmp_path / "draws.csv").read_text().splitlines()) == 1 + len(cases)
+    last, *_ = cache.each("draws", ("number",), draw, cases[::-1])
+    assert np.array_equal(last["values"], drawn(cases[-1]))
+    assert len((tmp_path / "draws.csv").read_text().splitlines()) == 1 + len(cases)
+
+
+def test_a_stage_with_a_failed_case_is_none(tmp_path):
+    with pytest.raises(OedError, match=r"draws.csv: 1 of 2 failed: ValueError"):
+        StageCache(tmp_path).each("draws", ("number",), draw, [Draw(1), Draw(-1)])
 
 
 def test_computes_once_and_reads_back_the_same(tmp_path):
