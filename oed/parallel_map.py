@@ -12,7 +12,7 @@ import select
 import signal
 import struct
 import tempfile
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import BinaryIO, TypeVar
 
@@ -48,27 +48,15 @@ def parallel_map(work: Callable[[Item], Result], items: Sequence[Item]) -> list[
         work: Changes nothing, and makes something that can be pickled.
         items: Taken one by one by whichever process is free.
     """
-    return list(one_by_one(work, items))
-
-
-def one_by_one(
-    work: Callable[[Item], Result], items: Sequence[Item]
-) -> Generator[Result, None, None]:
-    """The same for one who may stop at any: others are begun before it is asked for them.
-
-    Args:
-        work: Changes nothing, and makes something that can be pickled.
-        items: Taken in their order.
-    """
     helpers = min(processes(), len(items)) - 1
     if helpers < 1 or len(items) > MOST_ITEMS:
-        yield from map(work, items)
-        return
+        return list(map(work, items))
     todo, places = os.pipe()
     os.write(places, b"".join(PLACE.pack(k) for k in range(len(items))))
     os.close(places)
     at_work = [_Helper.begin(work, items, todo) for _ in range(helpers)]
     made: dict[int, Result | BaseException] = {}
+    results: list[Result] = []
     try:
         for k, item in enumerate(items):
             while k not in made:
@@ -85,7 +73,8 @@ def one_by_one(
             result = made.pop(k)
             if isinstance(result, BaseException):
                 raise result
-            yield result
+            results.append(result)
+        return results
     finally:
         os.close(todo)
         for helper in at_work:
