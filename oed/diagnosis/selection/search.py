@@ -31,11 +31,13 @@ class Selected:
         views: The model that was found, on all rows.
         judged: Each of its terms.
         substitutes: Of each term, itself among them, best first.
+        current: Labels of the terms whose substitutes were asked beside this very model.
     """
 
     views: Views
     judged: tuple[Judged, ...]
     substitutes: tuple[tuple[Substitute, ...], ...]
+    current: frozenset[str]
 
 
 def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: False) -> Selected:
@@ -53,9 +55,9 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
         f"{lines} shapes of {len(problem.candidates)} candidates, left {short(start.left('fitted'))}"
     )
     views = _ahead_and_back(tables, start, say, over)
-    exchanges = EXCHANGES
+    exchanges, found = EXCHANGES, None
     while True:
-        found = _each_by_its_best(tables, views, say, may_exchange=exchanges > 0)
+        found = _each_by_its_best(tables, views, say, found, may_exchange=exchanges > 0)
         is_exchanged = found.views is not views
         changed = found.views if is_exchanged else _predictive(views, say)
         if changed is views or (is_exchanged and over()):
@@ -80,7 +82,9 @@ def as_handed_on(views: Views, say: Say) -> Views:
     return Views.of(with_least_torque_left(views), views.terms, "all", views)
 
 
-def _each_by_its_best(tables: Tables, views: Views, say: Say, *, may_exchange: bool) -> Selected:
+def _each_by_its_best(
+    tables: Tables, views: Views, say: Say, last: Selected | None, *, may_exchange: bool
+) -> Selected:
     """Each term once by what is better in its place, where anything is.
 
     What could stand in a term's place is asked beside all others as they are by then: a term that
@@ -90,19 +94,30 @@ def _each_by_its_best(tables: Tables, views: Views, say: Say, *, may_exchange: b
         tables: Of all candidates.
         views: The model.
         say: Receives lines of progress.
+        last: The round before: what was asked beside the very same model is not asked again.
         may_exchange: Whether a term may be exchanged; else the model is only asked.
     """
     say(f"what else the {len(views.terms)} terms could be")
     found: dict[str, tuple[Substitute, list[Substitute]]] = {}
-    for label in [term.label for term in views.terms]:
+    current: set[str] = set()
+    labels = [term.label for term in views.terms]
+    for number, label in enumerate(labels):
+        if last is not None and last.views is views and label in last.current:
+            known = list(last.substitutes[number])
+            found[label] = next(s for s in known if s.term is views.terms[number]), known
+            current.add(label)
+            continue
         own = judge(views, [t.label for t in views.terms].index(label))
         substitutes = substitutes_of(tables, views, own)
-        chosen = next(s for s in substitutes if s.term is own.term)
         better = preferred(own, substitutes) if may_exchange else None
+        chosen = better or next(s for s in substitutes if s.term is own.term)
         if better is not None:
             say(f"{label} {own.worth.nats:.1f} -> {better.term.label} {better.nats:.1f} nats")
-            grown, chosen = in_place(views, own, better.term), better
+            grown = in_place(views, own, better.term)
             views = Views.of(grown.problem, grown.terms, "all", grown)
+            current.clear()
+        else:
+            current.add(label)
         found[chosen.term.label] = chosen, substitutes
     placed = []
     for term in views.terms:
@@ -111,7 +126,7 @@ def _each_by_its_best(tables: Tables, views: Views, say: Say, *, may_exchange: b
         now = dataclasses.replace(chosen, term=term)
         placed.append(tuple(now if s is chosen else s for s in substitutes))
     again = tuple(judge(views, k) for k in range(len(views.terms)))
-    return Selected(views, again, tuple(placed))
+    return Selected(views, again, tuple(placed), frozenset(current))
 
 
 def _ahead_and_back(

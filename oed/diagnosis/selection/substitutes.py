@@ -63,6 +63,8 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     found = [Substitute(own.term, own.worth.nats, True, price_of(whole, own.term, own.moments))]
     nothing = ahead(own.rest, own.rest.terms)
     for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
+        if _is_itself(scored, own.term):
+            continue
         grown = in_place(whole, own, as_term(_as_smooth(scored, own)))
         # Substitutes of one size are compared at the same, smaller dilution.
         nats = _nats_in_place(grown, whole, own)
@@ -101,6 +103,12 @@ def preferred(own: Judged, substitutes: Sequence[Substitute]) -> Substitute | No
 
 def _plainness(substitute: Substitute) -> tuple[float, int]:
     return substitute.price, len(substitute.term.candidate.holds)
+
+
+def _is_itself(scored: Scored, term: Term) -> bool:
+    """Whether a candidate is the term with the shapes that it has, whose refit would end where it is."""
+    alike = scored.candidate is term.candidate and scored.values == term.values
+    return alike and term.candidate.is_named
 
 
 def _as_smooth(scored: Scored, own: Judged) -> Scored:
