@@ -14,6 +14,7 @@ import numpy as np
 from numpy import ndarray
 
 from oed.errors import DataSetError
+from oed.experiment.logs.mat_check import check_mat
 from oed.experiment.logs.registry import log_reader
 from oed.experiment.logs.table import Log, table_of
 from oed.input_file import too_many_numbers
@@ -44,10 +45,11 @@ def read_mat(path: Path) -> Log:
     from scipy.io import loadmat  # noqa: PLC0415  a quarter of a second that only .mat files need
 
     try:
-        content = path.read_bytes()[: HDF5_AT[-1] + len(HDF5_START)]
+        content = path.read_bytes()
         if any(content[at:].startswith(HDF5_START) for at in HDF5_AT):
             return _log(_hdf5_arrays(path, is_matlab=True), path)
-        loaded = loadmat(path, squeeze_me=False, struct_as_record=True)
+        check_mat(content)
+        loaded = loadmat(io.BytesIO(content), squeeze_me=False, struct_as_record=True)
     except DataSetError:
         raise
     except Exception as error:

@@ -76,9 +76,14 @@ def read_parquet(path: Path) -> Log:
 
 def _read(parquet: pq.ParquetFile, names: list[str], file: str) -> pa.Table:
     try:
-        return parquet.read(columns=names, use_threads=False)
+        table = parquet.read(columns=names, use_threads=False)
     except LIBRARY_ERRORS as error:
         raise DataSetError(f"is a damaged Parquet file: {error}", file=file) from error
+    told = parquet.metadata.num_rows
+    if table.num_rows != told:
+        message = f"is a damaged Parquet file: it says {told} rows and holds {table.num_rows}"
+        raise DataSetError(message, file=file)
+    return table
 
 
 def _widths(parquet: pq.ParquetFile, file: str) -> dict[str, int]:
