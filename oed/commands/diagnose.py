@@ -10,18 +10,15 @@ import numpy as np
 
 from oed.commands.configurations import Diagnose, ModelName
 from oed.commands.diagnosed_torques import diagnosed_torques
-from oed.commands.from_data_set import base_model_name, model_for, processing
+from oed.commands.from_data_set import prepare
 from oed.commands.from_log import imported, on_data_set
 from oed.commands.telling import say, speak
 from oed.diagnosis.diagnose import Diagnosis, diagnose
 from oed.diagnosis.discrimination.next_motion import NextExperiment, design_next
 from oed.dynamics.effects.catalogue import CATALOGUE
-from oed.dynamics.models import build_model
-from oed.estimation.calibration import NOTHING
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.read_dataset import read_dataset
-from oed.experiment.stretches import gap_notes, gap_record
 from oed.export.found_models import of_diagnosis
 from oed.export.model import Model
 from oed.export.model_file import NAME as MODEL
@@ -99,26 +96,15 @@ def diagnose_data(
 
 def find(config: Diagnose, dataset: DataSet) -> Outcome:
     """Diagnose a data set as the command was told to."""
-    for file, column in dataset.unused:
-        say(f"note: {file}: column {column!r} is not used")
-    notes = (*dataset.notes, *gap_notes(gap_record(dataset)))
-    for note in notes:
-        say(f"note: {note}")
-    settings = processing(dataset)
-    started = _started(config, dataset)
-    most = config.max_effects
-    if started is None:
-        name = config.model or base_model_name(dataset, settings)
-        model, known, parameters = build_model(str(name), dataset.robot), NOTHING, None
-    else:
-        model, known = started.to_estimate()
-        parameters = started.parameters_of(model)
+    ready = prepare(dataset, model=config.model)
+    started, most = ready.started, config.max_effects
     found = diagnose(
         dataset,
-        model,
-        settings=settings,
-        parameters=parameters,
-        known=known,
+        ready.model,
+        settings=ready.settings,
+        parameters=None if started is None else started.parameters_of(ready.model),
+        known=ready.known,
+        noise_of=ready.noise_of,
         names=config.candidates or tuple(CATALOGUE),
         most=FEW_TERMS if most is None and config.smoke else most,
         seed=config.seed,
@@ -128,15 +114,8 @@ def find(config: Diagnose, dataset: DataSet) -> Outcome:
     rng = np.random.default_rng(config.seed)
     motions = FEW_MOTIONS if config.smoke else MOTIONS
     following = design_next(found, rng, candidates=motions)
-    return Outcome(dataset, (*notes, *found.notes), found, following, settings, started)
-
-
-def _started(config: Diagnose, dataset: DataSet) -> Model | None:
-    """The model that was found before; None where it is named."""
-    if not isinstance(config.model, Path):
-        return None
-    say(f"base model {config.model}")
-    return model_for(dataset, config.model)
+    notes = (*ready.notes, *found.notes)
+    return Outcome(dataset, notes, found, following, ready.settings, started)
 
 
 def diagnose_into(config: Diagnose) -> Outcome:

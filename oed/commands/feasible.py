@@ -89,6 +89,7 @@ def estimate(prepared: Prepared, settings: FeasibleSettings) -> FeasibleCalibrat
         prepared.model,
         prepared.settings,
         known=prepared.known,
+        noise_of=prepared.noise_of,
         fixed_signs=prepared.fixed_signs,
     )
     parameters = counted(len(prepared.model.parameters), "parameter")

@@ -32,7 +32,9 @@ class Prepared:
         dataset: The data set.
         model: Torque model of its robot.
         settings: Of the signal processing, each with its reason.
+        notes: On the data.
         known: Torque that is not to be estimated.
+        noise_of: Model beside which the noise is read off; `model` if None.
         fixed_signs: Whether friction turns its sign as the model has it, not as the data say.
         started: The model that was named by its file; None for a model by name.
     """
@@ -40,7 +42,9 @@ class Prepared:
     dataset: DataSet
     model: TorqueModel
     settings: ProcessingSettings
+    notes: tuple[str, ...]
     known: KnownTorque = NOTHING
+    noise_of: TorqueModel | None = None
     fixed_signs: bool = False
     started: Model | None = None
 
@@ -73,22 +77,30 @@ def prepare(
         dataset = read_dataset(data, joints=tuple(joints) or None)
     for file, column in dataset.unused:
         say(f"note: {file}: column {column!r} is not used")
-    for note in (*dataset.notes, *gap_notes(gap_record(dataset))):
+    notes = (*dataset.notes, *gap_notes(gap_record(dataset)))
+    for note in notes:
         say(f"note: {note}")
-    started = None
-    if isinstance(model, Path):
-        started = model_for(dataset, model)
-        torque_model, known = started.to_estimate()
-    else:
-        torque_model, known = None, NOTHING
+    started = model_for(dataset, model) if isinstance(model, Path) else None
     settings = processing(dataset, cutoff=cutoff)
     for reason in settings.reasons:
         say(f"  {reason}")
-    if torque_model is None:
-        name = base_model_name(dataset, settings) if model is None else str(model)
-        torque_model = build_model(name, dataset.robot, sign_width=sign_width or 0.0)
-    fixed = sign_width is not None or started is not None
-    return Prepared(dataset, torque_model, settings, known, fixed, started)
+    if started is not None:
+        torque_model, known = started.to_estimate()
+        say(f"base model {model}")
+        noise_of = build_model(choose_base_model(dataset, settings)[0], dataset.robot)
+        return Prepared(
+            dataset,
+            torque_model,
+            settings,
+            notes,
+            known,
+            noise_of=noise_of,
+            fixed_signs=True,
+            started=started,
+        )
+    name = base_model_name(dataset, settings) if model is None else str(model)
+    torque_model = build_model(name, dataset.robot, sign_width=sign_width or 0.0)
+    return Prepared(dataset, torque_model, settings, notes, fixed_signs=sign_width is not None)
 
 
 def model_name(model: TorqueModel) -> ModelName:

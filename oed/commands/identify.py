@@ -59,6 +59,7 @@ def estimate(prepared: Prepared, *, robust: bool) -> Calibration:
         prepared.settings,
         robust="huber" if robust else None,
         known=prepared.known,
+        noise_of=prepared.noise_of,
         fixed_signs=prepared.fixed_signs,
         say=say,
     )

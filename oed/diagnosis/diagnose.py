@@ -82,6 +82,7 @@ def diagnose(
     most: int | None = None,
     parameters: Float[ndarray, " parameters"] | None = None,
     known: KnownTorque = NOTHING,
+    noise_of: TorqueModel | None = None,
     seed: int = 0,
     budget: float | None = None,
     say: Callable[[str], None] = lambda _: None,
@@ -99,6 +100,8 @@ def diagnose(
         parameters: Of the base model, where it was found before: errors before are those of this
             estimate, handed on as it is; estimated from the data set if None.
         known: Torque that was found before and stays as it is, such as that of smooth terms.
+        noise_of: Model beside which the noise is read off: where `model` was found before, the data
+            set's own base model, as it was then; `model` if None.
         seed: Of the bootstrap.
         budget: CPU time after which nothing more is looked for [s]; what was found by then is judged
             and reported.
@@ -117,6 +120,7 @@ def diagnose(
         names=names,
         most=most,
         known=known,
+        noise_of=noise_of,
         say=say,
     )
     for note in notes:

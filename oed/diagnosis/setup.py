@@ -78,6 +78,7 @@ def pose(
     names: Sequence[str] | None = None,
     most: int | None = None,
     known: KnownTorque = NOTHING,
+    noise_of: TorqueModel | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> tuple[Problem, Sealed, tuple[str, ...]]:
     """Lay out what a search may look at, and seal the rest.
@@ -90,6 +91,7 @@ def pose(
         names: Of these, those that are tried; all if None.
         most: Terms that may be added.
         known: Torque that was found before and is taken off.
+        noise_of: Model beside which the noise is read off; `model` if None.
         say: Receives lines of progress.
 
     Returns:
@@ -110,7 +112,7 @@ def pose(
     say(f"analysis band up to {prepared[0].band.cutoff:.3g} Hz")
     estimation, validation = _looked_at(prepared, say)
     model = standing(model)
-    before = calibrate(dataset, model, settings, known=known)
+    before = calibrate(dataset, model, settings, known=known, noise_of=noise_of)
     # Of recordings that are too short it raises what is wrong with them.
     baseline = before.baseline or find_baseline(model, estimation)
     rows = WhiteRows.of(weigh((*estimation, *validation), baseline.floor.noise, baseline.coulomb))

@@ -93,6 +93,7 @@ def calibrate(
     *,
     robust: RobustLoss | None = None,
     known: KnownTorque = NOTHING,
+    noise_of: TorqueModel | None = None,
     fixed_signs: bool = False,
     say: Callable[[str], None] = lambda _: None,
 ) -> Calibration:
@@ -107,6 +108,8 @@ def calibrate(
         settings: Of the signal processing.
         robust: Loss of a robust estimate; least squares if None.
         known: Torque that is not to be estimated.
+        noise_of: Model beside which the noise is read off: a data set's own base model where errors of
+            several models are compared; `model` if None.
         fixed_signs: Whether friction turns its sign as the model has it, not as the data say.
         say: Told what is done, and how many rows there are where they are more than are held at once.
 
@@ -115,11 +118,12 @@ def calibrate(
         TooFewSamples: If there are fewer equations than base parameters.
         OedError: If friction drives every joint, as with torques of the opposite sign.
     """
-    prepared = known.taken_off(prepare(dataset.recordings, settings), model)
-    training = tuple(p for p in prepared if p.role == "estimation")
+    measured = prepare(dataset.recordings, settings)
+    prepared = known.taken_off(measured, model)
     say("reading the noise off the recordings")
     try:
-        baseline = find_baseline(model, training)
+        noise = None if noise_of is None else find_baseline(noise_of, _training(measured))
+        baseline = find_baseline(model, _training(prepared), noise)
     except ValueError:  # too short, or nothing that tells noise from motion
         baseline = None
     recordings = _by_role(prepared, baseline)
@@ -162,6 +166,10 @@ def calibrate(
     return Calibration(
         dataset, settings, model, base, recordings, estimate, validation, baseline, known
     )
+
+
+def _training(prepared: tuple[Prepared, ...]) -> tuple[Prepared, ...]:
+    return tuple(p for p in prepared if p.role == "estimation")
 
 
 def _held(regressor: RowPieces, say: Callable[[str], None]) -> RowPieces:

@@ -176,11 +176,17 @@ def test_a_second_round_starts_with_what_the_first_handed_on(names, tmp_path):
     model, known = started.to_estimate()
     assert bool(known.effects) != bool(first.effects)
     second = diagnose(
-        dataset, model, names=names, most=0, parameters=started.parameters_of(model), known=known
+        dataset,
+        model,
+        names=names,
+        most=0,
+        parameters=started.parameters_of(model),
+        known=known,
+        noise_of=TorqueModel.standard(dataset.robot),
     )
+    assert second.noise_floor == pytest.approx(first.noise_floor, rel=1e-9)
     for one, other in zip(first.errors, second.errors, strict=True):
-        # How certain a row's direction is, hence its weight, is read off the data again.
-        assert other.before == pytest.approx(one.after, rel=0.02)
+        assert other.before == pytest.approx(one.after, rel=1e-9)
     motion = first.selected.views.every.problem.rows.prepared[0].motion
     again = of_diagnosis(second, "arm", provenance, started)
     there = started.torque_model.torque(started.parameters, motion)

@@ -97,12 +97,16 @@ class Baseline:
         return weigh(prepared, self.floor.noise, self.coulomb, scales, self.floor.dilution)
 
 
-def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baseline:
+def find_baseline(
+    model: TorqueModel, prepared: tuple[Prepared, ...], noise: Baseline | None = None
+) -> Baseline:
     """Fit the base model roughly, and read the noise off what it leaves.
 
     Args:
         model: Rigid body and friction.
         prepared: The estimation recordings; of very long ones stretches tell as much.
+        noise: Of another model of the same recordings, whose noise and steps are taken over: two
+            models' errors are held against each other with the same weights; none if None.
 
     Raises:
         ValueError: If they are too short, or no row of a joint shows noise.
@@ -110,6 +114,11 @@ def find_baseline(model: TorqueModel, prepared: tuple[Prepared, ...]) -> Baselin
     prepared = excerpts(prepared, FLOOR_ROWS)
     sharp = with_uncertain_sign(model, prepared[0].sign_noise)
     columns = np.sort(base_parameters(model).columns)
+    if noise is not None:
+        turned = with_fitted_sign(sharp, columns, noise.rows(prepared))
+        return dataclasses.replace(
+            noise, model=turned, columns=columns, least_widths=tuple(widths_of(sharp))
+        )
     rough = fit_model(sharp, columns, _white(prepared))
     rough = fit_model(sharp, columns, _scaled(prepared, rough))
     found = Baseline(
