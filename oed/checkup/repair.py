@@ -105,25 +105,37 @@ def find_repair(trials: Trials, dataset: DataSet, *, is_bad: bool) -> tuple[Caus
         found = weigh(trials, trials.as_logged, (*every, *several))
     if not found.repairs:
         return None, False
-    best = found.tried[0]
     alike, rivals = _parted(found)
     lead = min(found.over(other) for other in rivals)
     if lead <= VERY_STRONG or weigh(trials, found.after[0], every).repairs:
         return None, True
-    # Of a joint that hardly couples, the sign of the torque and that of the position do the same.
-    near = [s for s, outcome in alike if not dataclasses.replace(found, before=outcome).repairs]
-    best = next((s for s in near if s.kind == "sign"), best)
-    either = [best, *(s for s in near if s.kind == "position_sign" and s is not best)]
-    if best.kind == "sign" and not _brakes(trials, best.change):
-        kept = tuple(j for j, gain in enumerate(best.change.gain) if gain > 0)
-        if (_projection(trials, trials.as_logged.change).braking[list(kept)] > LEAST_SHARE).any():
-            return None, True
-        best = signs(dataset, kept)
-        either = [best]
+    said = _said(trials, dataset, found, alike)
+    if not said:
+        return None, True
     text, remedy = (
-        ", or ".join(words) for words in zip(*((s.text, s.remedy) for s in either), strict=True)
+        ", or ".join(words) for words in zip(*((s.text, s.remedy) for s in said), strict=True)
     )
-    return Cause(best.kind, text, remedy, _evidence(dataset, found, lead)), True
+    return Cause(said[0].kind, text, remedy, _evidence(dataset, found, lead)), True
+
+
+def _said(
+    trials: Trials,
+    dataset: DataSet,
+    found: Weighing,
+    alike: Sequence[tuple[Suspicion, Outcome]],
+) -> list[Suspicion]:
+    """What is said of suspicions that differ from the likeliest in signs alone; nothing is none.
+
+    Of a joint that hardly couples to others the sign of the torque and that of the position do the same.
+    """
+    near = [s for s, outcome in alike if not dataclasses.replace(found, before=outcome).repairs]
+    best = next((s for s in near if s.kind == "sign"), found.tried[0])
+    if best.kind != "sign" or _brakes(trials, best.change):
+        return [best, *(s for s in near if s.kind == "position_sign" and s is not best)]
+    kept = tuple(j for j, gain in enumerate(best.change.gain) if gain > 0)
+    if (_projection(trials, trials.as_logged.change).braking[list(kept)] > LEAST_SHARE).any():
+        return []
+    return [signs(dataset, kept)]
 
 
 def _parted(found: Weighing) -> tuple[list[tuple[Suspicion, Outcome]], list[Outcome]]:
