@@ -116,6 +116,7 @@ class CaseRunner(Generic[CaseT]):
             finished = ((case, _attempt(self.work, case)) for case in missing)
         for case, outcome in progress(finished, self.label, total=len(missing)):
             self.rows.append(case.key, outcome, digests[case.key])
+        self.rows.tidy()
         return len(missing)
 
 

@@ -34,9 +34,10 @@ class Line:
 
 @dataclass(frozen=True)
 class RowFile:
-    """A CSV file that only grows, a line a case.
+    """A CSV file that only grows while cases are done, a line a case.
 
-    A case that is done again gets another line, which counts in place of the one before.
+    A case that is done again gets another line, which counts in place of the one before and stands
+    alone once all are done.
 
     Attributes:
         path: The file.
@@ -103,12 +104,21 @@ class RowFile:
         if not whole.endswith(b"\n"):
             os.truncate(self.path, whole.rfind(b"\n") + 1)
         if not whole.split(b"\n", 1)[0].rstrip().endswith(DIGEST.encode()):
-            written = [[*line.row.values(), line.digest] for line in lines.values()]
-            write_atomically(self.path, "".join(map(_text, [[*self.columns, DIGEST], *written])))
+            self._write(lines.values())
+
+    def tidy(self) -> None:
+        """Leave one line a case: those that others took the place of go, the damaged ones too."""
+        lines, _ = self._read()
+        if self.path.read_bytes().count(b"\n") > 1 + len(lines):
+            self._write(lines.values())
 
     def append(self, key: tuple[str, ...], outcome: Outcome, digest: str = "") -> None:
         """Add a case's line whole, or not at all."""
         self._append((*key, *(outcome.get(column, "") for column in self.value_columns), digest))
+
+    def _write(self, lines: Iterable[Line]) -> None:
+        written = [[*line.row.values(), line.digest] for line in lines]
+        write_atomically(self.path, "".join(map(_text, [[*self.columns, DIGEST], *written])))
 
     def _append(self, cells: Sequence[str | int | float]) -> None:
         text = _text(cells).encode("utf-8")
