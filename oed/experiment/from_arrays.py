@@ -14,7 +14,8 @@ from numpy import ndarray
 from oed.counted import counted
 from oed.experiment.column_names import find_columns, joint_columns
 from oed.experiment.drive import Drive, TorqueKind
-from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
+from oed.experiment.importing.assign_joints import RobotJoints
+from oed.experiment.importing.propose_columns import propose_columns
 from oed.experiment.importing.propose_roles import Part, Timed, parts_of, propose_roles
 from oed.experiment.log_format import LogFormat
 from oed.experiment.logs.stamps import seconds_of_day

@@ -15,7 +15,8 @@ from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.dataset import DataSet
 from oed.experiment.drive import TorqueKind
-from oed.experiment.importing.propose_columns import ColumnProposal, RobotJoints, propose_columns
+from oed.experiment.importing.assign_joints import RobotJoints
+from oed.experiment.importing.propose_columns import ColumnProposal, propose_columns
 from oed.experiment.importing.propose_roles import Part, Timed, parts_of, propose_roles
 from oed.experiment.importing.propose_units import UnitProposal
 from oed.experiment.importing.read_log_values import LogValues, read_values

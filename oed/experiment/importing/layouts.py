@@ -1,7 +1,8 @@
 """How loggers name what they log, by quantity, the likelier name first.
 
 Sources: sensor_msgs/JointState and control_msgs (ROS 2), the field list of Universal Robots' RTDE,
-`franka::logToCSV` of libfranka, LeRobot's feature names, pyfri for the KUKA LBR, MuJoCo's arrays.
+`franka::logToCSV` of libfranka, LeRobot's feature names, pyfri for the KUKA LBR, Kinova's Kortex,
+MuJoCo's arrays.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from dataclasses import dataclass
 
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.name_words import (
+    OF_JOINTS,
+    WORD,
     Source,
     parted,
     without_source,
@@ -41,7 +44,7 @@ TORQUES: Mapping[TorqueKind, Sequence[str]] = {
     ),
     "current": (
         *("current_as_torque", "current", "currents", "motor_current", "motor_currents"),
-        *("i", "iq", "i_q"),
+        *("i", "iq", "i_q", "current_motor", "strom", "motorstrom"),
     ),
     # These say so without a word of their own.
     "commanded": ("tau_d", "tau_j_d", "qfrc_actuator", "ctrl"),
@@ -55,6 +58,12 @@ STEMS: Mapping[Quantity, Sequence[str]] = {
     "temperature": TEMPERATURES,
 }
 EPISODES = ("episode_index", "episode", "run")
+# Words of folders that tell nothing of whose a quantity is.
+OF_THE_ROBOT = frozenset({
+    *("robot", "state", "states", *OF_JOINTS),
+    *(*POSITIONS, *VELOCITIES, *ACCELERATIONS, *TEMPERATURES),
+    *(stem for stems in TORQUES.values() for stem in stems),
+})  # fmt: skip
 # Columns of lists whose elements may be of several quantities, and then say so.
 MIXED = "state"
 
@@ -70,6 +79,7 @@ class Named:
         unit: Stated in the name; "" if none is.
         source: Whether the name says that it was measured or commanded.
         words: By which it does so, and those that say that it is of the joints.
+        whose: Words of the folders before the quantity that are none of these, such as of which arm.
     """
 
     column: str
@@ -78,6 +88,7 @@ class Named:
     unit: str
     source: Source = ""
     words: tuple[str, ...] = ()
+    whose: frozenset[str] = frozenset()
 
 
 def columns_of(
@@ -120,8 +131,9 @@ def _take_apart(column: str, called: str, stem: str, quantity: Quantity) -> Name
             bare, source, words = without_source(spelling.strip())
             found = _label(bare, stem)
             if found is not None:
-                label, of_joints = found
-                return Named(column, stem, label, unit, source, (*words, *of_joints))
+                label, of_joints, folder = found
+                said = (*words, *of_joints)
+                return Named(column, stem, label, unit, source, said, whose(folder))
     return None
 
 
@@ -131,24 +143,30 @@ def _with_units(called: str, quantity: Quantity) -> list[tuple[str, str]]:
     return [*((name, unit) for name, unit in ways if unit), (called, "")]
 
 
-def _label(name: str, stem: str) -> tuple[str, tuple[str, ...]] | None:
-    """Whose a column with this stem is, the rest of its name, and the words before the stem.
+def whose(name: str) -> frozenset[str]:
+    """Words of a name that tell neither a quantity nor who says it nor that it is of the joints."""
+    words = (word.lower() for word in WORD.findall(without_source(parted(name))[0]))
+    return frozenset(word for word in words if word not in OF_THE_ROBOT)
 
-    None if it has another stem. A folder before the name, as of HDF5 groups and structs, changes
-    nothing.
+
+def _label(name: str, stem: str) -> tuple[str, tuple[str, ...], str] | None:
+    """Whose a column with this stem is, the rest of its name, the words before the stem, its folders.
+
+    None if it has another stem. Folders are those of HDF5 groups, structs and topics.
     """
     words: tuple[str, ...] = ()
     rest: str | None = name
     while rest is not None:
         label = _label_behind(rest, stem)
         if label is not None:
-            return label, words
+            return label, words, ""
         word, rest = without_word_of_joints(rest)
         words = (*words, word)
     if name.lower().endswith(stem) and name[: -len(stem)][-1] in "._/ ":
-        return name[: -len(stem)].strip("._/ "), ()
-    _, _, inner = name.replace("/", ".").partition(".")
-    return _label(inner, stem) if inner else None
+        return name[: -len(stem)].strip("._/ "), (), ""
+    folder, _, inner = name.replace("/", ".").partition(".")
+    found = _label(inner, stem) if inner else None
+    return None if found is None else (*found[:2], f"{folder}.{found[2]}")
 
 
 def _label_behind(name: str, stem: str) -> str | None:

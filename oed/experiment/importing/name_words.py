@@ -9,12 +9,12 @@ Source = Literal["measured", "commanded", "difference", ""]
 
 # Words of vendors and loggers. Actual, target: RTDE; cmd: libfranka; msr: the KUKA FRI; feedback,
 # reference, desired, error: control_msgs; present, goal: Dynamixel; observation, action: LeRobot;
-# ist, soll: German controllers.
+# ist, soll: German controllers; planned: ABB's EGM; demand: CiA 402; set: Beckhoff's SetPos.
 SOURCES: dict[Source, frozenset[str]] = {
     "difference": frozenset({"error", "err"}),
     "commanded": frozenset({
         *("cmd", "command", "commanded", "target", "desired", "des", "reference", "ref", "setpoint"),
-        *("goal", "action", "soll"),
+        *("goal", "action", "soll", "planned", "demand", "set"),
     }),
     "measured": frozenset({
         *("actual", "act", "measured", "measurement", "meas", "msr", "feedback", "fbk", "present"),
@@ -27,7 +27,9 @@ SEPARATOR = r"[._/ -]+"
 WORD = re.compile(r"[^\W\d_]+")
 HUMP = re.compile(r"(?<=[a-z])(?=[A-Z][a-z])")
 BEFORE = re.compile(rf"({'|'.join(OF_JOINTS)}){SEPARATOR}", re.IGNORECASE)
-NUMBERED = re.compile(r"(?:joint|jnt|axis|motor|j|a)?[._ -]?(\d+)", re.IGNORECASE)
+NUMBERED = re.compile(
+    r"(?:joints?|jnt|axis|achse|motors?|actuators?|j|a)?[._ -]?(?:(\d+)|\[(\d+)\])", re.IGNORECASE
+)
 
 
 def parted(name: str) -> str:
@@ -60,7 +62,7 @@ def without_word_of_joints(name: str) -> tuple[str, str | None]:
 def joint_number(label: str) -> int | None:
     """The number of a joint that is told by no more than that, as in 3, J3 or joint_3."""
     match = NUMBERED.fullmatch(label)
-    return None if match is None else int(match[1])
+    return None if match is None else int(match[1] or match[2])
 
 
 def _source(word: str) -> Source:

@@ -6,10 +6,9 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.drive import TorqueKind
-from oed.experiment.importing.joint_names import match_joints
+from oed.experiment.importing.assign_joints import RobotJoints, assign_joints, few, places
 from oed.experiment.importing.layouts import (
     STEMS,
     TORQUES,
@@ -17,30 +16,14 @@ from oed.experiment.importing.layouts import (
     as_one,
     columns_of,
     torques_of,
+    whose,
 )
-from oed.experiment.importing.name_words import joint_number
 from oed.experiment.importing.taken import of_same_joints, taken_notes
 from oed.experiment.log_format import REPETITION
 from oed.experiment.logs.table import Log, Table
 from oed.experiment.units import Quantity
 
-MOST_SHOWN = 12  # names in a message
 OPTIONAL: tuple[Quantity, ...] = ("dq", "ddq", "temperature")
-
-
-@dataclass(frozen=True)
-class RobotJoints:
-    """What joints a data set may be of.
-
-    Attributes:
-        movable: All that move, from the base outward.
-        arm: Those of the arm proper, without the fingers of a gripper.
-        chosen: Those that the user named, in the order of the log's columns; empty if none.
-    """
-
-    movable: tuple[str, ...]
-    arm: tuple[str, ...]
-    chosen: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -138,7 +121,8 @@ def _called(table: Table, column: str) -> str:
 
 
 def _stated(stated: Mapping[str, tuple[str, ...]], quantity: str) -> list[Named]:
-    return [Named(name, "", str(i + 1), "") for i, name in enumerate(stated.get(quantity, ()))]
+    names = stated.get(quantity, ())
+    return [Named(name, "", str(i + 1), "", whose=whose(name)) for i, name in enumerate(names)]
 
 
 def _positions(
@@ -153,7 +137,7 @@ def _positions(
     errors = []
     for named in [named for named in found if len(named) > 1] or found[:1]:
         try:
-            return _assigned(named, joints, table)
+            return assign_joints(named, joints, table)
         except DataSetError as error:
             errors.append(error)
     if errors:
@@ -167,49 +151,6 @@ def _positions(
         )
         raise DataSetError(message, file=table.file)
     raise DataSetError(_nothing(table, "joint positions", "q"), file=table.file)
-
-
-def _assigned(
-    positions: list[Named], joints: RobotJoints, table: Table
-) -> tuple[list[Named], tuple[str, ...]]:
-    """Positions in the order of the robot's joints, and the names of these."""
-    numbered = [one for one in positions if one.label.isdigit() or not one.label]
-    if not numbered and not _matched(positions, joints):
-        by_number = [one for one in positions if joint_number(one.label) is not None]
-        numbered = by_number if len(by_number) == len(positions) else []
-    if numbered:
-        order = sorted(numbered, key=lambda one: joint_number(one.label) or 0)
-        for names in (joints.chosen,) if joints.chosen else (joints.arm, joints.movable):
-            if len(names) == len(order):
-                return order, names
-        message = (
-            f"holds positions of {counted(len(order), 'joint')} ({_few([one.column for one in order])}), the "
-            f"robot has {len(joints.arm)} in its arm and {len(joints.movable)} in all"
-            f"{f', --joints names {len(joints.chosen)}' if joints.chosen else ''}; say which they are with "
-            "--joints, in the order of the log"
-        )
-        raise DataSetError(message, file=table.file)
-    labels = {one.label: one for one in positions}
-    found = _matched(positions, joints)
-    if found:
-        return [labels[label] for label in found.values()], tuple(found)
-    if len(joints.chosen) == len(positions):
-        return positions, joints.chosen
-    message = (
-        f"joints are named {_few(list(labels))} in the log, {_few(joints.movable)} in the robot's "
-        "file; say which they are with --joints, by the robot's names in the order of the log"
-    )
-    raise DataSetError(message, file=table.file)
-
-
-def _matched(positions: Sequence[Named], joints: RobotJoints) -> dict[str, str]:
-    """The label of each joint where the names of all tell which is which, else none."""
-    labels = list(dict.fromkeys(one.label for one in positions))
-    for names in (joints.chosen or joints.arm, joints.chosen or joints.movable):
-        found = match_joints(labels, names)
-        if found and (len(found) == len(names) or len(found) == len(labels)):
-            return found
-    return {}
 
 
 def _torque(
@@ -226,9 +167,19 @@ def _torque(
         found = of_same_joints(torques_of(called, kind), order)
         if found:
             return found, kind, [_about(kind, found)]
-    raise DataSetError(
-        _nothing(table, "torque (effort, current) of every joint", "tau"), file=table.file
-    )
+    message = _nothing(table, "torque (effort, current) of every joint", "tau")
+    elsewhere = [
+        place
+        for kind in TORQUES
+        for named in torques_of(called, kind)
+        for place in places([one for one in named if one.whose != order[0].whose])
+    ]
+    if elsewhere:
+        message = (
+            f"no torque found where the positions ({as_one([one.column for one in order])}) are; if "
+            f"{few(elsewhere)} is that of these joints, name it, as in --columns tau=NAME,NAME"
+        )
+    raise DataSetError(message, file=table.file)
 
 
 def _about(kind: TorqueKind, found: Sequence[Named]) -> str:
@@ -253,7 +204,7 @@ def _nothing(table: Table, what: str, key: str) -> str:
         if key == "tau" and table.name
         else f"name its columns, as in --columns {key}=NAME,NAME"
     )
-    return f"{where}no {what} found; {advice}. Columns: {_few(table.columns)}"
+    return f"{where}no {what} found; {advice}. Columns: {few(table.columns)}"
 
 
 def _told(order: Sequence[Named], names: Sequence[str]) -> str:
@@ -266,8 +217,3 @@ def _told(order: Sequence[Named], names: Sequence[str]) -> str:
 def _units(named: Sequence[Named]) -> tuple[str, ...]:
     units = tuple(one.unit for one in named)
     return units[:1] if len(set(units)) == 1 else units
-
-
-def _few(names: Sequence[str]) -> str:
-    shown = ", ".join(names[:MOST_SHOWN])
-    return f"{shown}, … ({len(names)} in all)" if len(names) > MOST_SHOWN else shown

@@ -54,10 +54,19 @@ def _found(called: Mapping[str, str], quantity: Quantity) -> list[list[Named]]:
 def _all_of_same_joints(found: Sequence[list[Named]], order: Sequence[Named]) -> list[list[Named]]:
     complete = []
     for named in found:
-        by_label = {one.label: one for one in named}
-        if all(one.label in by_label for one in order):
-            complete.append([by_label[one.label] for one in order])
+        mine = [next((one for one in named if _is_of(one, joint)), None) for joint in order]
+        if None not in mine:
+            complete.append([one for one in mine if one is not None])
     return complete
+
+
+def _is_of(one: Named, position: Named) -> bool:
+    """Whether a column is of the joint of a position, of the same arm as far as the names tell.
+
+    A position that the user named may have words of its own.
+    """
+    is_same = one.whose == position.whose or (not position.stem and one.whose < position.whose)
+    return is_same and one.label == position.label
 
 
 def _said(named: Sequence[Named]) -> str:

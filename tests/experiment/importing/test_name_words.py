@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from oed.errors import DataSetError
-from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
+from oed.experiment.importing.assign_joints import RobotJoints
+from oed.experiment.importing.propose_columns import propose_columns
 from oed.experiment.logs import Log, table_of
 
 JOINTS = ("shoulder", "elbow")
@@ -37,6 +38,10 @@ def proposal(columns: str):
         ("feedback.positions[{}]", "feedback.effort[{}]"),
         ("observation.state[{}]", "observation.effort[{}]"),
         ("axis_{}_pos", "axis_{}_motor_current"),
+        ("actuator_{}_position", "actuator_{}_current_motor"),
+        ("actuators[{}].position", "actuators[{}].torque"),
+        ("Winkel_{}", "Motorstrom_{}"),
+        ("robot/state/position[{}]", "robot/effort[{}]"),
     ],
 )
 @pytest.mark.parametrize("first", [0, 1])
@@ -59,6 +64,9 @@ def test_a_quantity_of_joints_is_told_whatever_stands_around_it(q, tau, first):
         ("{}_{}", "{}_ref_{}"),
         ("robot/{}_{}", "setpoints/{}_{}"),
         ("actual_{}_{}", "{}_{}"),
+        ("feedBack.{}[{}]", "planned.{}[{}]"),
+        ("{}_actual_{}", "{}_demand_{}"),
+        ("actual_{}_{}", "set_{}_{}"),
     ],
 )
 def test_what_was_measured_goes_before_what_was_commanded(measured, commanded, first):
@@ -90,6 +98,56 @@ def test_commanded_torques_are_taken_as_such_where_none_were_measured():
 def test_positions_that_were_commanded_are_not_taken_for_measured_ones():
     with pytest.raises(DataSetError, match=r"commanded \(target_q_0 … target_q_1\) and none"):
         proposal("t,target_q_0,target_q_1,tau_0,tau_1")
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize(
+    ("joints", "other"),
+    [
+        ("/joint_states/effort[{}]", "/external_torques/effort[{}]"),
+        ("tau_{}", "external.tau_{}"),
+        ("tau_{}", "feedforward/tau_{}"),
+        ("torque[{}]", "ft_sensor/torque[{}]"),
+    ],
+)
+def test_torque_of_something_else_in_a_folder_is_not_that_of_the_joints(joints, other, order):
+    folder = "/joint_states/" if "/joint_states" in joints else ""
+    names = [f"{folder}position[{j}]" for j in range(2)]
+    mine, others = ([name.format(j) for j in range(2)] for name in (joints, other))
+    found = proposal(",".join(["t", *names, *(mine + others)[::order]]))
+    assert found.columns["tau"] == tuple(mine)
+    with pytest.raises(DataSetError, match=r"no torque found where the positions .*--columns tau="):
+        proposal(",".join(["t", *names, *others]))
+
+
+def test_torques_of_one_arm_are_not_taken_for_those_of_another():
+    found = proposal("t,left/q_1,left/q_2,right/tau_1,right/tau_2,left/tau_1,left/tau_2")
+    assert found.columns["tau"] == ("left/tau_1", "left/tau_2")
+    with pytest.raises(DataSetError, match="no torque found where the positions"):
+        proposal("t,left/q_1,left/q_2,right/tau_1,right/tau_2")
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        "t,left/q_1,left/q_2,right/q_1,right/q_2,left/tau_1,left/tau_2",
+        "t,left/q_1,right/q_1,left/tau_1,right/tau_1",
+        "t,left/q.elbow,left/q.shoulder,right/q.elbow,right/q.shoulder,tau.elbow,tau.shoulder",
+        "t,J1_q,joint_1_q,J1_tau,joint_1_tau",
+        "t,left_arm_1_q,left_arm_2_q,right_arm_1_q,right_arm_2_q,left_arm_1_tau,left_arm_2_tau",
+    ],
+)
+def test_of_two_arms_the_columns_must_be_named(columns):
+    with pytest.raises(DataSetError, match=r"which .*are of the robot, as in --columns q="):
+        proposal(columns)
+
+
+def test_positions_that_were_named_may_stand_in_a_folder_of_their_own():
+    names = ("t", "leader/q_1", "leader/q_2", "tau_1", "tau_2")
+    table = table_of({name: np.arange(5.0) for name in names}, "log.csv")
+    stated = {"q": ("leader/q_1", "leader/q_2")}
+    found = propose_columns(Log("log.csv", (table,)), RobotJoints(JOINTS, JOINTS), stated)
+    assert found.columns["tau"] == ("tau_1", "tau_2")
 
 
 @pytest.mark.parametrize("word", ["error", "cmd", "desired"])

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from oed.errors import DataSetError
+from oed.experiment.importing.assign_joints import RobotJoints
 from oed.experiment.importing.joint_names import match_joints
 from oed.experiment.importing.manifest_text import manifest_text
-from oed.experiment.importing.propose_columns import RobotJoints, propose_columns
+from oed.experiment.importing.propose_columns import propose_columns
 from oed.experiment.importing.propose_units import propose_units
 from oed.experiment.importing.repetition import find_period
 from oed.experiment.logs import Log, table_of
