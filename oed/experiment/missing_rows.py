@@ -51,7 +51,7 @@ def rows_with_numbers(
         raise DataSetError(message, file=table.file)
     for name in optional:
         lacking = int((whole & empty[name]).sum())
-        if 2 * lacking > whole.sum():
+        if is_rare(lacking, int(whole.sum())):
             message = (
                 f"no number in {lacking} of {counted(int(whole.sum()), 'row')} that have all others: it was "
                 "logged at another rate; leave this column out"
@@ -61,6 +61,31 @@ def rows_with_numbers(
     kept = rows[whole]
     table.check(values, kept)
     return kept, () if whole.all() else (_note(table, empty, rows[~whole]),)
+
+
+def rarest(
+    values: Mapping[str, ndarray], needed: Collection[str], names: Collection[str]
+) -> tuple[str, int, int] | None:
+    """The column that lacks a number in most rows that are whole, how many it lacks, and of how many.
+
+    Args:
+        values: (N,) of all these columns.
+        needed: Columns that make a row whole.
+        names: Columns that are judged.
+
+    Returns:
+        None if no column is logged so rarely, or no row is whole.
+    """
+    whole = np.logical_and.reduce([~np.isnan(values[name]) for name in needed])
+    lacking = {name: int(np.isnan(values[name][whole]).sum()) for name in names}
+    name = max(lacking, key=lambda one: lacking[one])
+    rows = int(whole.sum())
+    return (name, lacking[name], rows) if is_rare(lacking[name], rows) else None
+
+
+def is_rare(lacking: int, rows: int) -> bool:
+    """Whether a column was logged at another rate than the rows."""
+    return 2 * lacking > rows
 
 
 def _note(

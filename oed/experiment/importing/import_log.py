@@ -19,6 +19,7 @@ from oed.experiment.importing.assign_joints import RobotJoints
 from oed.experiment.importing.propose_columns import ColumnProposal, propose_columns
 from oed.experiment.importing.propose_roles import Part, Timed, parts_of, propose_roles
 from oed.experiment.importing.propose_units import UnitProposal
+from oed.experiment.importing.rarely_logged import without_rarely_logged
 from oed.experiment.importing.read_log_values import LogValues, read_values
 from oed.experiment.importing.stated import OPTIONS, check_keys
 from oed.experiment.importing.unused_columns import unused_note
@@ -151,7 +152,7 @@ def _columns(paths: Sequence[Path], choices: ImportChoices) -> list[ColumnPropos
                 f"its columns are not those of {paths[0]}; import logs of one format at a time"
             )
             raise DataSetError(message, file=str(path))
-    return found
+    return without_rarely_logged(found, tuple(stated), timed=choices.rate is None)
 
 
 def _roles(
