@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.name_words import (
     OF_JOINTS,
-    WORD,
+    WORD_OR_NUMBER,
     Source,
     parted,
     without_source,
@@ -145,7 +145,7 @@ def _with_units(called: str, quantity: Quantity) -> list[tuple[str, str]]:
 
 def whose(name: str) -> frozenset[str]:
     """Words of a name that tell neither a quantity nor who says it nor that it is of the joints."""
-    words = (word.lower() for word in WORD.findall(without_source(parted(name))[0]))
+    words = (word.lower() for word in WORD_OR_NUMBER.findall(without_source(parted(name))[0]))
     return frozenset(word for word in words if word not in OF_THE_ROBOT)
 
 
@@ -162,7 +162,7 @@ def _label(name: str, stem: str) -> tuple[str, tuple[str, ...], str] | None:
             return label, words, ""
         word, rest = without_word_of_joints(rest)
         words = (*words, word)
-    if name.lower().endswith(stem) and name[: -len(stem)][-1] in "._/ ":
+    if _spelled(name).endswith(stem) and name[: -len(stem)][-1] in "._/ ":
         return name[: -len(stem)].strip("._/ "), (), ""
     folder, _, inner = name.replace("/", ".").partition(".")
     found = _label(inner, stem) if inner else None
@@ -171,10 +171,10 @@ def _label(name: str, stem: str) -> tuple[str, tuple[str, ...], str] | None:
 
 def _label_behind(name: str, stem: str) -> str | None:
     """What stands behind a stem that a name begins with."""
-    lower = name.lower()
+    lower = _spelled(name)
     bracket = re.fullmatch(r"(.*?)\[(.+)\]", name)
     if bracket is not None:
-        return _label_of_element(bracket[1].lower(), bracket[2], stem)
+        return _label_of_element(_spelled(bracket[1]), bracket[2], stem)
     if lower == stem:
         return ""
     if lower.startswith(stem):
@@ -184,6 +184,11 @@ def _label_behind(name: str, stem: str) -> str | None:
         if rest[0] in "._/ (" and rest.strip("._/ ()"):
             return rest.strip("._/ ()")
     return None
+
+
+def _spelled(name: str) -> str:
+    """A name as stems are spelled, letter for letter."""
+    return name.lower().replace(" ", "_")
 
 
 def _label_of_element(owner: str, element: str, stem: str) -> str | None:

@@ -25,6 +25,7 @@ SOURCES: dict[Source, frozenset[str]] = {
 OF_JOINTS = ("joint", "joints", "jnt", "axis", "axes", "current")
 SEPARATOR = r"[._/ -]+"
 WORD = re.compile(r"[^\W\d_]+")
+WORD_OR_NUMBER = re.compile(r"[^\W_]+")  # or both, as in arm2
 HUMP = re.compile(r"(?<=[a-z])(?=[A-Z][a-z])")
 BEFORE = re.compile(rf"({'|'.join(OF_JOINTS)}){SEPARATOR}", re.IGNORECASE)
 NUMBERED = re.compile(

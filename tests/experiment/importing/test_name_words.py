@@ -41,6 +41,8 @@ def proposal(columns: str):
         ("actuator_{}_position", "actuator_{}_current_motor"),
         ("actuators[{}].position", "actuators[{}].torque"),
         ("Winkel_{}", "Motorstrom_{}"),
+        ("J{} Angle [deg]", "J{} Motor current [A]"),
+        ("Joint angle {}", "Motor current {}"),
         ("robot/state/position[{}]", "robot/effort[{}]"),
     ],
 )
@@ -120,11 +122,14 @@ def test_torque_of_something_else_in_a_folder_is_not_that_of_the_joints(joints, 
         proposal(",".join(["t", *names, *others]))
 
 
-def test_torques_of_one_arm_are_not_taken_for_those_of_another():
-    found = proposal("t,left/q_1,left/q_2,right/tau_1,right/tau_2,left/tau_1,left/tau_2")
-    assert found.columns["tau"] == ("left/tau_1", "left/tau_2")
+@pytest.mark.parametrize(("arm", "another"), [("left", "right"), ("robot1", "robot2"), ("0", "1")])
+def test_torques_of_one_arm_are_not_taken_for_those_of_another(arm, another):
+    q, tau, others = (
+        [f"{a}/{k}_{j}" for j in (1, 2)] for a, k in ((arm, "q"), (arm, "tau"), (another, "tau"))
+    )
+    assert proposal(",".join(["t", *q, *tau, *others])).columns["tau"] == tuple(tau)
     with pytest.raises(DataSetError, match="no torque found where the positions"):
-        proposal("t,left/q_1,left/q_2,right/tau_1,right/tau_2")
+        proposal(",".join(["t", *q, *others]))
 
 
 @pytest.mark.parametrize(
