@@ -22,7 +22,6 @@ from oed.experiment.logs.csv_encoding import WINDOWS
 from oed.experiment.logs.csv_fault import find_fault
 from oed.experiment.logs.registry import log_reader
 from oed.experiment.logs.ros_echo import NANOSEC, SEC, EchoLayout, echo_layout
-from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log, Table
 
 EMPTY_CELL = re.compile(rb"(?:(?<=[,\n])|^)[ \t]*(?=[,\n])")
@@ -64,7 +63,7 @@ def read_csv(path: Path) -> Log:
 
 
 def _echo_table(text: CsvText, echo: EchoLayout, file: str) -> Table:
-    """Positions, velocities and efforts by joint, and `stamp` [s] made of its two cells."""
+    """Positions, velocities and efforts by joint, beside the two cells of the stamp."""
     for i, joint in zip(echo.names_at, echo.joints, strict=True):
         names = parse_cells(text, (i,), str)[i]
         other = np.flatnonzero(names != joint)
@@ -75,18 +74,15 @@ def _echo_table(text: CsvText, echo: EchoLayout, file: str) -> Table:
             )
             raise DataSetError(message, file=file, row=row + text.first_row, column=echo.header[i])
 
-    def load(names: tuple[str, ...]) -> Mapping[str, ndarray]:
-        stored = tuple(name for name in names if name != "stamp")
-        values = dict(_load(text, stored, file)) if stored else {}
-        if "stamp" in names:
-            parts = _load(text, (SEC, NANOSEC), file)
-            sec, nanosec = (parts[part].astype(np.int64) for part in (SEC, NANOSEC))
-            values["stamp"] = seconds_of_day(sec * 10**9 + nanosec)
-        return values
-
     what = "read as the CSV of `ros2 topic echo` of sensor_msgs/msg/JointState"
-    told = ("stamp", *text.header[echo.names_at.stop :])
-    return Table(told, load, file, first_row=text.first_row, text=(what,))
+    told = (SEC, NANOSEC, *text.header[echo.names_at.stop :])
+    return Table(
+        told,
+        lambda names: _load(text, names, file),
+        file,
+        first_row=text.first_row,
+        text=(what,),
+    )
 
 
 def _load(text: CsvText, names: tuple[str, ...], file: str) -> Mapping[str, ndarray]:

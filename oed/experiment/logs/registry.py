@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
 from oed.errors import DataSetError
+from oed.experiment.logs.stamps import with_stamps
 from oed.experiment.logs.table import Log
 from oed.input_file import MOST_COLUMNS, RECORDING_FILE, UnreadableFile, check_file
 from oed.registered import load_entry_points
@@ -87,7 +89,7 @@ def read_log(path: Path) -> Log:
                 "per sample, and some columns per joint"
             )
             raise DataSetError(message, file=str(path))
-    return log
+    return replace(log, tables=tuple(map(with_stamps, log.tables)))
 
 
 def _check(path: Path) -> None:
