@@ -203,7 +203,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(
     _simulated(tmp_path / "data", np.random.default_rng(24))
     file = tmp_path / "data" / "fit.csv"
     lines = file.read_text().splitlines()
-    lines[100] = lines[100].replace(lines[100].split(",")[2], "nan")
+    lines[100] = lines[100].replace(lines[100].split(",")[2], "1e30")
     file.write_text("\n".join(lines) + "\n")
     out = tmp_path / "out"
     assert oed("identify", str(tmp_path / "data"), "--out", str(out)) == 2
