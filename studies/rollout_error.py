@@ -205,7 +205,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             folder,
             options.reports,
         )
-        for folder in folders
+        for folder in (folders[:1] if options.smoke else folders)
     ]
     content = {case.arm: case.content for case in cases}
     config = Config(content, budget, options.seed, options.smoke)
