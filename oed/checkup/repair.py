@@ -10,8 +10,8 @@ how long the residual of the better fit is correlated. A change repairs a fit if
 - of some joint it explains most of what was left, and with it most of the torque is explained.
 
 The likeliest suspicion is the cause if it repairs the fit, if the same evidence tells it from every
-other one, and if none repairs what it leaves: then there are two faults, and which is not guessed. The sign of
-a joint's torque and that of its position may do the same: then both are said.
+other one, and if none repairs what it leaves: then there are two faults, and which is not guessed. The
+sign of a joint's torque and that of its position may do the same: then both are said.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import get_args
 
-from oed.counted import counted
+from oed.counted import MOST_SHOWN, counted
 from oed.errors import DataSetError
 from oed.experiment.log_format import REPETITION, TEMPERATURE, TIME, LogFormat
 from oed.experiment.logs.table import Log, Table
@@ -18,7 +18,6 @@ from oed.robot import Robot
 NUMBERED = re.compile(r"(q|dq|ddq|tau)_(\d+)")
 SENSOR = re.compile(r"temperature_(\d+)")
 REQUIRED = ("q", "tau")
-MOST_SHOWN = 12  # names of columns in a message
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,8 @@ from oed.robot import Robot
 
 TIME, REPETITION, TEMPERATURE = "t", "repetition", "temperature"
 COLUMN_KEYS = (TIME, *JOINT_QUANTITIES, REPETITION, TEMPERATURE)
+# Without which a recording is one all the same.
+OPTIONAL: tuple[Quantity, ...] = ("dq", "ddq", TEMPERATURE)
 UNIT_KEYS = (TIME, *JOINT_QUANTITIES, TEMPERATURE, "ticks_per_turn")
 FORMAT_KEYS = ("columns", "units", "sign", "zero", "rate")
 SI = {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s^2", "tau": "N m", "temperature": "C"}

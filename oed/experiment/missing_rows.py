@@ -12,11 +12,11 @@ import numpy as np
 from jaxtyping import Bool, Int
 from numpy import ndarray
 
-from oed.counted import counted
+from oed.counted import as_one, counted, listed
 from oed.errors import DataSetError
 from oed.experiment.logs.table import Table
 
-MOST_SHOWN = 4  # groups of columns in a note
+MOST_GROUPS = 4  # of columns in a note
 
 
 def rows_with_numbers(
@@ -97,16 +97,11 @@ def _note(
         if lacks.any():
             groups.setdefault(lacks.tobytes(), []).append(name)
     said = [
-        f"{len(np.flatnonzero(np.frombuffer(key, dtype=bool)))} in {_as_one(names)}"
-        for key, names in groups.items()
+        f"{lacks.count(1)} in column{'s' if len(names) > 1 else ''} {as_one(names)}"
+        for lacks, names in groups.items()
     ]
-    more = [f"… ({len(said)} such groups)"] if len(said) > MOST_SHOWN else []
     some = counted(len(missing), "row")
     return (
         f"{table.file}: {some} without a number, taken as missing: "
-        f"{', '.join([*said[:MOST_SHOWN], *more])}; the first of them row {missing[0] + table.first_row}"
+        f"{listed(said, MOST_GROUPS, 'such groups')}; the first of them row {missing[0] + table.first_row}"
     )
-
-
-def _as_one(names: list[str]) -> str:
-    return f"column {names[0]}" if len(names) == 1 else f"columns {names[0]} … {names[-1]}"

@@ -16,7 +16,7 @@ from oed.experiment.column_names import ColumnNames, find_columns
 from oed.experiment.consistency_checks import check_repeats, check_speed, check_velocity
 from oed.experiment.drive import Drive, TorqueKind
 from oed.experiment.limit_checks import torque_notes
-from oed.experiment.log_format import REPETITION, TEMPERATURE, TIME, LogFormat
+from oed.experiment.log_format import OPTIONAL, REPETITION, TEMPERATURE, TIME, LogFormat
 from oed.experiment.logs.stamps import seconds_of_day
 from oed.experiment.logs.table import Log
 from oed.experiment.manifest import RecordingEntry
@@ -38,7 +38,6 @@ from oed.experiment.units import JOINT_QUANTITIES, factor_to_si
 from oed.largest_number import LARGEST
 from oed.robot import Robot
 
-OPTIONAL = ("dq", "ddq", TEMPERATURE)
 OURS = re.compile(r"'((?:q|tau)_\d+)'")  # a column in a note, by our name
 
 

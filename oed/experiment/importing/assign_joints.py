@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from oed.counted import counted
+from oed.counted import as_one, counted, listed
 from oed.errors import DataSetError
 from oed.experiment.importing.joint_names import match_joints
-from oed.experiment.importing.layouts import Named, as_one
+from oed.experiment.importing.layouts import Named
 from oed.experiment.importing.name_words import joint_number
 from oed.experiment.logs.table import Table
-
-MOST_SHOWN = 12  # names in a message
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ def assign_joints(
             if len(names) == len(order):
                 return order, names
         message = (
-            f"holds positions of {counted(len(order), 'joint')} ({few([one.column for one in order])}), the "
+            f"holds positions of {counted(len(order), 'joint')} ({listed([one.column for one in order])}), the "
             f"robot has {len(joints.arm)} in its arm and {len(joints.movable)} in all"
             f"{f', --joints names {len(joints.chosen)}' if joints.chosen else ''}; say which they are with "
             "--joints, in the order of the log"
@@ -66,7 +64,7 @@ def assign_joints(
     if len(joints.chosen) == len(positions):
         return positions, joints.chosen
     message = (
-        f"joints are named {few(list(labels))} in the log, {few(joints.movable)} in the robot's "
+        f"joints are named {listed(list(labels))} in the log, {listed(joints.movable)} in the robot's "
         f"file; say {_which(len(labels), joints)}"
     )
     raise DataSetError(message, file=table.file)
@@ -84,7 +82,7 @@ def _matched(positions: Sequence[Named], joints: RobotJoints) -> dict[str, str]:
 
 def _more_than_once(positions: Sequence[Named], table: Table) -> DataSetError:
     message = (
-        f"holds positions of one joint more than once ({few(places(positions))}); say which are of the "
+        f"holds positions of one joint more than once ({listed(places(positions))}); say which are of the "
         "robot, as in --columns q=NAME,NAME"
     )
     return DataSetError(message, file=table.file)
@@ -103,9 +101,3 @@ def places(columns: Sequence[Named]) -> list[str]:
     for one in columns:
         groups.setdefault(one.whose, []).append(one.column)
     return [as_one(names) for names in groups.values()]
-
-
-def few(names: Sequence[str]) -> str:
-    """Names in a message, as many as can be read."""
-    shown = ", ".join(names[:MOST_SHOWN])
-    return f"{shown}, … ({len(names)} in all)" if len(names) > MOST_SHOWN else shown

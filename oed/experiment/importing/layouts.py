@@ -198,8 +198,3 @@ def _label_of_element(owner: str, element: str, stem: str) -> str | None:
     if owner == MIXED and said is not None and said[2] not in ("pos", "position"):
         return label if said[2] == stem else None
     return label if owner == stem else None
-
-
-def as_one(columns: Sequence[str]) -> str:
-    """Columns of several joints in few words: the first and the last."""
-    return f"{columns[0]} … {columns[-1]}" if len(columns) > 1 else columns[0]

@@ -6,24 +6,22 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from oed.counted import as_one, listed
 from oed.errors import DataSetError
 from oed.experiment.drive import TorqueKind
-from oed.experiment.importing.assign_joints import RobotJoints, assign_joints, few, places
+from oed.experiment.importing.assign_joints import RobotJoints, assign_joints, places
 from oed.experiment.importing.layouts import (
     STEMS,
     TORQUES,
     Named,
-    as_one,
     columns_of,
     torques_of,
     whose,
 )
 from oed.experiment.importing.taken import of_same_joints, taken_notes
-from oed.experiment.log_format import REPETITION
+from oed.experiment.log_format import OPTIONAL, REPETITION
 from oed.experiment.logs.table import Log, Table
 from oed.experiment.units import Quantity
-
-OPTIONAL: tuple[Quantity, ...] = ("dq", "ddq", "temperature")
 
 
 @dataclass(frozen=True)
@@ -177,7 +175,7 @@ def _torque(
     if elsewhere:
         message = (
             f"no torque found where the positions ({as_one([one.column for one in order])}) are; if "
-            f"{few(elsewhere)} is that of these joints, name it, as in --columns tau=NAME,NAME"
+            f"{listed(elsewhere)} is that of these joints, name it, as in --columns tau=NAME,NAME"
         )
     raise DataSetError(message, file=table.file)
 
@@ -204,7 +202,7 @@ def _nothing(table: Table, what: str, key: str) -> str:
         if key == "tau" and table.name
         else f"name its columns, as in --columns {key}=NAME,NAME"
     )
-    return f"{where}no {what} found; {advice}. Columns: {few(table.columns)}"
+    return f"{where}no {what} found; {advice}. Columns: {listed(table.columns)}"
 
 
 def _told(order: Sequence[Named], names: Sequence[str]) -> str:

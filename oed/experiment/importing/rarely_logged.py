@@ -6,7 +6,8 @@ import dataclasses
 from collections.abc import Collection, Sequence
 
 from oed.counted import counted
-from oed.experiment.importing.propose_columns import OPTIONAL, ColumnProposal
+from oed.experiment.importing.propose_columns import ColumnProposal
+from oed.experiment.log_format import OPTIONAL
 from oed.experiment.missing_rows import rarest
 from oed.experiment.units import Quantity
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from oed.counted import as_one
 from oed.experiment.importing.layouts import (
     STEMS,
     TORQUES,
     Named,
-    as_one,
     columns_of,
     torques_of,
 )

@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from oed.counted import counted
+from oed.counted import as_one, counted, listed
 from oed.experiment.importing.joint_names import common_start
-from oed.experiment.importing.layouts import as_one
 from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.read_log_values import RECEIVED, STAMP, episode_column
 
-MOST_SHOWN = 8  # groups of names in the line
+MOST_GROUPS = 8  # in the line
 
 
 def unused_note(logs: Sequence[ColumnProposal]) -> tuple[str, ...]:
@@ -29,9 +28,8 @@ def unused_note(logs: Sequence[ColumnProposal]) -> tuple[str, ...]:
     if not groups:
         return ()
     shown = [as_one(names) for names in groups.values()]
-    more = [f"… ({len(shown)} such groups in all)"] if len(shown) > MOST_SHOWN else []
     count = counted(sum(map(len, groups.values())), "column or topic", "columns or topics")
-    return (f"unused: {count}: {', '.join([*shown[:MOST_SHOWN], *more])}",)
+    return (f"unused: {count}: {listed(shown, MOST_GROUPS, 'such groups')}",)
 
 
 def _unused(log: ColumnProposal) -> Iterator[tuple[str, str]]:

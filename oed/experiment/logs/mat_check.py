@@ -19,8 +19,8 @@ CELL, STRUCT, OBJECT, SPARSE = 1, 2, 3, 5
 ARRAYS = range(4, 16)  # characters, sparse and full arrays of numbers
 COMPLEX = 0x800
 SMALL = 4  # bytes that stand in the tag itself
-DEEPEST = 64  # structs within one another
-MOST_DIMENSIONS = 32
+DEEPEST = 64  # structs within one another: no log is, and SciPy calls itself for each; assumed
+MOST_DIMENSIONS = 32  # that SciPy reads
 CHUNK = 1 << 20  # bytes
 Read = Callable[[int], bytes]  # so many bytes, or fewer where there are no more
 

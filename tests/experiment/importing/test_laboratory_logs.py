@@ -19,14 +19,8 @@ from tests.experiment.importing.laboratory_logs import (
     Truth,
     lerobot,
     simulate,
-    write_urdf,
 )
 from tests.running import oed
-
-
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory):
-    return write_urdf(tmp_path_factory.mktemp("arm") / "arm.urdf")
 
 
 @pytest.fixture(scope="module")

@@ -7,12 +7,7 @@ import pytest
 from oed.errors import DataSetError
 from oed.experiment.importing.import_log import ImportChoices, propose_import
 from oed.robot import load_robot
-from tests.experiment.importing.laboratory_logs import simulate, write_urdf
-
-
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory):
-    return write_urdf(tmp_path_factory.mktemp("arm") / "arm.urdf")
+from tests.experiment.importing.laboratory_logs import simulate
 
 
 @pytest.fixture(scope="module")

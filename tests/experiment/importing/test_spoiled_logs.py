@@ -1,19 +1,12 @@
 """Whatever is wrong with a log, there is one clear line, and nothing is written."""
 
-from pathlib import Path
-
 import pytest
 
 from oed.robot import load_robot
-from tests.experiment.importing.laboratory_logs import LOGS, Truth, simulate, write_urdf
+from tests.experiment.importing.laboratory_logs import LOGS, Truth, simulate
 from tests.experiment.importing.log_fuzz import REFUSED, ROWS, Config, fuzz
 
 ROUNDS = 77  # spoiled files of each kind, so that they are a thousand
-
-
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory) -> Path:
-    return write_urdf(tmp_path_factory.mktemp("arm") / "arm.urdf")
 
 
 @pytest.fixture(scope="module")

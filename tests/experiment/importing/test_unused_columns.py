@@ -14,13 +14,7 @@ from tests.experiment.importing.laboratory_logs import (
     Truth,
     rtde_frame,
     simulate,
-    write_urdf,
 )
-
-
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory):
-    return write_urdf(tmp_path_factory.mktemp("arm") / "arm.urdf")
 
 
 @pytest.fixture(scope="module")
