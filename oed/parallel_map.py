@@ -6,6 +6,7 @@ they change, such as a generator's state, does not: only work that changes nothi
 
 from __future__ import annotations
 
+import io
 import os
 import pickle
 import select
@@ -23,6 +24,7 @@ Result = TypeVar("Result")
 
 PROCESSES = "OED_PROCESSES"  # environment variable: how many may be used, all processors by default
 MOST_ITEMS = 512  # whose places a pipe is sure to hold
+MOST_BYTES = 500_000_000  # that all helpers together may take beside what they share
 PLACE = struct.Struct("i")
 NOTICE = struct.Struct("iqq")
 
@@ -41,33 +43,41 @@ def processes() -> int:
     return int(said)
 
 
-def parallel_map(work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+def parallel_map(
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    *,
+    same: Sequence[object] = (),
+    bytes_each: int = 0,
+) -> list[Result]:
     """What is made of each item, in their order.
 
     Args:
         work: Changes nothing, and makes something that can be pickled.
         items: Taken one by one by whichever process is free.
+        same: What results may hold that has to come back as these very objects.
+        bytes_each: About how much memory the work on an item takes.
     """
-    helpers = min(processes(), len(items)) - 1
+    helpers = min(processes(), len(items), 1 + MOST_BYTES // max(bytes_each, 1)) - 1
     if helpers < 1 or len(items) > MOST_ITEMS:
         return list(map(work, items))
     todo, places = os.pipe()
     os.write(places, b"".join(PLACE.pack(k) for k in range(len(items))))
     os.close(places)
-    at_work = [_Helper.begin(work, items, todo) for _ in range(helpers)]
+    at_work = [_Helper.begin(work, items, same, todo) for _ in range(helpers)]
     made: dict[int, Result | BaseException] = {}
     results: list[Result] = []
     try:
         for k, item in enumerate(items):
             while k not in made:
-                _receive(made, at_work, wait=False)
+                _receive(made, at_work, same, wait=False)
                 if k not in made:
                     place = os.read(todo, PLACE.size)
                     if place:
                         (own,) = PLACE.unpack(place)
                         made[own] = _outcome(work, items[own])
                     elif at_work:
-                        _receive(made, at_work, wait=True)
+                        _receive(made, at_work, same, wait=True)
                     else:  # the process that had it was ended, as where memory runs short
                         made[k] = _outcome(work, item)
             result = made.pop(k)
@@ -96,7 +106,13 @@ class _Helper:
     outcomes: BinaryIO
 
     @classmethod
-    def begin(cls, work: Callable[[Item], Result], items: Sequence[Item], todo: int) -> _Helper:
+    def begin(
+        cls,
+        work: Callable[[Item], Result],
+        items: Sequence[Item],
+        same: Sequence[object],
+        todo: int,
+    ) -> _Helper:
         """Fork it."""
         read, write = os.pipe()
         outcomes = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115 open while it works
@@ -111,7 +127,7 @@ class _Helper:
             start = 0
             while place := os.read(todo, PLACE.size):
                 (k,) = PLACE.unpack(place)
-                told = pickle.dumps(_outcome(work, items[k]), pickle.HIGHEST_PROTOCOL)
+                told = _pickled(_outcome(work, items[k]), same)
                 outcomes.write(told)
                 os.write(write, NOTICE.pack(k, start, len(told)))
                 start += len(told)
@@ -135,7 +151,11 @@ def _outcome(work: Callable[[Item], Result], item: Item) -> Result | BaseExcepti
 
 
 def _receive(
-    made: dict[int, Result | BaseException], at_work: list[_Helper], *, wait: bool
+    made: dict[int, Result | BaseException],
+    at_work: list[_Helper],
+    same: Sequence[object],
+    *,
+    wait: bool,
 ) -> None:
     """Take in what has been made elsewhere; helpers that make no more are let go."""
     ready, _, _ = select.select([h.notices for h in at_work], [], [], None if wait else 0)
@@ -143,8 +163,37 @@ def _receive(
         notice = os.read(helper.notices, NOTICE.size)
         if notice:
             k, start, length = NOTICE.unpack(notice)
-            # This program has written it.
-            made[k] = pickle.loads(os.pread(helper.outcomes.fileno(), length, start))  # noqa: S301
+            made[k] = _Reader(os.pread(helper.outcomes.fileno(), length, start), same).load()
         else:
             at_work.remove(helper)
             helper.end()
+
+
+class _Writer(pickle.Pickler):
+    """Writes an outcome, of what is to stay the same its place alone: it lies where it lay before the fork."""
+
+    def __init__(self, file: BinaryIO, same: Sequence[object]) -> None:
+        super().__init__(file, pickle.HIGHEST_PROTOCOL)
+        self._places = {id(each): k for k, each in enumerate(same)}
+
+    def persistent_id(self, obj: object) -> int | None:
+        """Its place among these."""
+        return self._places.get(id(obj))
+
+
+class _Reader(pickle.Unpickler):
+    """Reads what this program has written."""
+
+    def __init__(self, told: bytes, same: Sequence[object]) -> None:
+        super().__init__(io.BytesIO(told))
+        self._same = same
+
+    def persistent_load(self, pid: int) -> object:
+        """The object at a place."""
+        return self._same[pid]
+
+
+def _pickled(outcome: object, same: Sequence[object]) -> bytes:
+    file = io.BytesIO()
+    _Writer(file, same).dump(outcome)
+    return file.getvalue()

@@ -134,6 +134,8 @@ def fit(
     used: Bool[ndarray, " rows"],
     before: Fitted | None = None,
     variance: Float[ndarray, " joints"] | None = None,
+    *,
+    settled: bool = False,
 ) -> Fitted:
     """Fit a model, effects of its own torque and terms that act on all of it included.
 
@@ -143,6 +145,8 @@ def fit(
         used: Rows to fit.
         before: A fit to start from.
         variance: (n,) of the rows, if it is given; otherwise what is left decides.
+        settled: Whether sizes of terms that act on the whole model are installed until they stay;
+            otherwise until rows tell no difference, which is enough to compare models.
     """
     context = problem.context if before is None else before.context
     fitted = before
@@ -151,7 +155,7 @@ def fit(
         design = lay(problem, terms, context, None if last is None else last.design)
         fitted = _fitted(design, used, last, variance)
         context = fitted.context
-        terms, moved = _stepped(fitted)
+        terms, moved = _stepped(fitted, settled=settled)
         follow = any(e is not None and holds_reference(e) for e in fitted.effects)
         if not moved and (not follow or _is_settled(fitted, last)):
             break
@@ -193,20 +197,36 @@ def _is_settled(fitted: Fitted, last: Fitted | None) -> bool:
     return float(squares.sum()) < NO_CHANGE
 
 
-def _stepped(fitted: Fitted) -> tuple[tuple[Term, ...], bool]:
+def _stepped(fitted: Fitted, *, settled: bool) -> tuple[tuple[Term, ...], bool]:
     """Terms that act on the whole model, moved on by what their columns still explain."""
     result, moved = [], False
     for term, place in zip(fitted.terms, fitted.places, strict=True):
         own = fitted.projection.coefficients[place]
-        # Steps may differ in length: what a model has of it can depend on what is installed.
-        whole = sum(float(np.linalg.norm(step)) for step in term.steps)
-        if term.steps and len(own) and np.linalg.norm(own) > SETTLED * whole:
+        if term.steps and len(own) and _moves(fitted, term, place, settled=settled):
             sizes = tuple(float(x) for x in own)
             result.append(dataclasses.replace(term, steps=(*term.steps, sizes)))
             moved = True
         else:
             result.append(term)
     return tuple(result), moved
+
+
+def _moves(fitted: Fitted, term: Term, place: slice, *, settled: bool) -> bool:
+    """Whether a step of a term that acts on the whole model is worth working its columns out anew.
+
+    The fit has the step d to first order, C d. What is installed, s, is in the main of first order
+    too, |f''| s^2 / 2 < |C s|: so what the step leaves out, |f''| d^2 / 2, is below |C d| d / s.
+    """
+    own = fitted.projection.coefficients[place]
+    # Steps may differ in length: what a model has of it can depend on what is installed.
+    whole = sum(float(np.linalg.norm(step)) for step in term.steps)
+    step = float(np.linalg.norm(own))
+    if settled or step >= whole:
+        return step > SETTLED * whole
+    used = fitted.projection.used
+    given = fitted.projection.columns[:, :, place] @ own
+    squares = np.sum(given[:, used] ** 2, axis=1) / fitted.variance
+    return float(squares.sum()) * (step / whole) ** 2 >= NO_CHANGE
 
 
 def _fitted(

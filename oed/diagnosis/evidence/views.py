@@ -23,6 +23,9 @@ from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.problem import Problem
 
 Which = Literal["fitted", "held_out", "all"]
+TAKEN = (
+    4  # times the columns of a fit: itself, its rows for a factor, a basis, and what is left of it
+)
 
 
 def chosen(problem: Problem, which: Which) -> Bool[ndarray, " rows"]:
@@ -61,6 +64,8 @@ class Views:
         which: Which,
         before: Views | None = None,
         like: Views | None = None,
+        *,
+        settled: bool = False,
     ) -> Views:
         """Fit a model.
 
@@ -70,10 +75,11 @@ class Views:
             which: Rows that are fitted.
             before: Fits to start from.
             like: A model whose variance the rows are given; what is left decides if None.
+            settled: As of `fit`: for a model that is handed on.
         """
         sparse = problem.sparse
         start, variance = before and before.means, like and like.means.variance
-        means = fit(sparse, terms, chosen(sparse, which), start, variance)
+        means = fit(sparse, terms, chosen(sparse, which), start, variance, settled=settled)
         first = before and (before.first or before)
         return cls(problem, means, which, like, before and before.laid, first)
 
@@ -85,6 +91,18 @@ class Views:
         variance = self.like and self.like.every.variance
         used = chosen(self.problem, self.which)
         return fit_all(self._design, self.means, used, variance)
+
+    def laid_out(self) -> Views:
+        """Itself, with what is asked of it again and again worked out: processes that fork share it."""
+        for fitted in (self.means, self.every):
+            fitted.projection.span  # noqa: B018 kept from here on
+        return self
+
+    @property
+    def nbytes(self) -> int:
+        """About how much another fit of this size takes, while it is made [bytes]."""
+        design = self.laid or self.means.design
+        return TAKEN * design.columns.nbytes
 
     @property
     def told(self) -> Fitted:

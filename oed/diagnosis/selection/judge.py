@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from oed.diagnosis.evidence.criterion import Moments, Worth, worth
@@ -10,6 +11,7 @@ from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views, moments
 from oed.diagnosis.selection.look_ahead import Say
 from oed.diagnosis.selection.screen import price
+from oed.parallel_map import parallel_map
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +73,7 @@ def resmoothed(whole: Views) -> Views:
 
 def _worth_of_smooth_terms(whole: Views) -> float:
     smooth = [k for k, term in enumerate(whole.terms) if term.precision is not None]
-    return float(sum(judge(whole, k).worth.nats for k in smooth))
+    return sum(nats for nats, _ in _each(whole, smooth))
 
 
 def _smoothed(whole: Views, tau: float | None) -> Views:
@@ -89,12 +91,22 @@ def prune(views: Views, say: Say) -> Views:
     """Drop the term that is worth least, as long as one is worth nothing."""
     views = resmoothed(views)
     while True:
-        judged = [judge(views, k) for k in range(len(views.terms))]
+        judged = _each(views, range(len(views.terms)))
         if not judged:
             return views
-        least = min(range(len(judged)), key=lambda k: judged[k].worth.nats)
-        if judged[least].worth.nats > 0:
+        least = min(range(len(judged)), key=lambda k: judged[k])
+        nats, dilution = judged[least]
+        if nats > 0:
             return views
-        own = judged[least]
-        say(f"- {own.term.label} {own.worth.nats:.1f} nats, tau {own.moments.dilution:.1f}")
+        say(f"- {views.terms[least].label} {nats:.1f} nats, tau {dilution:.1f}")
         views = views.grown(views.others(least), "all")
+
+
+def _each(whole: Views, numbers: Sequence[int]) -> list[tuple[float, float]]:
+    """Worth [nats] and dilution of some terms of a model."""
+
+    def of_term(number: int) -> tuple[float, float]:
+        own = judge(whole, number)
+        return own.worth.nats, own.moments.dilution
+
+    return parallel_map(of_term, numbers, bytes_each=whole.laid_out().nbytes)

@@ -14,6 +14,7 @@ from oed.diagnosis.numbers import PREDICTION_GAIN, SETTLING, TESTED
 from oed.diagnosis.selection.screen import Scored, evaluate, polish, price
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import Tables, as_term, few
+from oed.parallel_map import parallel_map
 
 Say = Callable[[str], None]
 Over = Callable[[], bool]
@@ -52,25 +53,32 @@ def _options(
     absence had spoiled, but not at the cost of its own. Each is ranked by the channel that shows it:
     what is alike in all repetitions is worth as much in their mean as in all of them.
     """
-    options: list[tuple[float, Scored]] = []
-    best = None
-    for scored in tried:
-        if scored.nats <= 0:
-            continue
-        grown = current.grown((*current.terms, as_term(scored)), "fitted")
-        ahead, gain = grown.rise(current, "held_out"), grown.rise(current, "fitted")
-        fitted = grown.showing(scored.candidate)
-        rows = float(fitted.rows(chosen(fitted.problem, "fitted")).mean())
-        occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
-        if ahead <= PREDICTION_GAIN or gain <= occam:
-            continue
-        if _serves(scored.candidate, grown, current) and is_tested(grown):
-            worth = gain - occam - price(scored.candidate, scored.values, fitted, rows)
-            # Of the others their worth alone is kept: each has as many columns as all rows.
-            if all(worth > other for other, _ in options):
-                best = grown
-            options.append((float(worth), scored))
-    return sorted(options, key=lambda o: -o[0]), best
+    current.laid_out()
+
+    def grown(scored: Scored) -> Views:
+        return current.grown((*current.terms, as_term(scored)), "fitted")
+
+    def worth(scored: Scored) -> float | None:
+        return _worth_when_refitted(scored, grown(scored), current)
+
+    asked = [scored for scored in tried if scored.nats > 0]
+    found = zip(parallel_map(worth, asked, bytes_each=current.nbytes), asked, strict=True)
+    options = sorted(((own, s) for own, s in found if own is not None), key=lambda o: -o[0])
+    # Of the others their worth alone is kept: each has as many columns as all rows.
+    return options, grown(options[0][1]) if options else None
+
+
+def _worth_when_refitted(scored: Scored, grown: Views, current: Views) -> float | None:
+    """What a candidate is worth in a model with it; None where it does not predict better."""
+    ahead, gain = grown.rise(current, "held_out"), grown.rise(current, "fitted")
+    fitted = grown.showing(scored.candidate)
+    rows = float(fitted.rows(chosen(fitted.problem, "fitted")).mean())
+    occam = 0.5 * np.log(rows) * max(scored.worth.freedom, 1.0)
+    if ahead <= PREDICTION_GAIN or gain <= occam:
+        return None
+    if not _serves(scored.candidate, grown, current) or not is_tested(grown):
+        return None
+    return float(gain - occam - price(scored.candidate, scored.values, fitted, rows))
 
 
 def _serves(candidate: Candidate, grown: Views, current: Views) -> bool:

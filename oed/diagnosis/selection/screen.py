@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -32,13 +32,11 @@ class Scored:
         candidate: What.
         values: Its shapes.
         worth: What it is worth there.
-        columns: joint -> (R, k) its white columns.
     """
 
     candidate: Candidate
     values: Values
     worth: Worth
-    columns: dict[int, ndarray] = field(repr=False)
 
     @property
     def nats(self) -> float:
@@ -172,7 +170,7 @@ def evaluate(
         return None
     if candidate.excluded(context, values, own.coefficients) is not None:
         return None
-    return Scored(candidate, values, own, columns)
+    return Scored(candidate, values, own)
 
 
 def polish(scored: Scored, fitted: Fitted, evaluations: int = EVALUATIONS) -> Scored:

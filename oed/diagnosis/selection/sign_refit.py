@@ -19,6 +19,7 @@ from oed.dynamics.velocity_sign import sign_terms, signs_of, with_signs
 from oed.estimation.noise_floor.sign_width import Others, Turn
 from oed.estimation.sign_width import choose_sign_widths
 from oed.experiment.preparation.processed import processed
+from oed.parallel_map import parallel_map
 
 
 def with_refitted_sign(views: Views, which: Which, joints: Collection[int] | None = None) -> Views:
@@ -31,13 +32,15 @@ def with_refitted_sign(views: Views, which: Which, joints: Collection[int] | Non
     """
     problem, means = views.problem, views.means
     sharpest = signs_of(problem.sharpest)
-    found = {
-        sign.joint: _best_turn(means, int(own[0]), sign, sharpest[sign.joint])
+    asked = [
+        (int(own[0]), sign)
         for _, column, sign in sign_terms(problem.base)
         if joints is None or sign.joint in joints
         if len(own := np.flatnonzero(means.columns == column))
-    }
-    base = with_signs(problem.base, found)
+    ]
+    means.projection.span  # noqa: B018 shared by all of them
+    found = parallel_map(lambda at: _best_turn(means, *at, sharpest[at[1].joint]), asked)
+    base = with_signs(problem.base, {sign.joint: sign for sign in found})
     if base == problem.base:
         return views
     sharper = Views.of(_turned(problem, base), views.terms, which, views)

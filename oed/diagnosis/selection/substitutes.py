@@ -19,6 +19,7 @@ from oed.diagnosis.selection.screen import Scored, evaluate
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.table import Line
 from oed.diagnosis.selection.tables import Tables, as_term, few
+from oed.parallel_map import parallel_map
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,25 +61,27 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         return at and not acting.isdisjoint(line.places)
 
     mine = _given(whole, own)
-    found = [Substitute(own.term, own.worth.nats, True, price_of(whole, own.term, own.moments))]
-    nothing = ahead(own.rest, own.rest.terms)
-    for scored in few(tables.best(own.rest, excluded, COMPARED, near)):
-        if _is_itself(scored, own.term):
-            continue
+    nothing = ahead(own.rest, own.rest.terms).laid_out()
+
+    def placed(scored: Scored) -> Substitute | None:
         grown = in_place(whole, own, as_term(_as_smooth(scored, own)))
         # Substitutes of one size are compared at the same, smaller dilution.
         nats = _nats_in_place(grown, whole, own)
+        if grown.terms[-1].label == own.term.label and nats <= own.worth.nats + PREDICTION_GAIN:
+            return None
+        is_excluded = nats < own.worth.nats - NOT_EXCLUDED
+        if not is_excluded and ahead(grown, grown.terms).rise(nothing, "held_out") <= 0:
+            return None
         is_same = _cosine(mine, _given(grown, own)) > ALIKE
         cost = price_of(grown, grown.terms[-1], own.moments)
-        substitute = Substitute(grown.terms[-1], nats, is_same, cost)
-        if substitute.term.label == own.term.label and nats <= own.worth.nats + PREDICTION_GAIN:
-            continue
-        if (
-            substitute.nats < own.worth.nats - NOT_EXCLUDED
-            or ahead(grown, grown.terms).rise(nothing, "held_out") > 0
-        ):
-            found.append(substitute)
-    return sorted(found, key=lambda r: -r.nats)
+        return Substitute(grown.terms[-1], nats, is_same, cost)
+
+    asked = few(tables.best(own.rest, excluded, COMPARED, near))
+    others = [scored for scored in asked if not _is_itself(scored, own.term)]
+    same = [scored.candidate for scored in others]
+    found = parallel_map(placed, others, same=same, bytes_each=whole.nbytes)
+    itself = Substitute(own.term, own.worth.nats, True, price_of(whole, own.term, own.moments))
+    return sorted([itself, *(s for s in found if s is not None)], key=lambda r: -r.nats)
 
 
 def preferred(own: Judged, substitutes: Sequence[Substitute]) -> Substitute | None:

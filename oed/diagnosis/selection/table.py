@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 
 import numpy as np
 from jaxtyping import Int
@@ -21,9 +21,12 @@ from oed.diagnosis.evidence.fit import Beside, Span, project
 from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.selection.screen import least_price, most_gained, promised
 from oed.dynamics.effects.catalogue import Context
+from oed.dynamics.effects.effect import Effect
+from oed.parallel_map import parallel_map
 
 COLUMN_BYTES = 200_000_000  # of all candidates' columns on the rows of one table; a search has two
 SINGLE = float(np.finfo(np.float32).max)  # beyond, or not a number, nothing can be told
+TOGETHER = 16  # lines that one process lays out at a time
 BLOCK = 50  # rows that are kept together where not all are
 
 
@@ -76,21 +79,25 @@ def lay_out(fitted: Fitted, candidates: Sequence[Candidate]) -> Table:
     most = COLUMN_BYTES // (4 * max(whole, 1))
     every = max(1, -(-len(used) // max(most, 1)))
     rows = used[(np.arange(len(used)) // BLOCK) % every == 0]
+
+    def seen(few: slice) -> list[dict[int, tuple[ndarray, ndarray]]]:
+        return [_seen(effect, fitted, rows) for _, _, effect in asked[few]]
+
+    # Neighbours have the same torque to work out: a few of them go together.
+    together = [slice(k, k + TOGETHER) for k in range(0, len(asked), TOGETHER)]
     lines: list[Line] = []
     parts: list[list[ndarray]] = [[] for _ in range(problem.rows.joints)]
     ends = [0] * problem.rows.joints
-    for candidate, values, effect in asked:
+    found = chain.from_iterable(parallel_map(seen, together))
+    for (candidate, values, _), columns in zip(asked, found, strict=True):
         places, squares = {}, {}
-        columns = white_effect(effect, fitted.installed, problem.rows)
-        if not columns or not all(np.abs(c).max(initial=0.0) < SINGLE for c in columns.values()):
-            continue
-        for j, own in columns.items():
-            kept = own[rows]
+        for j, (kept, own) in columns.items():
             places[j] = slice(ends[j], ends[j] + kept.shape[1])
-            squares[j] = kept.T @ kept
-            parts[j].append(kept.astype(np.float32))
+            squares[j] = own
+            parts[j].append(kept)
             ends[j] += kept.shape[1]
-        lines.append(Line(candidate, values, places, squares))
+        if columns:
+            lines.append(Line(candidate, values, places, squares))
     matrices = []
     for own in parts:
         matrices.append(
@@ -98,6 +105,17 @@ def lay_out(fitted: Fitted, candidates: Sequence[Candidate]) -> Table:
         )
         own.clear()
     return Table(tuple(lines), rows, tuple(matrices))
+
+
+def _seen(
+    effect: Effect, fitted: Fitted, rows: Int[ndarray, " rows"]
+) -> dict[int, tuple[ndarray, ndarray]]:
+    """White columns of an effect on some rows, in single precision, and X' X: joint by joint."""
+    columns = white_effect(effect, fitted.installed, fitted.problem.rows)
+    if not all(np.abs(c).max(initial=0.0) < SINGLE for c in columns.values()):
+        return {}
+    kept = {j: own[rows] for j, own in columns.items()}
+    return {j: (own.astype(np.float32), own.T @ own) for j, own in kept.items()}
 
 
 def ranked(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from oed.diagnosis.candidates.candidate import Candidate
@@ -11,6 +11,7 @@ from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.numbers import COMPARED, POLISHED
 from oed.diagnosis.selection.screen import ROUGH, Scored, evaluate, polish
 from oed.diagnosis.selection.table import Line, Table, lay_out, ranked
+from oed.parallel_map import parallel_map
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,18 +46,26 @@ class Tables:
         lines.sort(key=lambda own: -own[0][0])
         names = _spread([own for own in lines if own[0][1].candidate.is_named])[:most]
         smooth = [own for own in lines if not own[0][1].candidate.is_named][: most // 2]
-        found = []
-        for own in (*names, *smooth):
-            candidate = own[0][1].candidate
+        views.laid_out()
+
+        def rough(lines: list[tuple[float, Line]]) -> Scored | None:
+            candidate = lines[0][1].candidate
             fitted = views.showing(candidate)
-            starts = (evaluate(candidate, line.values, fitted) for _, line in own)
+            starts = (evaluate(candidate, line.values, fitted) for _, line in lines)
             start = next((s for s in starts if s is not None), None)
-            if start is not None:
-                found.append(polish(start, fitted, ROUGH))
-        found.sort(key=lambda s: -s.nats)
+            return None if start is None else polish(start, fitted, ROUGH)
+
+        asked = [*names, *smooth]
+        same = [own[0][1].candidate for own in asked]
+        found = _best_first(s for s in parallel_map(rough, asked, same=same) if s is not None)
         worthy = few(found)
-        polished = [polish(s, views.showing(s.candidate)) if s in worthy else s for s in found]
-        return sorted(polished, key=lambda s: -s.nats)
+        others = [s for s in found if s not in worthy]
+        polished = parallel_map(lambda s: polish(s, views.showing(s.candidate)), worthy, same=same)
+        return _best_first([*polished, *others])
+
+
+def _best_first(scored: Iterable[Scored]) -> list[Scored]:
+    return sorted(scored, key=lambda s: -s.nats)
 
 
 def _spread(lines: list[list[tuple[float, Line]]]) -> list[list[tuple[float, Line]]]:
