@@ -6,6 +6,7 @@ they change, such as a generator's state, does not: only work that changes nothi
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import pickle
@@ -43,6 +44,12 @@ def processes() -> int:
     return int(said)
 
 
+def cpu_seconds() -> float:
+    """CPU time of this process and of the helpers that it has had [s]."""
+    spent = os.times()
+    return spent.user + spent.system + spent.children_user + spent.children_system
+
+
 def parallel_map(
     work: Callable[[Item], Result],
     items: Sequence[Item],
@@ -64,7 +71,11 @@ def parallel_map(
     todo, places = os.pipe()
     os.write(places, b"".join(PLACE.pack(k) for k in range(len(items))))
     os.close(places)
+    side_by_side = os.environ.get(PROCESSES)
+    os.environ[PROCESSES] = "1"  # an item's own work is not divided again
+    gc.freeze()  # a collection would write to, and so copy, whatever the processes share
     at_work = [_Helper.begin(work, items, same, todo) for _ in range(helpers)]
+    gc.unfreeze()
     made: dict[int, Result | BaseException] = {}
     results: list[Result] = []
     try:
@@ -86,6 +97,10 @@ def parallel_map(
             results.append(result)
         return results
     finally:
+        if side_by_side is None:
+            del os.environ[PROCESSES]
+        else:
+            os.environ[PROCESSES] = side_by_side
         os.close(todo)
         for helper in at_work:
             helper.end()
@@ -123,7 +138,6 @@ class _Helper:
             return cls(child, read, outcomes)
         try:
             end_with_parent(parent)
-            os.environ[PROCESSES] = "1"
             start = 0
             while place := os.read(todo, PLACE.size):
                 (k,) = PLACE.unpack(place)
@@ -172,7 +186,7 @@ def _receive(
 class _Writer(pickle.Pickler):
     """Writes an outcome, of what is to stay the same its place alone: it lies where it lay before the fork."""
 
-    def __init__(self, file: BinaryIO, same: Sequence[object]) -> None:
+    def __init__(self, file: io.BytesIO, same: Sequence[object]) -> None:
         super().__init__(file, pickle.HIGHEST_PROTOCOL)
         self._places = {id(each): k for k, each in enumerate(same)}
 
@@ -194,6 +208,10 @@ class _Reader(pickle.Unpickler):
 
 
 def _pickled(outcome: object, same: Sequence[object]) -> bytes:
+    """An outcome as it is written, or that it cannot be."""
     file = io.BytesIO()
-    _Writer(file, same).dump(outcome)
+    try:
+        _Writer(file, same).dump(outcome)
+    except Exception as error:  # noqa: BLE001 it is raised where the outcome is asked for
+        return pickle.dumps(TypeError(f"{type(outcome).__name__} cannot be handed on: {error}"))
     return file.getvalue()

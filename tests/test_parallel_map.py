@@ -9,7 +9,7 @@ import psutil
 import pytest
 
 from oed.errors import DataSetError
-from oed.parallel_map import PROCESSES, parallel_map, processes
+from oed.parallel_map import MOST_BYTES, PROCESSES, parallel_map, processes
 
 
 def children() -> set[int]:
@@ -69,13 +69,52 @@ def test_no_process_is_left_behind():
     assert children() == before
 
 
-def test_what_is_at_work_side_by_side_is_not_divided_again():
+def test_what_is_at_work_side_by_side_is_not_divided_again(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "2")
     inner = parallel_map(
         lambda _: (os.getpid(), parallel_map(lambda _: os.getpid(), [0, 1])), [0, 1, 2]
     )
     for outer, within in inner:
-        if outer != os.getpid():
-            assert set(within) == {outer}
+        assert set(within) == {outer}
+    assert processes() == 2
+
+
+def test_what_has_to_come_back_as_itself_does(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "2")
+    here, kept = os.getpid(), [object(), object()]
+
+    def work(k):
+        time.sleep(0.05)
+        return os.getpid(), (kept[k % 2], [k])
+
+    made = parallel_map(work, list(range(6)), same=kept)
+    assert {process == here for process, _ in made} == {True, False}
+    for k, (_, (one, other)) in enumerate(made):
+        assert one is kept[k % 2]
+        assert other == [k]
+
+
+def test_what_cannot_be_handed_on_is_said(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "2")
+    here = os.getpid()
+
+    def work(_):
+        time.sleep(0.05)
+        return (lambda: 0) if os.getpid() != here else None
+
+    with pytest.raises(TypeError, match="function cannot be handed on"):
+        parallel_map(work, [0, 1, 2, 3])
+
+
+def test_no_more_processes_take_part_than_memory_is_for(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "2")
+
+    def work(_):
+        time.sleep(0.05)
+        return os.getpid()
+
+    assert len(set(parallel_map(work, [0, 1, 2], bytes_each=MOST_BYTES))) == 2
+    assert set(parallel_map(work, [0, 1, 2], bytes_each=MOST_BYTES + 1)) == {os.getpid()}
 
 
 def test_a_number_of_processes_that_is_none_is_refused(monkeypatch):

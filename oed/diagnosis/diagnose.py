@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -29,6 +28,7 @@ from oed.estimation.known_torque import KnownTorque
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.settings import ProcessingSettings
 from oed.experiment.recording import ROLES
+from oed.parallel_map import cpu_seconds
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def diagnose(
         ValueError: If there is no estimation recording, or one is too short.
         OedError: If a joint stands still, or friction drives every joint.
     """
-    end = time.process_time() + (np.inf if budget is None else budget)
+    end = cpu_seconds() + (np.inf if budget is None else budget)
     problem, sealed, notes = pose(
         dataset,
         model,
@@ -125,8 +125,8 @@ def diagnose(
     )
     for note in notes:
         say(f"note: {note}")
-    selected = search(problem, say, lambda: time.process_time() > end)
-    if time.process_time() > end:
+    selected = search(problem, say, lambda: cpu_seconds() > end)
+    if cpu_seconds() > end:
         spent = f"the search ended when its {budget:g} s of CPU time were over: more may find more"
         notes = (*notes, spent)
         say(f"note: {spent}")

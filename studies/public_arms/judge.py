@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import shutil
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -30,6 +29,7 @@ from oed.experiment.preparation.prepared import Prepared
 from oed.experiment.read_dataset import read_dataset
 from oed.export.found_models import of_feasible
 from oed.export.model_file import NAME as MODEL
+from oed.parallel_map import cpu_seconds
 from oed.report.joint_words import over_floor, place_words
 from oed.report.provenance import Provenance
 from studies.case_runner import FAILED
@@ -106,7 +106,7 @@ class Case:
 
 def work(case: Case) -> Line:
     """A line of the table."""
-    start = time.process_time()
+    start = cpu_seconds()
     if not case.content:
         arm = ARMS[case.arm]
         return {"status": f"{FAILED}: no clone with {arm.marker}: {arm.fetch}, then --repo"}
@@ -126,7 +126,7 @@ def work(case: Case) -> Line:
     return {
         "status": "done",
         **_numbers(case, dataset, outcome),
-        "seconds": round(time.process_time() - start),
+        "seconds": round(cpu_seconds() - start),
     }
 
 

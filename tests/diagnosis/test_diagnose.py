@@ -110,14 +110,13 @@ def test_a_curve_that_gives_the_torque_of_a_name_is_no_rival_of_it(found_stribec
     for is_same in (True, False):
         name = Substitute(own.term, own.worth.nats, is_same=True, price=1.0)
         rival = Substitute(bent, own.worth.nats + 5.0, is_same, price=9.0)
-        assert preferred(own, (rival, name)) is (None if is_same else rival)
+        assert preferred(name, (rival, name)) is (None if is_same else rival)
         # The same where the curve came first.
-        mine = dataclasses.replace(own, term=bent)
         first, other = (
             dataclasses.replace(rival, is_same=True),
             dataclasses.replace(name, is_same=is_same),
         )
-        assert preferred(mine, (first, other)) is (other if is_same else None)
+        assert preferred(first, (first, other)) is (other if is_same else None)
 
 
 def test_other_shapes_of_a_name_are_that_name_and_another_place_is_open(found_stribeck):
@@ -134,18 +133,18 @@ def test_other_shapes_of_a_name_are_that_name_and_another_place_is_open(found_st
 
 
 def test_of_what_gives_the_same_torque_the_more_probable_before_data_is_preferred(found_stribeck):
-    (own,), ((first, *_),) = found_stribeck.selected.judged, found_stribeck.selected.substitutes
-    term = dataclasses.replace(own.term)
+    ((first, *_),) = found_stribeck.selected.substitutes
+    term = dataclasses.replace(first.term)
     plain = Substitute(term, first.nats - 0.5, is_same=True, price=first.price - 1.0)
-    assert preferred(own, (first, plain)) is plain
+    assert preferred(first, (first, plain)) is plain
     for changed in (
         {"is_same": False},
         {"nats": first.nats - 1.5},
         {"price": first.price},
     ):
-        assert preferred(own, (first, dataclasses.replace(plain, **changed))) is None
+        assert preferred(first, (first, dataclasses.replace(plain, **changed))) is None
     better = dataclasses.replace(plain, nats=first.nats + 1.5, price=first.price + 9.0)
-    assert preferred(own, (better, first)) is better
+    assert preferred(first, (better, first)) is better
 
 
 def test_is_handed_on_as_a_model_that_predicts_the_same(found_stribeck, tmp_path):

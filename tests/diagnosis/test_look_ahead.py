@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from oed.diagnosis.diagnose import diagnose
+from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.moments import moments_of
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.selection.look_ahead import is_tested
@@ -85,7 +86,8 @@ def test_no_candidate_gains_more_than_its_bound(problem):
             scored = evaluate(candidate, values, fitted)
             if scored is None:
                 continue
-            beside = fitted.projection.beside(scored.columns)
+            effect = candidate.effect(fitted.context, values)
+            beside = fitted.projection.beside(white_effect(effect, fitted.installed, problem.rows))
             own = weighed(candidate, values, fitted, beside, counted)
             weighed_ones += 1
             assert own is not None
@@ -155,16 +157,20 @@ def test_a_delay_that_is_far_too_long_on_the_grid_leads_to_the_right_one(late):
     assert scored is not None
     assert scored.nats < -100
     counted = fitted.rows(fitted.projection.used)
-    beside = fitted.projection.beside(scored.columns)
-    promise = promised(law, scored.values, fitted, beside, counted)
+
+    def beside(values):
+        effect = law.effect(fitted.context, values)
+        columns = white_effect(effect, fitted.installed, fitted.problem.rows)
+        return fitted.projection.beside(columns)
+
+    promise = promised(law, scored.values, fitted, beside(scored.values), counted)
     assert promise is not None
     assert promise.nats > 100
     assert polish(scored, fitted).nats > 0
     # The other way it would have to be less than nothing.
     other = evaluate(law, (-0.012,), fitted)
     assert other is not None
-    beside = fitted.projection.beside(other.columns)
-    promise = promised(law, other.values, fitted, beside, counted)
+    promise = promised(law, other.values, fitted, beside(other.values), counted)
     assert promise is not None
     assert promise.nats == pytest.approx(other.nats)
 

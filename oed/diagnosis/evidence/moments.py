@@ -47,29 +47,28 @@ def moments_of(
         return Moments(np.zeros((1, 1)), np.zeros(1), float(counted.sum()), 1.0, gained)
     own = rest.beside(columns)
     A, g, inside = own.information, own.score, own.within
-    count = len(g)
-    joints = list(columns)
-    main = max(joints, key=lambda j: float(np.sum(columns[j] ** 2)))
+    rows = float(sum(counted[j] for j in columns))
+    if tau is not None:
+        return Moments(A, g, rows, tau, gained)
+    main = max(columns, key=lambda j: float(np.sum(columns[j] ** 2)))
     blocks = problem.rows.blocks(correlated_rows(whole, main, used))[used]
-    number = int(blocks.max()) + 1
-    scores, square = np.zeros((number, count)), np.zeros((number, count, count))
+    order = np.argsort(blocks, kind="stable")
+    ends = np.cumsum(np.bincount(blocks))
+    values, vectors = np.linalg.eigh(A)
+    kept = values > 1e-9 * max(float(values.max(initial=0.0)), 1e-300)
+    white = vectors[:, kept] / np.sqrt(values[kept])
+    scores = np.zeros((len(ends), len(g)))
+    squares = np.zeros((len(ends), white.shape[1], white.shape[1]))
     for j in range(problem.rows.joints):
         X = -rest.basis[j] @ inside
         if j in columns:
             X = X + columns[j][used] * rest.weights[j]
         left = whole.projection.residual[j, used] * rest.weights[j]
-        for c in range(count):
-            scores[:, c] += np.bincount(blocks, X[:, c] * left, number)
-            for d in range(c + 1):
-                square[:, c, d] += np.bincount(blocks, X[:, c] * X[:, d], number)
-    lower = square + np.tril(square, -1).transpose(0, 2, 1)
-    values, vectors = np.linalg.eigh(A)
-    kept = values > 1e-9 * max(float(values.max(initial=0.0)), 1e-300)
-    white = vectors[:, kept] / np.sqrt(values[kept])
-    leverage = float(np.sum((white.T @ lower @ white) ** 2))
-    rows = float(sum(counted[j] for j in joints))
-    tau = score_dilution(scores, leverage, A) if tau is None else tau
-    return Moments(A, g, rows, tau, gained)
+        Z = X @ white
+        for block, own in enumerate(np.split(order, ends[:-1])):
+            scores[block] += left[own] @ X[own]
+            squares[block] += Z[own].T @ Z[own]
+    return Moments(A, g, rows, score_dilution(scores, float(np.sum(squares**2)), A), gained)
 
 
 def columns_of(term: Term, whole: Fitted, place: slice) -> dict[int, ndarray]:

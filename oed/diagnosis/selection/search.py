@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ from oed.diagnosis.selection.substitutes import (
     substitutes_of,
 )
 from oed.diagnosis.selection.tables import Tables
-from oed.parallel_map import parallel_map
+from oed.parallel_map import parallel_map, processes
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,26 +102,25 @@ def _each_by_its_best(
     """
     say(f"what else the {len(views.terms)} terms could be")
     found: dict[str, tuple[Substitute, list[Substitute]]] = {}
-    current: set[str] = set()
+    told: dict[str, list[Substitute]] = {}  # beside the model as it is by then
+    if last is not None and last.views is views:
+        known = zip(views.terms, last.substitutes, strict=True)
+        told = {t.label: list(own) for t, own in known if t.label in last.current}
     labels = [term.label for term in views.terms]
     for number, label in enumerate(labels):
-        if last is not None and last.views is views and label in last.current:
-            known = list(last.substitutes[number])
-            found[label] = next(s for s in known if s.term is views.terms[number]), known
-            current.add(label)
-            continue
-        own = judge(views, [t.label for t in views.terms].index(label))
-        substitutes = substitutes_of(tables, views, own)
-        better = preferred(own, substitutes) if may_exchange else None
-        chosen = better or next(s for s in substitutes if s.term is own.term)
+        if label not in told:
+            untold = [other for other in labels[number:] if other not in told]
+            told |= _asked(tables, views, untold[: processes()])
+        term = next(t for t in views.terms if t.label == label)
+        mine = next(s for s in told[label] if s.term is term)
+        better = preferred(mine, told[label]) if may_exchange else None
+        chosen = better or mine
+        found[chosen.term.label] = chosen, told[label]
         if better is not None:
-            say(f"{label} {own.worth.nats:.1f} -> {better.term.label} {better.nats:.1f} nats")
-            grown = in_place(views, own, better.term)
+            say(f"{label} {mine.nats:.1f} -> {better.term.label} {better.nats:.1f} nats")
+            grown = in_place(views, judge(views, views.terms.index(term)), better.term)
             views = Views.of(grown.problem, grown.terms, "all", grown)
-            current.clear()
-        else:
-            current.add(label)
-        found[chosen.term.label] = chosen, substitutes
+            told = {}
     placed = []
     for term in views.terms:
         chosen, substitutes = found[term.label]
@@ -128,7 +128,19 @@ def _each_by_its_best(
         now = dataclasses.replace(chosen, term=term)
         placed.append(tuple(now if s is chosen else s for s in substitutes))
     again = tuple(judge(views, k) for k in range(len(views.terms)))
-    return Selected(views, again, tuple(placed), frozenset(current))
+    return Selected(views, again, tuple(placed), frozenset(told))
+
+
+def _asked(tables: Tables, views: Views, labels: Sequence[str]) -> dict[str, list[Substitute]]:
+    """What could stand in the place of some terms of a model, each beside all others."""
+    numbers = [[term.label for term in views.terms].index(label) for label in labels]
+    found = parallel_map(
+        lambda number: substitutes_of(tables, views, judge(views, number)),
+        numbers,
+        same=(*views.terms, *views.problem.candidates),
+        bytes_each=views.laid_out().nbytes,
+    )
+    return dict(zip(labels, found, strict=True))
 
 
 def _ahead_and_back(

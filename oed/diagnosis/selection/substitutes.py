@@ -84,14 +84,13 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     return sorted([itself, *(s for s in found if s is not None)], key=lambda r: -r.nats)
 
 
-def preferred(own: Judged, substitutes: Sequence[Substitute]) -> Substitute | None:
+def preferred(mine: Substitute, substitutes: Sequence[Substitute]) -> Substitute | None:
     """What is better in a term's place than the term, if anything is.
 
     What is less than a parameter costs tells no better from worse, here as where a term is added. Of
     those that give the same torque and are worth as much, the most probable before data is better. A
     smooth term that gives the torque of a name, but for what formulas err by, is no rival of it.
     """
-    mine = next(s for s in substitutes if s.term is own.term)
     names = [s for s in substitutes if s.is_same and s.term.candidate.is_named]
     rivals = [s for s in substitutes if s.term.candidate.is_named or not (names and s.is_same)]
     stands = mine if mine in rivals else names[0]

@@ -26,7 +26,8 @@ from oed.parallel_map import parallel_map
 
 COLUMN_BYTES = 200_000_000  # of all candidates' columns on the rows of one table; a search has two
 SINGLE = float(np.finfo(np.float32).max)  # beyond, or not a number, nothing can be told
-TOGETHER = 16  # lines that one process lays out at a time
+LAID = 16  # lines that one process lays out at a time, and that it weighs at a time
+WEIGHED = 64
 BLOCK = 50  # rows that are kept together where not all are
 
 
@@ -84,7 +85,7 @@ def lay_out(fitted: Fitted, candidates: Sequence[Candidate]) -> Table:
         return [_seen(effect, fitted, rows) for _, _, effect in asked[few]]
 
     # Neighbours have the same torque to work out: a few of them go together.
-    together = [slice(k, k + TOGETHER) for k in range(0, len(asked), TOGETHER)]
+    together = [slice(k, k + LAID) for k in range(0, len(asked), LAID)]
     lines: list[Line] = []
     parts: list[list[ndarray]] = [[] for _ in range(problem.rows.joints)]
     ends = [0] * problem.rows.joints
@@ -146,10 +147,8 @@ def ranked(
         inside.append(product[:-1] / np.sqrt(share))
         scores.append(product[-1] / share)
     counted = fitted.rows(projection.used)
-    found: dict[str, list[tuple[Worth, Line]]] = {}
-    for line in table.lines:
-        if not wanted(line):
-            continue
+
+    def promise(line: Line) -> Worth | None:
         beside = Beside(
             span,
             {j: x * (projection.weights[j] ** 2 / share) for j, x in line.squares.items()},
@@ -157,8 +156,14 @@ def ranked(
             {j: inside[j][:, place] for j, place in line.places.items()},
         )
         if most_gained(beside, counted) <= least_price(line.candidate, problem):
-            continue
-        own = promised(line.candidate, line.values, fitted, beside, counted)
+            return None
+        return promised(line.candidate, line.values, fitted, beside, counted)
+
+    asked = [line for line in table.lines if wanted(line)]
+    together = [asked[k : k + WEIGHED] for k in range(0, len(asked), WEIGHED)]
+    promises = parallel_map(lambda few: [promise(line) for line in few], together)
+    found: dict[str, list[tuple[Worth, Line]]] = {}
+    for line, own in zip(asked, chain.from_iterable(promises), strict=True):
         if own is not None:
             found.setdefault(line.candidate.label, []).append((own, line))
     supported = (_supported(own, fitted.context, per_place) for own in found.values())
