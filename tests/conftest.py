@@ -4,17 +4,21 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-# Read once, when a numerical library loads: so before any import that may load one.
+# Read once, when a numerical library loads: those that a plugin has loaded by now are told below.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+# Tests run side by side already; those of work on several processes say so.
+os.environ.setdefault("OED_PROCESSES", "1")
 
 import matplotlib as mpl
 import pytest
 from hypothesis import settings
+from threadpoolctl import threadpool_limits
 
 from tests.browser import Browser, opened
 from tests.shape_checks import begin_anew, check_first_calls
 
 mpl.use("Agg")
+threadpool_limits(limits=1)
 
 # Of scalars, which may be anything, nothing is checked: their algebra is called by the million.
 UNCHECKED = "oed.dynamics.scalars"

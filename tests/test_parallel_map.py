@@ -12,6 +12,11 @@ from oed.errors import DataSetError
 from oed.parallel_map import MOST_BYTES, PROCESSES, parallel_map, processes
 
 
+@pytest.fixture(autouse=True)
+def _two(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "2")
+
+
 def children() -> set[int]:
     """Processes that this one began and has not waited for: a browser of other tests may be among them."""
     return {child.pid for child in psutil.Process().children()}
@@ -69,8 +74,7 @@ def test_no_process_is_left_behind():
     assert children() == before
 
 
-def test_what_is_at_work_side_by_side_is_not_divided_again(monkeypatch):
-    monkeypatch.setenv(PROCESSES, "2")
+def test_what_is_at_work_side_by_side_is_not_divided_again():
     inner = parallel_map(
         lambda _: (os.getpid(), parallel_map(lambda _: os.getpid(), [0, 1])), [0, 1, 2]
     )
@@ -79,8 +83,7 @@ def test_what_is_at_work_side_by_side_is_not_divided_again(monkeypatch):
     assert processes() == 2
 
 
-def test_what_has_to_come_back_as_itself_does(monkeypatch):
-    monkeypatch.setenv(PROCESSES, "2")
+def test_what_has_to_come_back_as_itself_does():
     here, kept = os.getpid(), [object(), object()]
 
     def work(k):
@@ -94,8 +97,7 @@ def test_what_has_to_come_back_as_itself_does(monkeypatch):
         assert other == [k]
 
 
-def test_what_cannot_be_handed_on_is_said(monkeypatch):
-    monkeypatch.setenv(PROCESSES, "2")
+def test_what_cannot_be_handed_on_is_said():
     here = os.getpid()
 
     def work(_):
@@ -106,8 +108,7 @@ def test_what_cannot_be_handed_on_is_said(monkeypatch):
         parallel_map(work, [0, 1, 2, 3])
 
 
-def test_no_more_processes_take_part_than_memory_is_for(monkeypatch):
-    monkeypatch.setenv(PROCESSES, "2")
+def test_no_more_processes_take_part_than_memory_is_for():
 
     def work(_):
         time.sleep(0.05)
