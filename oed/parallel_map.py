@@ -38,7 +38,8 @@ def processes() -> int:
     """
     said = os.environ.get(PROCESSES)
     if said is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "fork") else 1
+        # Elsewhere than on Linux a fork may not survive what its libraries have begun.
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
     if not said.isdecimal() or int(said) < 1:
         raise ValueError(f"{PROCESSES}={said!r} must be a whole number of processes, at least 1")
     return int(said)

@@ -35,6 +35,12 @@ def test_results_may_be_more_than_a_pipe_holds():
     assert [(own.shape, own[-1]) for own in made] == [((200_000,), x) for x in range(4)]
 
 
+def test_one_process_works_where_the_system_does_not_count_them(monkeypatch):
+    monkeypatch.delenv(PROCESSES)
+    monkeypatch.delattr(os, "sched_getaffinity")
+    assert processes() == 1
+
+
 def test_the_first_error_in_the_order_of_the_items_is_raised_and_nothing_is_left_at_work():
     def work(x):
         time.sleep(0.05 if x == 2 else 0.0)

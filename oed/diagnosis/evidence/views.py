@@ -23,9 +23,7 @@ from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.problem import Problem
 
 Which = Literal["fitted", "held_out", "all"]
-TAKEN = (
-    4  # times the columns of a fit: itself, its rows for a factor, a basis, and what is left of it
-)
+TAKEN = 4  # times a fit's columns: these, their rows for a factor, a basis, and what passes by
 
 
 def chosen(problem: Problem, which: Which) -> Bool[ndarray, " rows"]:
@@ -92,7 +90,7 @@ class Views:
         used = chosen(self.problem, self.which)
         return fit_all(self._design, self.means, used, variance)
 
-    def laid_out(self) -> Views:
+    def shared(self) -> Views:
         """Itself, with what is asked of it again and again worked out: processes that fork share it."""
         for fitted in (self.means, self.every):
             fitted.projection.span  # noqa: B018 kept from here on

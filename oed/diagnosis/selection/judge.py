@@ -109,4 +109,4 @@ def _each(whole: Views, numbers: Sequence[int]) -> list[tuple[float, float]]:
         own = judge(whole, number)
         return own.worth.nats, own.moments.dilution
 
-    return parallel_map(of_term, numbers, bytes_each=whole.laid_out().nbytes)
+    return parallel_map(of_term, numbers, bytes_each=whole.shared().nbytes)

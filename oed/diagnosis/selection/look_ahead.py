@@ -53,7 +53,7 @@ def _options(
     absence had spoiled, but not at the cost of its own. Each is ranked by the channel that shows it:
     what is alike in all repetitions is worth as much in their mean as in all of them.
     """
-    current.laid_out()
+    current.shared()
 
     def grown(scored: Scored) -> Views:
         return current.grown((*current.terms, as_term(scored)), "fitted")

@@ -138,7 +138,7 @@ def _asked(tables: Tables, views: Views, labels: Sequence[str]) -> dict[str, lis
         lambda number: substitutes_of(tables, views, judge(views, number)),
         numbers,
         same=(*views.terms, *views.problem.candidates),
-        bytes_each=views.laid_out().nbytes,
+        bytes_each=views.shared().nbytes,
     )
     return dict(zip(labels, found, strict=True))
 
@@ -177,7 +177,7 @@ def _predictive(views: Views, say: Say) -> Views:
 
 def _gains_ahead(views: Views) -> list[float]:
     """What each term adds to the log score of held-out rows [nats]."""
-    whole = ahead(views, views.terms).laid_out()
+    whole = ahead(views, views.terms).shared()
 
     def gain(number: int) -> float:
         return whole.rise(ahead(views, views.others(number)), "held_out")

@@ -61,7 +61,7 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         return at and not acting.isdisjoint(line.places)
 
     mine = _given(whole, own)
-    nothing = ahead(own.rest, own.rest.terms).laid_out()
+    nothing = ahead(own.rest, own.rest.terms).shared()
 
     def placed(scored: Scored) -> Substitute | None:
         grown = in_place(whole, own, as_term(_as_smooth(scored, own)))

@@ -46,7 +46,7 @@ class Tables:
         lines.sort(key=lambda own: -own[0][0])
         names = _spread([own for own in lines if own[0][1].candidate.is_named])[:most]
         smooth = [own for own in lines if not own[0][1].candidate.is_named][: most // 2]
-        views.laid_out()
+        views.shared()
 
         def rough(lines: list[tuple[float, Line]]) -> Scored | None:
             candidate = lines[0][1].candidate
