@@ -12,7 +12,7 @@ error of a step is then of first order: it is held to the step's half in the tes
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import casadi
@@ -22,6 +22,7 @@ from numpy import ndarray
 
 from oed.dynamics.effects import State
 from oed.dynamics.forward import EXACT, MOST_STEPS, NoAcceleration
+from oed.dynamics.in_place import in_place
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import joint_pose
 from oed.dynamics.online import of_the_arm, without_offline
@@ -38,6 +39,7 @@ SINGULAR = 1e-9  # of its largest eigenvalue: a smaller one is rounding
 # Signs turn over this velocity at least: a joint that sticks creeps by no more, and a step's
 # equation has a slope there. Encoders do not tell it from rest.
 SIGN_WIDTH = 1e-3  # [rad/s or m/s]
+ENOUGH = 1e6 * EXACT  # of the torque: far below the error of a step
 LOST = 10.0  # [rad or m] off: beyond that a simulation has left the arm
 FARTHEST = 1e3  # [rad or m] from zero: beyond that nothing is simulated any more
 # [s] between the starts of windows at least: shorter horizons then share little.
@@ -194,12 +196,13 @@ class ImplicitArm:
         state = State(0.0, there, moving, rates, sign_width)
         remembered = casadi.vertsplit(memory) if instants.keeps else []
         torque, following = (
-            casadi.vertcat(casadi.SX(0, 1), *x) for x in instants.recall(state, remembered)
+            casadi.densify(casadi.vertcat(casadi.SX(0, 1), *x))
+            for x in instants.recall(state, remembered)
         )
         first = State(0.0, *(casadi.vertsplit(x) for x in (q, dq, ddq)))  # pyright: ignore[reportArgumentType]
         begun = instants.begin(first)
         now = casadi.vertcat(*instants.recall(first, begun)[0])
-        outputs = [torque, following, casadi.jacobian(torque, ddq)]
+        outputs = [torque, following, casadi.densify(casadi.jacobian(torque, ddq))]
         return cls(
             casadi.Function("step", [q, dq, ddq, memory], outputs, {"cse": True}),
             casadi.Function("begin", [q, dq, ddq], [casadi.vertcat(casadi.SX(0, 1), *begun)]),
@@ -238,9 +241,10 @@ class ImplicitArm:
         times = motion.t[start] + self.step * np.arange(1, counts[-1] + 1)
         applied = np.stack([np.interp(times, track.t, own) for own in track.tau.T], axis=1)
         found = np.full((len(horizons), len(q)), np.nan)
+        equation = in_place(self.equation)
         for k in range(counts[-1]):
             try:
-                ddq, memory = self._accelerate(q, dq, ddq, memory, applied[k])
+                ddq, memory = _accelerated(equation, (q, dq, ddq, memory), applied[k])
             except NoAcceleration:
                 break
             dq = dq + self.step * ddq
@@ -250,24 +254,26 @@ class ImplicitArm:
             found[[c == k + 1 for c in counts]] = q
         return found
 
-    def _accelerate(
-        self, q: ndarray, dq: ndarray, ddq: ndarray, memory: ndarray, applied: ndarray
-    ) -> tuple[ndarray, ndarray]:
-        following = memory
-        for _ in range(MOST_STEPS):
-            torque, following, slope = self.equation(q, dq, ddq, memory)
-            torque = np.array(torque).ravel()
-            missing = applied - torque
-            if np.abs(missing).max() <= ENOUGH * max(np.abs(applied).max(), 1.0):
-                return ddq, np.array(following).ravel()
-            try:
-                ddq = ddq + np.linalg.solve(np.array(slope), missing)
-            except np.linalg.LinAlgError as error:
-                raise NoAcceleration(f"the mass matrix is singular at q = {q}") from error
-        return ddq, np.array(following).ravel()
 
-
-ENOUGH = 1e6 * EXACT  # of the torque: far below the error of a step
+def _accelerated(
+    equation: Callable[..., list[ndarray]],
+    before: tuple[ndarray, ndarray, ndarray, ndarray],
+    applied: Float[ndarray, " joints"],
+) -> tuple[Float[ndarray, " joints"], Float[ndarray, " memory"]]:
+    """Acceleration in a step under a torque, from (q, dq, ddq, memory), and the memory after it."""
+    q, dq, ddq, memory = before
+    following = memory
+    enough = ENOUGH * max(np.abs(applied).max(), 1.0)
+    for _ in range(MOST_STEPS):
+        torque, following, slope = equation(q, dq, ddq, memory)
+        missing = applied - torque[:, 0]
+        if np.abs(missing).max() <= enough:
+            break
+        try:
+            ddq = ddq + np.linalg.solve(slope, missing)
+        except np.linalg.LinAlgError as error:
+            raise NoAcceleration(f"the mass matrix is singular at q = {q}") from error
+    return ddq, following.ravel()
 
 
 def last_origin(robot: Robot, q: Float[ndarray, "samples joints"]) -> Float[ndarray, "samples 3"]:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.in_place import in_place
 from oed.dynamics.native import Batch, native_function
 from oed.errors import OedError
 from oed.experiment.control import Controller
@@ -137,18 +138,5 @@ def _batch(step: casadi.Function, runs: int) -> Batch:
     compiled = native_function([step]) if runs >= WORTH_COMPILING else None
     if compiled is not None:
         return compiled[0]
-    many = step.map(runs) if runs > 1 else step
-    buffer, trigger = many.buffer()
-    # CasADi stores (rows, runs) by columns: one run after another in memory.
-    x, y = np.empty((runs, step.size1_in(0))), np.empty((runs, step.size1_out(0)))
-
-    def evaluate(values: Float[ndarray, "inputs runs"]) -> Float[ndarray, "outputs runs"]:
-        x[:] = values.T
-        # The trigger is a bare pointer: naming the buffer and its function keeps them alive.
-        _ = many
-        buffer.set_arg(0, memoryview(x))  # pyright: ignore[reportArgumentType, reportCallIssue]
-        buffer.set_res(0, memoryview(y))  # pyright: ignore[reportArgumentType, reportCallIssue]
-        trigger()
-        return y.T.copy()
-
-    return evaluate
+    many = in_place(step.map(runs) if runs > 1 else step)
+    return lambda values: many(values)[0]
