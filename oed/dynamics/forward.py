@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi
 import numpy as np
@@ -11,6 +13,7 @@ from numpy import ndarray
 
 from oed.dynamics.effects import State
 from oed.dynamics.effects.measurement_effect import Instants
+from oed.dynamics.in_place import in_place
 from oed.errors import OedError
 
 # Torque is linear in the acceleration but for friction under load, which has corners: a step of
@@ -58,6 +61,11 @@ class ForwardDynamics:
             casadi.Function("begin", [q, dq, ddq], [begun]),
         )
 
+    @cached_property
+    def at_instant(self) -> Callable[..., list[ndarray]]:
+        """`torque` on arrays."""
+        return in_place(self.torque)
+
     def acceleration(
         self,
         q: Float[ndarray, " joints"],
@@ -81,7 +89,7 @@ class ForwardDynamics:
         """
         ddq = np.zeros(len(q)) if start is None else np.array(start)
         for _ in range(MOST_STEPS):
-            torque, following, slope = (np.array(x) for x in self.torque(q, dq, ddq, memory))
+            torque, following, slope = self.at_instant(q, dq, ddq, memory)
             missing = applied - torque.ravel()
             size = np.abs(applied).max() + np.abs(torque).max()
             if np.abs(missing).max() <= EXACT * max(size, 1.0):

@@ -16,34 +16,47 @@ def in_place(function: casadi.Function) -> Callable[..., list[ndarray]]:
     than most functions of one instant.
 
     Args:
-        function: Of dense matrices, to dense matrices.
+        function: Of dense matrices.
 
     Returns:
         It, of arrays of the arguments' shapes, or of n numbers for n x 1; its results are new arrays.
 
     Raises:
-        ValueError: If a matrix is not dense.
+        ValueError: If an argument is not dense.
     """
-    count = function.n_in()
-    sparsities = [function.sparsity_in(k) for k in range(count)]
-    sparsities += [function.sparsity_out(k) for k in range(function.n_out())]
-    if not all(sparsity.is_dense() for sparsity in sparsities):
-        raise ValueError(f"{function.name()}: not all of its matrices are dense")
-    # CasADi stores matrices by columns.
-    held = [np.zeros((s.size2(), s.size1())) for s in sparsities]
     buffer, trigger = function.buffer()
-    for k, array in enumerate(held):
-        if k < count and array.size:
-            buffer.set_arg(k, memoryview(array))  # pyright: ignore[reportArgumentType, reportCallIssue]
-        elif array.size:
-            buffer.set_res(k - count, memoryview(array))  # pyright: ignore[reportArgumentType, reportCallIssue]
+    arguments, results = [], []
+    for k in range(function.n_in()):
+        if not function.sparsity_in(k).is_dense():
+            raise ValueError(f"{function.name()}: its argument {function.name_in(k)} is not dense")
+        # CasADi stores matrices by columns.
+        arguments.append(np.zeros(function.size_in(k)[::-1]))
+        if arguments[k].size:
+            buffer.set_arg(k, memoryview(arguments[k]))  # pyright: ignore[reportArgumentType, reportCallIssue]
+    for k in range(function.n_out()):
+        sparsity = function.sparsity_out(k)
+        entries = np.zeros(sparsity.nnz())
+        if entries.size:
+            buffer.set_res(k, memoryview(entries))  # pyright: ignore[reportArgumentType, reportCallIssue]
+        results.append((sparsity.shape, sparsity.get_triplet(), entries))
 
     def call(*values: ndarray) -> list[ndarray]:
-        for array, value in zip(held[:count], values, strict=True):
-            array[...] = value.T
+        for argument, value in zip(arguments, values, strict=True):
+            argument[...] = value.T
         # The trigger is a bare pointer: naming the buffer and its function keeps them alive.
         _ = function, buffer
         trigger()
-        return [array.T.copy() for array in held[count:]]
+        return [_laid_out(*result) for result in results]
 
     return call
+
+
+def _laid_out(
+    shape: tuple[int, int], places: tuple[list[int], list[int]], entries: ndarray
+) -> ndarray:
+    """The matrix of that shape, zero where it has no entries."""
+    if entries.size == shape[0] * shape[1]:
+        return entries.reshape(shape, order="F").copy()
+    matrix = np.zeros(shape)
+    matrix[places] = entries
+    return matrix

@@ -196,13 +196,12 @@ class ImplicitArm:
         state = State(0.0, there, moving, rates, sign_width)
         remembered = casadi.vertsplit(memory) if instants.keeps else []
         torque, following = (
-            casadi.densify(casadi.vertcat(casadi.SX(0, 1), *x))
-            for x in instants.recall(state, remembered)
+            casadi.vertcat(casadi.SX(0, 1), *x) for x in instants.recall(state, remembered)
         )
         first = State(0.0, *(casadi.vertsplit(x) for x in (q, dq, ddq)))  # pyright: ignore[reportArgumentType]
         begun = instants.begin(first)
         now = casadi.vertcat(*instants.recall(first, begun)[0])
-        outputs = [torque, following, casadi.densify(casadi.jacobian(torque, ddq))]
+        outputs = [torque, following, casadi.jacobian(torque, ddq)]
         return cls(
             casadi.Function("step", [q, dq, ddq, memory], outputs, {"cse": True}),
             casadi.Function("begin", [q, dq, ddq], [casadi.vertcat(casadi.SX(0, 1), *begun)]),

@@ -76,8 +76,8 @@ class EffectTorque:
         memory: Float[ndarray, " kept"],
     ) -> tuple[Float[ndarray, " joints"], Float[ndarray, " kept"]]:
         """The torque at one instant [N m or N], and what is remembered at the next."""
-        torque, following, _ = self.dynamics.torque(q, dq, ddq, memory)
-        return np.array(torque).ravel(), np.array(following).ravel()
+        torque, following, _ = self.dynamics.at_instant(q, dq, ddq, memory)
+        return torque.ravel(), following.ravel()
 
 
 def not_simulated(model: Model) -> tuple[Offline, ...]:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import casadi
-import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
 from oed.dynamics.effects import State
 from oed.dynamics.effects.measurement_effect import Instants
+from oed.dynamics.in_place import in_place
 from oed.dynamics.online import (
     Offline,
     as_recorded,
@@ -155,7 +155,9 @@ class Running:
     """A predictor in use from Python, which hands its memory on by itself."""
 
     def __init__(self, predictor: Predictor) -> None:
-        self._torque, self._begin = map(predictor.function, ("torque", "torque_begin"))
+        self._torque, self._begin = (
+            in_place(predictor.function(name)) for name in ("torque", "torque_begin")
+        )
         self._memory: Float[ndarray, " kept"] | None = None
 
     def __call__(
@@ -166,7 +168,7 @@ class Running:
     ) -> Float[ndarray, " joints"]:
         """Torque at the next instant [N m or N]."""
         if self._memory is None:
-            self._memory = np.array(self._begin(q, dq, ddq)).ravel()
+            self._memory = self._begin(q, dq, ddq)[0].ravel()
         torque, kept = self._torque(q, dq, ddq, self._memory)
-        self._memory = np.array(kept).ravel()
-        return np.array(torque).ravel()
+        self._memory = kept.ravel()
+        return torque.ravel()
