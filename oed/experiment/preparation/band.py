@@ -19,7 +19,7 @@ from numpy import ndarray
 from scipy.interpolate import CubicSpline
 from scipy.signal import firwin, welch
 
-from oed.experiment.signals.differentiation import spline_derivative
+from oed.experiment.signals.differentiation import spline_derivative, spline_through
 from oed.experiment.signals.lowpass import lowpass
 from oed.experiment.signals.moving_sum import moving_sum
 
@@ -167,12 +167,12 @@ class Band:
         """
         rate, kept = self.logged_rate, slice(None, None, self.logged)
         smooth = lowpass(q, rate, self.smoothing)
-        dq, ddq = (spline_derivative(smooth, rate, order)[kept] for order in (1, 2))
+        calm = smooth.copy()
         for joint, cutoff in enumerate(self.acceleration_cutoffs):
             if cutoff < self.smoothing:
-                calm = lowpass(q[:, joint], rate, cutoff)
-                ddq[:, joint] = spline_derivative(calm, rate, 2)[kept]
-        return smooth[kept], dq, ddq
+                calm[:, joint] = lowpass(q[:, joint], rate, cutoff)
+        both, t = spline_through(np.stack([smooth, calm], axis=1), rate), np.arange(len(q)) / rate
+        return smooth[kept], both(t[kept], 1)[:, 0].copy(), both(t[kept], 2)[:, 1].copy()
 
     def differentiate_velocity(
         self, dq: Float[ndarray, "logged joints"]

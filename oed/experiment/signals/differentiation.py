@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import BSpline, make_interp_spline
 
 SPLINE_DEGREE = 7
 
@@ -52,14 +52,18 @@ def spline_derivative(
     Raises:
         ValueError: If N < 8, the rate is not positive, or the order is not from 1 to 6.
     """
-    if rate <= 0:
-        raise ValueError(f"rate {rate:g} Hz must be positive")
     if not 1 <= order < SPLINE_DEGREE:
         raise ValueError(f"order {order} must be from 1 to {SPLINE_DEGREE - 1}")
+    return spline_through(x, rate)(np.arange(len(x)) / rate, order)
+
+
+def spline_through(x: Float[ndarray, " samples *columns"], rate: float) -> BSpline:
+    """The spline of `spline_derivative`, the first sample at time zero; errors likewise."""
+    if rate <= 0:
+        raise ValueError(f"rate {rate:g} Hz must be positive")
     if len(x) <= SPLINE_DEGREE:
         raise ValueError(f"{len(x)} samples are too few for a spline; at least {SPLINE_DEGREE + 1}")
-    t = np.arange(len(x)) / rate
-    return make_interp_spline(t, x, k=SPLINE_DEGREE)(t, order)
+    return make_interp_spline(np.arange(len(x)) / rate, x, k=SPLINE_DEGREE)
 
 
 def spectral_derivative(
