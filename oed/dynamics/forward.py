@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.array_function import array_function
 from oed.dynamics.effects import State
 from oed.dynamics.effects.measurement_effect import Instants
-from oed.dynamics.in_place import in_place
 from oed.errors import OedError
 
 # Torque is linear in the acceleration but for friction under load, which has corners: a step of
@@ -62,9 +62,9 @@ class ForwardDynamics:
         )
 
     @cached_property
-    def at_instant(self) -> Callable[..., list[ndarray]]:
+    def array_torque(self) -> Callable[..., list[ndarray]]:
         """`torque` on arrays."""
-        return in_place(self.torque)
+        return array_function(self.torque)
 
     def acceleration(
         self,
@@ -89,7 +89,7 @@ class ForwardDynamics:
         """
         ddq = np.zeros(len(q)) if start is None else np.array(start)
         for _ in range(MOST_STEPS):
-            torque, following, slope = self.at_instant(q, dq, ddq, memory)
+            torque, following, slope = self.array_torque(q, dq, ddq, memory)
             missing = applied - torque.ravel()
             size = np.abs(applied).max() + np.abs(torque).max()
             if np.abs(missing).max() <= EXACT * max(size, 1.0):

@@ -20,9 +20,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from oed.dynamics.array_function import array_function
 from oed.dynamics.effects import State
 from oed.dynamics.forward import EXACT, MOST_STEPS, NoAcceleration
-from oed.dynamics.in_place import in_place
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import joint_pose
 from oed.dynamics.online import of_the_arm, without_offline
@@ -240,7 +240,7 @@ class ImplicitArm:
         times = motion.t[start] + self.step * np.arange(1, counts[-1] + 1)
         applied = np.stack([np.interp(times, track.t, own) for own in track.tau.T], axis=1)
         found = np.full((len(horizons), len(q)), np.nan)
-        equation = in_place(self.equation)
+        equation = array_function(self.equation)
         for k in range(counts[-1]):
             try:
                 ddq, memory = _accelerated(equation, (q, dq, ddq, memory), applied[k])

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.dynamics.in_place import in_place
+from oed.dynamics.array_function import array_function
 from oed.dynamics.native import Batch, native_function
 from oed.errors import OedError
 from oed.experiment.control import Controller
@@ -138,5 +138,5 @@ def _batch(step: casadi.Function, runs: int) -> Batch:
     compiled = native_function([step]) if runs >= WORTH_COMPILING else None
     if compiled is not None:
         return compiled[0]
-    many = in_place(step.map(runs) if runs > 1 else step)
+    many = array_function(step.map(runs) if runs > 1 else step)
     return lambda values: many(values)[0]

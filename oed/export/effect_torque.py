@@ -76,7 +76,7 @@ class EffectTorque:
         memory: Float[ndarray, " kept"],
     ) -> tuple[Float[ndarray, " joints"], Float[ndarray, " kept"]]:
         """The torque at one instant [N m or N], and what is remembered at the next."""
-        torque, following, _ = self.dynamics.at_instant(q, dq, ddq, memory)
+        torque, following, _ = self.dynamics.array_torque(q, dq, ddq, memory)
         return torque.ravel(), following.ravel()
 
 

@@ -10,9 +10,9 @@ import casadi
 from jaxtyping import Float
 from numpy import ndarray
 
+from oed.dynamics.array_function import array_function
 from oed.dynamics.effects import State
 from oed.dynamics.effects.measurement_effect import Instants
-from oed.dynamics.in_place import in_place
 from oed.dynamics.online import (
     Offline,
     as_recorded,
@@ -156,7 +156,7 @@ class Running:
 
     def __init__(self, predictor: Predictor) -> None:
         self._torque, self._begin = (
-            in_place(predictor.function(name)) for name in ("torque", "torque_begin")
+            array_function(predictor.function(name)) for name in ("torque", "torque_begin")
         )
         self._memory: Float[ndarray, " kept"] | None = None
 

@@ -4,7 +4,7 @@ import casadi
 import numpy as np
 import pytest
 
-from oed.dynamics.in_place import in_place
+from oed.dynamics.array_function import array_function
 
 x, y, none = casadi.SX.sym("x", 3), casadi.SX.sym("y", 2, 3), casadi.SX.sym("none", 0)
 
@@ -12,7 +12,7 @@ x, y, none = casadi.SX.sym("x", 3), casadi.SX.sym("y", 2, 3), casadi.SX.sym("non
 def test_gives_what_the_function_gives_and_keeps_it():
     rng = np.random.default_rng(5)
     function = casadi.Function("f", [x, y, none], [y @ x, casadi.SX(0, 1), casadi.diag(x)])
-    call = in_place(function)
+    call = array_function(function)
     made = []
     for _ in range(3):
         a, b = rng.normal(size=3), rng.normal(size=(2, 3))
@@ -26,4 +26,4 @@ def test_gives_what_the_function_gives_and_keeps_it():
 def test_what_is_not_dense_is_refused():
     sparse = casadi.SX.sym("s", casadi.Sparsity.lower(2))
     with pytest.raises(ValueError, match="f: its argument i0 is not dense"):
-        in_place(casadi.Function("f", [sparse], [sparse]))
+        array_function(casadi.Function("f", [sparse], [sparse]))

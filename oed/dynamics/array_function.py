@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 
-def in_place(function: casadi.Function) -> Callable[..., list[ndarray]]:
+def array_function(function: casadi.Function) -> Callable[..., list[ndarray]]:
     """The function on arrays that it reads from and writes to as they lie.
 
     CasADi's own call makes a matrix of its kind of each argument and each result, which takes longer
