@@ -25,7 +25,7 @@ from oed.experiment.units_in_names import marked_unit, suffixed_unit
 
 TIMES = (
     *("t", "time", "stamp", "timestamp", "header.stamp", "time_stamp", "t_s", "seconds", "sec"),
-    *("elapsed", "elapsed_time", "duration", "zeit", "clock", "received"),
+    *("elapsed", "elapsed_time", "duration", "zeit", "zeitstempel", "clock", "received"),
     *("times", "timestamps"),
 )
 # Without words on joints and on who says it, such as actual: see `name_words`.

@@ -108,6 +108,7 @@ def _times(called: Mapping[str, str], stated: Mapping[str, tuple[str, ...]]) -> 
     if "t" in stated:
         return _stated(stated, "t")
     found = [one for named in columns_of(called, STEMS["t"], "t") for one in named]
+    found.sort(key=lambda one: re.search(r"\bT\b", one.column) is not None)  # or a temperature
     within = [
         one for one in found if re.fullmatch(rf".*[./]{re.escape(one.stem)}", one.column.lower())
     ]
