@@ -84,10 +84,12 @@ def prepare(
     settings = processing(dataset, cutoff=cutoff)
     for reason in settings.reasons:
         say(f"  {reason}")
+    own, reason = choose_base_model(dataset, settings)
+    say(f"base model {own!r}: {reason}" if model is None else f"base model {model}")
+    # Noise is the data's, and the same whichever model is asked for.
+    noise_of = None if model in (None, own) else build_model(own, dataset.robot)
     if started is not None:
         torque_model, known = started.to_estimate()
-        say(f"base model {model}")
-        noise_of = build_model(choose_base_model(dataset, settings)[0], dataset.robot)
         return Prepared(
             dataset,
             torque_model,
@@ -98,9 +100,15 @@ def prepare(
             fixed_signs=True,
             started=started,
         )
-    name = base_model_name(dataset, settings) if model is None else str(model)
-    torque_model = build_model(name, dataset.robot, sign_width=sign_width or 0.0)
-    return Prepared(dataset, torque_model, settings, notes, fixed_signs=sign_width is not None)
+    name = own if model is None else str(model)
+    return Prepared(
+        dataset,
+        build_model(name, dataset.robot, sign_width=sign_width or 0.0),
+        settings,
+        notes,
+        noise_of=noise_of,
+        fixed_signs=sign_width is not None,
+    )
 
 
 def model_name(model: TorqueModel) -> ModelName:
@@ -120,13 +128,6 @@ def processing(dataset: DataSet, *, cutoff: float | None = None) -> ProcessingSe
     """
     settings = choose_settings(dataset.recordings, cutoff=cutoff)
     return choose_velocity(dataset, build_model("standard", dataset.robot), settings)
-
-
-def base_model_name(dataset: DataSet, settings: ProcessingSettings) -> str:
-    """The model that every command starts from where none is named; says why."""
-    name, reason = choose_base_model(dataset, settings)
-    say(f"base model {name!r}: {reason}")
-    return name
 
 
 def model_for(dataset: DataSet, path: Path) -> Model:

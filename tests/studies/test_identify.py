@@ -16,6 +16,7 @@ from oed.experiment.recording import Recording, Role
 from oed.experiment.write_dataset import write_dataset
 from oed.robot import imi_scara
 from oed.robot.builtin import IMI_COULOMB, IMI_VISCOUS
+from tests.diagnosis.arm import data_set
 from tests.paths import SHARED_DATA, needs_shared_data
 from tests.running import oed
 
@@ -263,3 +264,13 @@ def test_the_panda_with_offsets_beats_the_published_error(tmp_path: Path) -> Non
     data = SHARED_DATA / "franka_panda"
     calibration = estimate(prepare(data, model="offset"), robust=False)
     assert calibration.validation["estimation"].overall_relative_rms <= 0.0115  # published: 0.0141
+
+
+def test_the_noise_is_the_same_whichever_model_is_asked_for():
+    dataset = data_set(35, repetitions=1)
+    floors = [
+        estimate(prepare(dataset, model=name), robust=False).noise_floor
+        for name in (None, "standard", "rotor")
+    ]
+    for floor in floors[1:]:
+        np.testing.assert_array_equal(floor, floors[0])
