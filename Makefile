@@ -6,6 +6,7 @@
 # make mutants setup, then change one line behind each claim at a time: the tests must notice
 # make fresh   setup, then build the wheel, install it in a fresh environment with all that it requires,
 #              fetched as a user would, and run the demo there; make fresh FRESH=python3.13 on another Python
+# make states  setup, then results/README.md: which results were made by the code as it is
 # make lint    setup, then lint, format check and type check
 # make clean   remove the environment, the caches and what a run wrote (results/ stays)
 
@@ -25,7 +26,7 @@ test paper: export OMP_NUM_THREADS = 1
 test: export OED_PROCESSES = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup test paper docs mutants fresh lint clean
+.PHONY: help setup test paper docs mutants fresh states lint clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p;/^$$/q' Makefile
@@ -76,6 +77,9 @@ fresh: setup
 	$(FRESH) -m venv out/fresh/env
 	out/fresh/env/bin/python -m pip install --quiet --disable-pip-version-check "$$(echo out/fresh/dist/*.whl)[ros,mujoco]"
 	cd out/fresh && env/bin/oed --version && env/bin/oed demo --smoke --out demo
+
+states: setup
+	$(PYTHON) -m studies.result_states
 
 lint: setup
 	$(PYTHON) -m ruff check .
