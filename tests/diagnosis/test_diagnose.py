@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oed import parallel_map
 from oed.diagnosis.diagnose import diagnose
 from oed.diagnosis.evidence.moments import correlated_rows
 from oed.diagnosis.inference.answer import answer
@@ -54,18 +53,6 @@ def test_finds_what_was_put_in_and_says_its_size(found_stribeck):
     assert size.std is not None
     assert abs(size.value - 1.5) < 4 * size.std
     assert abs(sizes["speed"].value - 0.15) < 0.1
-
-
-def test_two_processes_find_what_one_finds(found_stribeck, monkeypatch):
-    helped = []
-    begin = parallel_map._Helper.begin
-    monkeypatch.setattr(parallel_map._Helper, "begin", lambda *a: helped.append(1) or begin(*a))
-    monkeypatch.setenv(parallel_map.PROCESSES, "2")
-    again = _diagnose(data_set(31, extra=stribeck(1.5, 0.15), repetitions=2))
-    assert len(helped) > 5
-    assert again.effects == found_stribeck.effects
-    assert again.unexplained == found_stribeck.unexplained
-    np.testing.assert_array_equal(again.after.parameters, found_stribeck.after.parameters)
 
 
 def test_the_model_that_is_handed_on_turns_friction_as_the_base_model_does():
