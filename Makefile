@@ -23,7 +23,6 @@ unexport PYTHONDONTWRITEBYTECODE
 
 # Tests and studies run in parallel already: more BLAS threads would only wait for one another.
 test paper: export OMP_NUM_THREADS = 1
-test: export OED_PROCESSES = 1
 
 .DEFAULT_GOAL := help
 .PHONY: help setup test paper docs mutants fresh states lint clean

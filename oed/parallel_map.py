@@ -16,6 +16,7 @@ import struct
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import BinaryIO, TypeVar
 
 from oed.process_end import end_with_parent
@@ -24,8 +25,11 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 PROCESSES = "OED_PROCESSES"  # environment variable: how many may be used, all processors by default
-MOST_ITEMS = 512  # whose places a pipe is sure to hold
-MOST_BYTES = 500_000_000  # that all helpers together may take beside what they share
+# Parts of the work whose places a pipe is sure to hold: POSIX asks for 512 bytes, a place takes four.
+MOST_PARTS = 128
+# That all helpers together may take beside what they share: a quarter of the 2 GB in which a diagnosis
+# of a million rows is to stay.
+MOST_BYTES = 500_000_000
 PLACE = struct.Struct("i")
 NOTICE = struct.Struct("iqq")
 
@@ -62,34 +66,41 @@ def parallel_map(
 
     Args:
         work: Changes nothing, and makes something that can be pickled.
-        items: Taken one by one by whichever process is free.
+        items: Taken by whichever process is free, one by one or, of many, a few neighbours at a time.
         same: What results may hold that has to come back as these very objects.
         bytes_each: About how much memory the work on an item takes.
     """
     helpers = min(processes(), len(items), 1 + MOST_BYTES // max(bytes_each, 1)) - 1
-    if helpers < 1 or len(items) > MOST_ITEMS:
+    if helpers < 1:
         return list(map(work, items))
+    if len(items) > MOST_PARTS:
+        few = -(-len(items) // MOST_PARTS)
+        parts = [items[k : k + few] for k in range(0, len(items), few)]
+        made_of = parallel_map(
+            lambda part: list(map(work, part)), parts, same=same, bytes_each=bytes_each
+        )
+        return list(chain.from_iterable(made_of))
     todo, places = os.pipe()
     os.write(places, b"".join(PLACE.pack(k) for k in range(len(items))))
     os.close(places)
-    side_by_side = os.environ.get(PROCESSES)
-    os.environ[PROCESSES] = "1"  # an item's own work is not divided again
-    gc.freeze()  # a collection would write to, and so copy, whatever the processes share
-    at_work = [_Helper.begin(work, items, same, todo) for _ in range(helpers)]
-    gc.unfreeze()
+    allowed = os.environ.get(PROCESSES)
+    at_work: list[_Helper] = []
     made: dict[int, Result | BaseException] = {}
     results: list[Result] = []
     try:
+        os.environ[PROCESSES] = "1"  # an item's own work is not divided again
+        gc.freeze()  # a collection would write to, and so copy, whatever the processes share
+        at_work.extend(_Helper.begin(work, items, same, todo) for _ in range(helpers))
         for k, item in enumerate(items):
             while k not in made:
-                _receive(made, at_work, same, wait=False)
+                _receive(made, at_work, wait=False)
                 if k not in made:
                     place = os.read(todo, PLACE.size)
                     if place:
                         (own,) = PLACE.unpack(place)
                         made[own] = _outcome(work, items[own])
                     elif at_work:
-                        _receive(made, at_work, same, wait=True)
+                        _receive(made, at_work, wait=True)
                     else:  # the process that had it was ended, as where memory runs short
                         made[k] = _outcome(work, item)
             result = made.pop(k)
@@ -98,10 +109,10 @@ def parallel_map(
             results.append(result)
         return results
     finally:
-        if side_by_side is None:
-            del os.environ[PROCESSES]
-        else:
-            os.environ[PROCESSES] = side_by_side
+        gc.unfreeze()
+        os.environ.pop(PROCESSES)
+        if allowed is not None:
+            os.environ[PROCESSES] = allowed
         os.close(todo)
         for helper in at_work:
             helper.end()
@@ -115,11 +126,13 @@ class _Helper:
         child: Its number.
         notices: Place, start and length of each outcome that it has written.
         outcomes: File of these, one after another.
+        same: What they may hold that is to stay the same.
     """
 
     child: int
     notices: int
     outcomes: BinaryIO
+    same: Sequence[object]
 
     @classmethod
     def begin(
@@ -136,7 +149,7 @@ class _Helper:
         child = os.fork()
         if child:
             os.close(write)
-            return cls(child, read, outcomes)
+            return cls(child, read, outcomes, same)
         try:
             end_with_parent(parent)
             start = 0
@@ -166,11 +179,7 @@ def _outcome(work: Callable[[Item], Result], item: Item) -> Result | BaseExcepti
 
 
 def _receive(
-    made: dict[int, Result | BaseException],
-    at_work: list[_Helper],
-    same: Sequence[object],
-    *,
-    wait: bool,
+    made: dict[int, Result | BaseException], at_work: list[_Helper], *, wait: bool
 ) -> None:
     """Take in what has been made elsewhere; helpers that make no more are let go."""
     ready, _, _ = select.select([h.notices for h in at_work], [], [], None if wait else 0)
@@ -178,7 +187,8 @@ def _receive(
         notice = os.read(helper.notices, NOTICE.size)
         if notice:
             k, start, length = NOTICE.unpack(notice)
-            made[k] = _Reader(os.pread(helper.outcomes.fileno(), length, start), same).load()
+            told = os.pread(helper.outcomes.fileno(), length, start)
+            made[k] = _Reader(told, helper.same).load()
         else:
             at_work.remove(helper)
             helper.end()

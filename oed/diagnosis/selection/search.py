@@ -133,10 +133,10 @@ def _each_by_its_best(
 
 def _asked(tables: Tables, views: Views, labels: Sequence[str]) -> dict[str, list[Substitute]]:
     """What could stand in the place of some terms of a model, each beside all others."""
-    numbers = [[term.label for term in views.terms].index(label) for label in labels]
+    places = {term.label: number for number, term in enumerate(views.terms)}
     found = parallel_map(
         lambda number: substitutes_of(tables, views, judge(views, number)),
-        numbers,
+        [places[label] for label in labels],
         same=(*views.terms, *views.problem.candidates),
         bytes_each=views.shared().nbytes,
     )

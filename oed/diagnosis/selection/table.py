@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import chain, islice
+from itertools import islice
 
 import numpy as np
 from jaxtyping import Int
@@ -26,8 +26,6 @@ from oed.parallel_map import parallel_map
 
 COLUMN_BYTES = 200_000_000  # of all candidates' columns on the rows of one table; a search has two
 SINGLE = float(np.finfo(np.float32).max)  # beyond, or not a number, nothing can be told
-LAID = 16  # lines that one process lays out at a time, and that it weighs at a time
-WEIGHED = 64
 BLOCK = 50  # rows that are kept together where not all are
 
 
@@ -81,15 +79,10 @@ def lay_out(fitted: Fitted, candidates: Sequence[Candidate]) -> Table:
     every = max(1, -(-len(used) // max(most, 1)))
     rows = used[(np.arange(len(used)) // BLOCK) % every == 0]
 
-    def seen(few: slice) -> list[dict[int, tuple[ndarray, ndarray]]]:
-        return [_seen(effect, fitted, rows) for _, _, effect in asked[few]]
-
-    # Neighbours have the same torque to work out: a few of them go together.
-    together = [slice(k, k + LAID) for k in range(0, len(asked), LAID)]
+    found = parallel_map(lambda line: _seen(line[2], fitted, rows), asked)
     lines: list[Line] = []
     parts: list[list[ndarray]] = [[] for _ in range(problem.rows.joints)]
     ends = [0] * problem.rows.joints
-    found = chain.from_iterable(parallel_map(seen, together))
     for (candidate, values, _), columns in zip(asked, found, strict=True):
         places, squares = {}, {}
         for j, (kept, own) in columns.items():
@@ -160,10 +153,8 @@ def ranked(
         return promised(line.candidate, line.values, fitted, beside, counted)
 
     asked = [line for line in table.lines if wanted(line)]
-    together = [asked[k : k + WEIGHED] for k in range(0, len(asked), WEIGHED)]
-    promises = parallel_map(lambda few: [promise(line) for line in few], together)
     found: dict[str, list[tuple[Worth, Line]]] = {}
-    for line, own in zip(asked, chain.from_iterable(promises), strict=True):
+    for line, own in zip(asked, parallel_map(promise, asked), strict=True):
         if own is not None:
             found.setdefault(line.candidate.label, []).append((own, line))
     supported = (_supported(own, fitted.context, per_place) for own in found.values())

@@ -46,7 +46,8 @@ class Tables:
         lines.sort(key=lambda own: -own[0][0])
         names = _spread([own for own in lines if own[0][1].candidate.is_named])[:most]
         smooth = [own for own in lines if not own[0][1].candidate.is_named][: most // 2]
-        views.shared()
+        for fitted in (views.means, views.every):
+            fitted.projection.span  # noqa: B018 shared by all that are polished
 
         def rough(lines: list[tuple[float, Line]]) -> Scored | None:
             candidate = lines[0][1].candidate
