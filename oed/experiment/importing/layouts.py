@@ -1,9 +1,4 @@
-"""How loggers name what they log, by quantity, the likelier name first.
-
-Sources: sensor_msgs/JointState and control_msgs (ROS 2), the field list of Universal Robots' RTDE,
-`franka::logToCSV` of libfranka, LeRobot's feature names, pyfri for the KUKA LBR, Kinova's Kortex,
-MuJoCo's arrays.
-"""
+"""The name of a column taken apart: which quantity it is, of which joint, in which unit."""
 
 from __future__ import annotations
 
@@ -13,59 +8,23 @@ from dataclasses import dataclass
 
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.name_words import (
-    OF_JOINTS,
     WORD_OR_NUMBER,
     Source,
+    is_of_motor,
     parted,
     without_source,
     without_word_of_joints,
 )
+from oed.experiment.importing.quantity_names import OF_MOTORS, OF_THE_ROBOT, TORQUES
 from oed.experiment.units import Quantity
 from oed.experiment.units_in_names import marked_unit, suffixed_unit
 
-TIMES = (
-    *("t", "time", "stamp", "timestamp", "header.stamp", "time_stamp", "t_s", "seconds", "sec"),
-    *("elapsed", "elapsed_time", "duration", "zeit", "zeitstempel", "clock", "received"),
-    *("times", "timestamps"),
-)
-# Without words on joints and on who says it, such as actual: see `name_words`.
-POSITIONS = (
-    *("q", "position", "positions", "pos", "qpos", "angle", "angles", "theta", "axis", "mp"),
-    *("winkel", "state"),
-)
-VELOCITIES = (
-    *("dq", "qd", "velocity", "velocities", "vel", "qvel", "speed", "omega"),
-    *("qdot", "q_dot", "theta_dot", "geschwindigkeit", "drehzahl"),
-)
-ACCELERATIONS = ("ddq", "qdd", "acceleration", "accelerations", "acc")
-TORQUES: Mapping[TorqueKind, Sequence[str]] = {
-    "measured": (
-        *("tau", "tau_j", "effort", "efforts", "torque", "torques", "moment", "mt", "drehmoment"),
-    ),
-    "current": (
-        *("current_as_torque", "current", "currents", "motor_current", "motor_currents"),
-        *("i", "iq", "i_q", "current_motor", "strom", "motorstrom"),
-    ),
-    # These say so without a word of their own.
-    "commanded": ("tau_d", "tau_j_d", "qfrc_actuator", "ctrl"),
-}
-TEMPERATURES = ("temperature", "temperatures", "temp", "motor_temperature")
-STEMS: Mapping[Quantity, Sequence[str]] = {
-    "t": TIMES,
-    "q": POSITIONS,
-    "dq": VELOCITIES,
-    "ddq": ACCELERATIONS,
-    "temperature": TEMPERATURES,
-}
-EPISODES = ("episode_index", "episode", "run")
-# Words of folders that tell nothing of whose a quantity is.
-OF_THE_ROBOT = frozenset({
-    *("robot", "state", "states", *OF_JOINTS),
-    *(*POSITIONS, *VELOCITIES, *ACCELERATIONS, *TEMPERATURES),
-    *(stem for stems in TORQUES.values() for stem in stems),
-})  # fmt: skip
 # Columns of lists whose elements may be of several quantities, and then say so.
 MIXED = "state"
+MOTOR_BEHIND = re.compile(rf"(?<=[^._/ ])[._/ ]+({'|'.join(OF_MOTORS)})$", re.IGNORECASE)
+# Sources of what was measured, the likelier first. Raw may be numbers of a converter, which a plain
+# name beside it is not; what was filtered lags behind the rest of the log.
+MEASURED: tuple[Source, ...] = ("measured", "", "raw", "filtered")
 
 
 @dataclass(frozen=True)
@@ -95,9 +54,11 @@ def columns_of(
     columns: Mapping[str, str],
     stems: Sequence[str],
     quantity: Quantity,
-    sources: Sequence[Source] = ("measured", ""),
+    sources: Sequence[Source] = MEASURED,
 ) -> list[list[Named]]:
     """Columns of a quantity, those of one stem and source together.
+
+    Those of the joints go before those of the motors that turn them.
 
     Args:
         columns: What each column is called, by its name.
@@ -108,13 +69,14 @@ def columns_of(
     Returns:
         In the order of the sources, and for each in that of the stems.
     """
-    found: dict[tuple[Source, int, tuple[str, ...]], list[Named]] = {}
+    found: dict[tuple[bool, int, int, tuple[str, ...]], list[Named]] = {}
     for i, stem in enumerate(stems):
         for column, called in columns.items():
             one = _take_apart(column, called, stem, quantity)
             if one is not None and one.source in sources:
-                found.setdefault((one.source, i, one.words), []).append(one)
-    return [found[key] for key in sorted(found, key=lambda key: (sources.index(key[0]), key[1]))]
+                key = (is_of_motor(called), sources.index(one.source), i, one.words)
+                found.setdefault(key, []).append(one)
+    return [found[key] for key in sorted(found, key=lambda key: key[:3])]
 
 
 def torques_of(columns: Mapping[str, str], kind: TorqueKind) -> list[list[Named]]:
@@ -163,7 +125,11 @@ def _label(name: str, stem: str) -> tuple[str, tuple[str, ...], str] | None:
         word, rest = without_word_of_joints(rest)
         words = (*words, word)
     if _spelled(name).endswith(stem) and name[: -len(stem)][-1] in "._/ ":
-        return name[: -len(stem)].strip("._/ "), (), ""
+        label = name[: -len(stem)].strip("._/ ")
+        of_motor = MOTOR_BEHIND.search(label)
+        return (
+            (label[: of_motor.start()], (of_motor[1].lower(),), "") if of_motor else (label, (), "")
+        )
     folder, _, inner = name.replace("/", ".").partition(".")
     found = _label(inner, stem) if inner else None
     return None if found is None else (*found[:2], f"{folder}.{found[2]}")

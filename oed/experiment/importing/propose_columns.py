@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from oed.counted import as_one, listed
 from oed.errors import DataSetError
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.assign_joints import RobotJoints, assign_joints, places
-from oed.experiment.importing.layouts import (
-    STEMS,
-    TORQUES,
-    Named,
-    columns_of,
-    torques_of,
-    whose,
-)
+from oed.experiment.importing.layouts import MEASURED, Named, columns_of, torques_of, whose
+from oed.experiment.importing.quantity_names import STEMS, TORQUES
 from oed.experiment.importing.taken import of_same_joints, taken_notes
 from oed.experiment.log_format import OPTIONAL, REPETITION
 from oed.experiment.logs.table import Log, Table
@@ -136,7 +130,8 @@ def _positions(
     errors = []
     for named in [named for named in found if len(named) > 1] or found[:1]:
         try:
-            return assign_joints(named, joints, table)
+            order, names = assign_joints(named, joints, table)
+            return (_as_labelled(order, called) if stated else order), names
         except DataSetError as error:
             errors.append(error)
     if errors:
@@ -150,6 +145,16 @@ def _positions(
         )
         raise DataSetError(message, file=table.file)
     raise DataSetError(_nothing(table, "joint positions", "q"), file=table.file)
+
+
+def _as_labelled(stated: Sequence[Named], called: Mapping[str, str]) -> list[Named]:
+    """Positions that the user named, with the joints that their own names tell, where all do."""
+    for named in columns_of(called, STEMS["q"], "q", (*MEASURED, "commanded")):
+        labels = {one.column: one.label for one in named}
+        own = [labels[one.column] for one in stated if one.column in labels]
+        if len(own) == len(set(own)) == len(stated):
+            return [replace(one, label=label) for one, label in zip(stated, own, strict=True)]
+    return list(stated)
 
 
 def _torque(

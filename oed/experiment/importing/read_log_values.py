@@ -11,9 +11,9 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.errors import DataSetError
-from oed.experiment.importing.layouts import EPISODES
 from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.propose_units import UnitProposal, propose_units
+from oed.experiment.importing.quantity_names import EPISODES
 from oed.experiment.log_format import LogFormat
 from oed.experiment.logs.table import Table
 from oed.experiment.missing_rows import rows_with_numbers

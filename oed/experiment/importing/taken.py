@@ -5,17 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from oed.counted import as_one
-from oed.experiment.importing.layouts import (
-    STEMS,
-    TORQUES,
-    Named,
-    columns_of,
-    torques_of,
-)
-from oed.experiment.importing.name_words import Source
+from oed.experiment.importing.layouts import MEASURED, Named, columns_of, torques_of
+from oed.experiment.importing.name_words import joint_number
+from oed.experiment.importing.quantity_names import STEMS, TORQUES
 from oed.experiment.units import Quantity
-
-SAID: tuple[Source, ...] = ("measured", "", "commanded")
 
 
 def of_same_joints(found: Sequence[list[Named]], order: Sequence[Named]) -> list[Named]:
@@ -48,25 +41,33 @@ def taken_notes(called: Mapping[str, str], chosen: Mapping[Quantity, Sequence[Na
 def _found(called: Mapping[str, str], quantity: Quantity) -> list[list[Named]]:
     if quantity == "tau":
         return [named for kind in TORQUES for named in torques_of(called, kind)]
-    return columns_of(called, STEMS[quantity], quantity, SAID)
+    return columns_of(called, STEMS[quantity], quantity, (*MEASURED, "commanded"))
 
 
 def _all_of_same_joints(found: Sequence[list[Named]], order: Sequence[Named]) -> list[list[Named]]:
     complete = []
     for named in found:
-        mine = [next((one for one in named if _is_of(one, joint)), None) for joint in order]
+        mine = [_of_joint(named, joint) for joint in order]
         if None not in mine:
             complete.append([one for one in mine if one is not None])
     return complete
 
 
-def _is_of(one: Named, position: Named) -> bool:
-    """Whether a column is of the joint of a position, of the same arm as far as the names tell.
+def _of_joint(named: Sequence[Named], position: Named) -> Named | None:
+    """The column of the joint of a position, of the same arm as far as the names tell.
 
     A position that the user named may have words of its own.
     """
-    is_same = one.whose == position.whose or (not position.stem and one.whose < position.whose)
-    return is_same and one.label == position.label
+    own = [
+        one
+        for one in named
+        if one.whose == position.whose or (not position.stem and one.whose < position.whose)
+    ]
+    number = joint_number(position.label)
+    same = [one for one in own if one.label == position.label] or [
+        one for one in own if number is not None and joint_number(one.label) == number
+    ]
+    return same[0] if same else None
 
 
 def _said(named: Sequence[Named]) -> str:

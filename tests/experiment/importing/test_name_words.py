@@ -11,10 +11,10 @@ from oed.experiment.logs import Log, table_of
 JOINTS = ("shoulder", "elbow")
 
 
-def proposal(columns: str):
+def proposal(columns: str, **stated: tuple[str, ...]):
     names = columns.split(",")
     table = table_of({name: np.arange(5.0) for name in names}, "log.csv")
-    return propose_columns(Log("log.csv", (table,)), RobotJoints(JOINTS, JOINTS), {})
+    return propose_columns(Log("log.csv", (table,)), RobotJoints(JOINTS, JOINTS), stated)
 
 
 @pytest.mark.parametrize(
@@ -44,6 +44,13 @@ def proposal(columns: str):
         ("J{} Angle [deg]", "J{} Motor current [A]"),
         ("Joint angle {}", "Motor current {}"),
         ("robot/state/position[{}]", "robot/effort[{}]"),
+        ("q_{}", "motor_torque_{}"),
+        ("link_position_{}", "motor_current_{}"),
+        ("q_{}", "joint_{}_motor_torque"),
+        ("q_{}", "tau_joint_{}"),
+        ("q_{}", "torque_filtered_{}"),
+        ("data_set/q_{}", "data_set/tau_{}"),
+        ("training_set.q_{}", "training_set.tau_{}"),
     ],
 )
 @pytest.mark.parametrize("first", [0, 1])
@@ -84,6 +91,43 @@ def test_what_was_measured_goes_before_what_was_commanded(measured, commanded, f
         assert measured.format(kind, 1) in taken
         assert commanded.format(kind, 1) in passed
     assert found.torque == "measured"
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize(
+    ("quantity", "likelier", "other"),
+    [
+        ("q", "link_position_{}", "motor_position_{}"),
+        ("q", "link/position_{}", "motor/position_{}"),
+        ("q", "position_{}", "motor_q_{}"),
+        ("q", "link_position_{}", "actual_motor_position_{}"),
+        ("q", "joint_{}_position", "joint_{}_motor_position"),
+        ("q", "q_link_{}", "q_motor_{}"),
+        ("q", "q_{}", "q_raw_{}"),
+        ("q", "raw/q_{}", "filtered/q_{}"),
+        ("tau", "torque_raw_{}", "torque_filtered_{}"),
+        ("tau", "tau_{}", "tau_smoothed_{}"),
+        ("tau", "joint_torque_{}", "motor_torque_{}"),
+    ],
+)
+def test_of_two_that_were_measured_the_likelier_is_taken_and_a_note_says_so(
+    quantity, likelier, other, order
+):
+    names = {"q": "theta_{}", "tau": "drehmoment_{}"}
+    pairs = [[name.format(j) for j in (1, 2)] for name in (likelier, other)][::order]
+    rest = [name.format(j) for key, name in names.items() if key != quantity for j in (1, 2)]
+    found = proposal(",".join(["t", *pairs[0], *pairs[1], *rest]))
+    assert found.columns[quantity] == tuple(likelier.format(j) for j in (1, 2))
+    (note,) = (note for note in found.notes if note.startswith(f"taken: {quantity} "))
+    assert likelier.format(1) in note.split(", not from ")[0]
+    assert other.format(1) in note.split(", not from ")[1]
+
+
+def test_a_set_beside_a_quantity_is_what_was_commanded():
+    with pytest.raises(DataSetError, match=r"commanded \(pos_set.J1 … pos_set.J2\) and none"):
+        proposal("t,pos_set.J1,pos_set.J2,tau_1,tau_2")
+    found = proposal("t,set/q_1,set/q_2,q_1,q_2,tau_1,tau_2")
+    assert found.columns["q"] == ("q_1", "q_2")
 
 
 def test_of_one_kind_nothing_is_said_to_be_taken_before_another():
@@ -153,6 +197,21 @@ def test_positions_that_were_named_may_stand_in_a_folder_of_their_own():
     stated = {"q": ("leader/q_1", "leader/q_2")}
     found = propose_columns(Log("log.csv", (table,)), RobotJoints(JOINTS, JOINTS), stated)
     assert found.columns["tau"] == ("tau_1", "tau_2")
+
+
+@pytest.mark.parametrize(
+    ("columns", "q", "tau"),
+    [
+        ("t,q_1,q_2,q_3,tau_1,tau_2,tau_3", ("q_3", "q_1"), ("tau_3", "tau_1")),
+        ("t,q_u,q_v,tau_u,tau_v", ("q_v", "q_u"), ("tau_v", "tau_u")),
+        ("t,b,a,tau_1,tau_2", ("b", "a"), ("tau_1", "tau_2")),
+    ],
+)
+def test_torques_are_of_the_joints_of_positions_that_were_named(columns, q, tau):
+    found = proposal(columns, q=q)
+    assert found.columns["q"] == q
+    assert found.columns["tau"] == tau
+    assert found.joints == JOINTS
 
 
 @pytest.mark.parametrize("word", ["error", "cmd", "desired"])

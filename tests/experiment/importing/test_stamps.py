@@ -46,7 +46,9 @@ def test_an_import_takes_it_for_time(tmp_path):
     proposal = propose_import(
         [tmp_path / "log.csv"], ImportChoices(str(urdf), name="set"), tmp_path / "set"
     )
-    assert proposal.content["columns"]["t"] == "header.stamp"
+    found_columns = proposal.content["columns"]
+    assert isinstance(found_columns, dict)
+    assert found_columns["t"] == "header.stamp"
     (found, *_) = proposal.dataset.recordings
     assert np.diff(found.t) == pytest.approx(np.diff(truth.t)[: len(found.t) - 1], abs=1e-8)
 
