@@ -81,13 +81,20 @@ def _folder(directory: str | Path) -> Path:
     return folder
 
 
-def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None = None) -> DataSet:
+def dataset_of(
+    manifest: Manifest,
+    folder: Path,
+    *,
+    joints: Sequence[str] | None = None,
+    logs: Mapping[Path, Log] | None = None,
+) -> DataSet:
     """Read what a manifest lists, whether or not it is written yet.
 
     Args:
         manifest: The content of a `dataset.toml`.
         folder: That its paths are relative to.
         joints: As of `read_dataset`.
+        logs: Those that are open already, by their resolved paths.
 
     Raises:
         DataSetError: As `read_dataset`.
@@ -99,7 +106,7 @@ def dataset_of(manifest: Manifest, folder: Path, *, joints: Sequence[str] | None
     robot = _load_robot(folder, manifest, every, {})
     _check_format(folder, manifest, robot)
     _check_all_listed(folder, manifest, robot)
-    recordings = _read_recordings(folder, manifest, robot)
+    recordings = _read_recordings(folder, manifest, robot, logs or {})
     kept = _kept(folder, manifest, joints)
     if kept != every:
         standing = _standing(manifest, recordings, kept)
@@ -169,11 +176,13 @@ def _check_all_listed(folder: Path, manifest: Manifest, robot: Robot) -> None:
         raise DataSetError(message, file=str(folder / MANIFEST), column="joints")
 
 
-def _read_recordings(folder: Path, manifest: Manifest, robot: Robot) -> tuple[Recording, ...]:
+def _read_recordings(
+    folder: Path, manifest: Manifest, robot: Robot, given: Mapping[Path, Log]
+) -> tuple[Recording, ...]:
     """Every recording; a log is parsed once, and let go with the last that is cut from it."""
     files = _files(folder, manifest)
     left = Counter(files)
-    logs: dict[Path, Log] = {}
+    logs = dict(given)
     recordings = []
     for entry, real in zip(manifest.recordings, files, strict=True):
         if real not in logs:

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oed.experiment.logs import Log, Table, read_log, registry
+from oed.experiment.importing.import_log import ImportChoices, propose_import
+from oed.experiment.logs import Log, Table, held, read_log, registry, table_of
 from oed.experiment.read_dataset import read_dataset
 from tests.experiment.tiny_dataset import MANIFEST, ROWS, csv_text, write_files
 
@@ -19,11 +20,13 @@ class Parsed:
     """What a reader of numbers in text has parsed: how often each column, and which are kept."""
 
     def __init__(self) -> None:
+        self.files: Counter[str] = Counter()
         self.times: Counter[tuple[str, str]] = Counter()
         self.arrays: dict[str, list[weakref.ref[np.ndarray]]] = {}
         self.kept_at: dict[str, list[str]] = {}
 
     def read(self, path: Path) -> Log:
+        self.files[path.stem] += 1
         gc.collect()
         self.kept_at[path.stem] = [
             file for file, refs in self.arrays.items() if any(ref() is not None for ref in refs)
@@ -81,3 +84,32 @@ def test_a_log_that_changed_is_read_anew(tmp_path, parsed):
     first = read_dataset(folder)
     (folder / "a.counted").write_text(csv_text(2, 3 * ROWS))
     assert not np.array_equal(read_dataset(folder).recordings[0].q, first.recordings[0].q)
+
+
+def test_an_import_parses_its_logs_once_as_well(tmp_path, parsed):
+    paths = [tmp_path / f"{name}.counted" for name in ("a", "b")]
+    for seed, path in enumerate(paths):
+        path.write_text(csv_text(seed, 3 * ROWS))
+    found = propose_import(paths, ImportChoices("builtin:imi_scara"), tmp_path / "set")
+    assert [len(recording.t) for recording in found.dataset.recordings] == [3 * ROWS, 3 * ROWS]
+    assert parsed.files == {"a": 1, "b": 1}
+    assert {name for file, name in parsed.times if file == "a"} >= {"t", "q_1", "tau_2"}
+    assert set(parsed.times.values()) == {1}
+
+
+def test_columns_are_kept_up_to_a_size():
+    loaded: list[tuple[str, ...]] = []
+    arrays = {name: np.arange(10.0) for name in "abc"}
+    table = table_of(arrays, "x")
+
+    def load(names: tuple[str, ...]):
+        loaded.append(names)
+        return table.load(names)
+
+    own = Table(table.columns, load, "x")
+    first, second = held(Log("x", (own, own)), most=2 * 80).tables
+    for _ in range(2):
+        assert np.array_equal(first.read(["a"])["a"], arrays["a"])
+        assert np.array_equal(second.read(["b"])["b"], arrays["b"])
+        assert np.array_equal(first.read(["c", "a"])["c"], arrays["c"])
+    assert loaded == [("a",), ("b",), ("c",), ("c",)]

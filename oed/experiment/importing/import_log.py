@@ -24,7 +24,7 @@ from oed.experiment.importing.read_log_values import LogValues, read_values
 from oed.experiment.importing.stated import OPTIONS, check_keys
 from oed.experiment.importing.unused_columns import unused_note
 from oed.experiment.log_format import COLUMN_KEYS, UNIT_KEYS
-from oed.experiment.logs import read_log
+from oed.experiment.logs import MOST_HELD, Log, held, read_log
 from oed.experiment.manifest import MANIFEST, manifest_of
 from oed.experiment.read_dataset import dataset_of
 from oed.experiment.recording import Role
@@ -126,7 +126,8 @@ def propose_import(
     parts, why = _roles(paths, values, choices)
     name = choices.name or Path(out).resolve().name
     content = _content(paths, choices, robot, values[0], parts) | {"name": name}
-    dataset = _read(content, Path(out), tuple(joints) or None)
+    opened = {path.resolve(): one.columns.log for path, one in zip(paths, values, strict=True)}
+    dataset = _read(content, Path(out), tuple(joints) or None, opened)
     dead = [note for one in values for note in one.left_out]
     passed = unused_note([one.columns for one in values])
     first = (*columns[0].notes, *passed, *values[0].notes)
@@ -145,7 +146,9 @@ def _columns(paths: Sequence[Path], choices: ImportChoices) -> list[ColumnPropos
                 f"--joints: the robot has no joint {name!r}; it has {', '.join(joints.movable)}"
             )
     stated = dict(choices.columns or {})
-    found = [propose_columns(read_log(path), joints, stated) for path in paths]
+    # What is concluded from a log and the recordings cut from it come of one reading.
+    logs = (held(read_log(path), MOST_HELD // len(paths)) for path in paths)
+    found = [propose_columns(log, joints, stated) for log in logs]
     for path, other in zip(paths, found, strict=True):
         if (other.columns, other.joints) != (found[0].columns, found[0].joints):
             message = (
@@ -248,12 +251,17 @@ def _robot_now(robot: Robot) -> str:
     return source if source.startswith("builtin:") else os.path.abspath(source)  # noqa: PTH100  keeps xacro arguments
 
 
-def _read(content: Mapping[str, object], out: Path, joints: tuple[str, ...] | None) -> DataSet:
+def _read(
+    content: Mapping[str, object],
+    out: Path,
+    joints: tuple[str, ...] | None,
+    logs: Mapping[Path, Log],
+) -> DataSet:
     # Through the text: what is written is what was read.
     parsed = tomllib.loads(tomli_w.dumps(content))
     path = out / MANIFEST
     try:
-        return dataset_of(manifest_of(TomlTable(parsed, path)), out, joints=joints)
+        return dataset_of(manifest_of(TomlTable(parsed, path)), out, joints=joints, logs=logs)
     except DataSetError as error:
         if error.file != str(path) or error.column not in OPTIONS:
             raise

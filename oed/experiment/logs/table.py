@@ -11,8 +11,10 @@ from jaxtyping import Int
 from numpy import ndarray
 
 from oed.errors import DataSetError
+from oed.input_file import MOST_NUMBERS
 
 WILD = 1e20  # nanoseconds since 1970 are a hundredth of it, and nothing else is as large
+MOST_HELD = 8 * MOST_NUMBERS  # [bytes]
 Load = Callable[[tuple[str, ...]], Mapping[str, ndarray]]
 
 
@@ -130,21 +132,28 @@ class Log:
     passed_over: tuple[str, ...] = ()
 
 
-def held(log: Log) -> Log:
-    """The log with its columns kept, once they were read, for as long as it is."""
-    tables = tuple(replace(table, load=_once(table.load)) for table in log.tables)
-    return replace(log, tables=tables)
+def held(log: Log, most: int = MOST_HELD) -> Log:
+    """The log with its columns kept, once they were read, for as long as it is.
 
+    Args:
+        log: Whose columns are parsed or loaded each time that they are asked for.
+        most: Size of the columns that are kept [bytes]; others are read anew.
+    """
+    kept: dict[tuple[int, str], ndarray] = {}
 
-def _once(load: Load) -> Load:
-    columns: dict[str, ndarray] = {}
+    def once(table: int, load: Load) -> Load:
+        def read(names: tuple[str, ...]) -> Mapping[str, ndarray]:
+            new = tuple(name for name in names if (table, name) not in kept)
+            found = load(new) if new else {}
+            both = {n: found[n] if n in found else kept[table, n] for n in names}
+            if sum(column.nbytes for column in (*kept.values(), *found.values())) <= most:
+                kept.update({(table, name): column for name, column in found.items()})
+            return both
 
-    def kept(names: tuple[str, ...]) -> Mapping[str, ndarray]:
-        new = tuple(name for name in names if name not in columns)
-        columns.update(load(new) if new else {})
-        return {name: columns[name] for name in names}
+        return read
 
-    return kept
+    tables = (replace(table, load=once(i, table.load)) for i, table in enumerate(log.tables))
+    return replace(log, tables=tuple(tables))
 
 
 def table_of(
