@@ -21,6 +21,7 @@ from oed.experiment.units_in_names import marked_unit, suffixed_unit
 
 # Columns of lists whose elements may be of several quantities, and then say so.
 MIXED = "state"
+BETWEEN_WORDS = re.compile("[_ -]+")
 MOTOR_BEHIND = re.compile(rf"(?<=[^._/ ])[._/ ]+({'|'.join(OF_MOTORS)})$", re.IGNORECASE)
 # Sources of what was measured, the likelier first. Raw may be numbers of a converter, which a plain
 # name beside it is not; what was filtered lags behind the rest of the log.
@@ -38,7 +39,8 @@ class Named:
         unit: Stated in the name; "" if none is.
         source: Whether the name says that it was measured or commanded.
         words: By which it does so, and those that say that it is of the joints.
-        whose: Words of the folders before the quantity that are none of these, such as of which arm.
+        whose: Words before the quantity that are none of these, such as of which arm.
+        is_plain: Whether none but those of folders stand before it.
     """
 
     column: str
@@ -48,6 +50,7 @@ class Named:
     source: Source = ""
     words: tuple[str, ...] = ()
     whose: frozenset[str] = frozenset()
+    is_plain: bool = True
 
 
 def columns_of(
@@ -58,7 +61,7 @@ def columns_of(
 ) -> list[list[Named]]:
     """Columns of a quantity, those of one stem and source together.
 
-    Those of the joints go before those of the motors that turn them.
+    Plain names go before others, and those of the joints before those of the motors that turn them.
 
     Args:
         columns: What each column is called, by its name.
@@ -69,14 +72,15 @@ def columns_of(
     Returns:
         In the order of the sources, and for each in that of the stems.
     """
-    found: dict[tuple[bool, int, int, tuple[str, ...]], list[Named]] = {}
+    found: dict[tuple[bool, bool, int, int, tuple[str, ...]], list[Named]] = {}
     for i, stem in enumerate(stems):
         for column, called in columns.items():
             one = _take_apart(column, called, stem, quantity)
             if one is not None and one.source in sources:
-                key = (is_of_motor(called), sources.index(one.source), i, one.words)
+                of_motor, source = is_of_motor(called), sources.index(one.source)
+                key = (not one.is_plain, of_motor, source, i, one.words)
                 found.setdefault(key, []).append(one)
-    return [found[key] for key in sorted(found, key=lambda key: key[:3])]
+    return [found[key] for key in sorted(found, key=lambda key: key[:4])]
 
 
 def torques_of(columns: Mapping[str, str], kind: TorqueKind) -> list[list[Named]]:
@@ -93,9 +97,10 @@ def _take_apart(column: str, called: str, stem: str, quantity: Quantity) -> Name
             bare, source, words = without_source(spelling.strip())
             found = _label(bare, stem)
             if found is not None:
-                label, of_joints, folder = found
+                label, of_joints, before = found
                 said = (*words, *of_joints)
-                return Named(column, stem, label, unit, source, said, whose(folder))
+                own = re.split("[./]", before)[-1]
+                return Named(column, stem, label, unit, source, said, whose(before), not own)
     return None
 
 
@@ -112,9 +117,10 @@ def whose(name: str) -> frozenset[str]:
 
 
 def _label(name: str, stem: str) -> tuple[str, tuple[str, ...], str] | None:
-    """Whose a column with this stem is, the rest of its name, the words before the stem, its folders.
+    """Whose a column with this stem is, the words of joints before it, and all else before it.
 
-    None if it has another stem. Folders are those of HDF5 groups, structs and topics.
+    None if it has another stem. What stands before it are its folders, which are those of HDF5
+    groups, structs and topics and end with a point, and words of its own name, as in left_q_1.
     """
     words: tuple[str, ...] = ()
     rest: str | None = name
@@ -132,7 +138,13 @@ def _label(name: str, stem: str) -> tuple[str, tuple[str, ...], str] | None:
         )
     folder, _, inner = name.replace("/", ".").partition(".")
     found = _label(inner, stem) if inner else None
-    return None if found is None else (*found[:2], f"{folder}.{found[2]}")
+    if found is not None:
+        return (*found[:2], f"{folder}.{found[2]}")
+    for gap in BETWEEN_WORDS.finditer(name):
+        label = _label_behind(name[gap.end() :], stem)
+        if label:
+            return label, (), name[: gap.start()]
+    return None
 
 
 def _label_behind(name: str, stem: str) -> str | None:

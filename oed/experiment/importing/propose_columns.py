@@ -10,6 +10,7 @@ from oed.counted import as_one, listed
 from oed.errors import DataSetError
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.assign_joints import RobotJoints, assign_joints, places
+from oed.experiment.importing.column_groups import listed_columns
 from oed.experiment.importing.layouts import MEASURED, Named, columns_of, torques_of, whose
 from oed.experiment.importing.quantity_names import STEMS, TORQUES
 from oed.experiment.importing.taken import of_same_joints, taken_notes
@@ -69,6 +70,7 @@ def _proposal(
     log: Log, table: Table, joints: RobotJoints, stated: Mapping[str, tuple[str, ...]]
 ) -> ColumnProposal:
     called = {column: _called(table, column) for column in table.columns}
+    stated = {key: _elements(table, names) for key, names in stated.items()}
     if not stated and all(column.isdigit() for column in table.columns):
         message = (
             f"its {len(table.columns)} columns have no names; say which is what by number, as in "
@@ -113,6 +115,15 @@ def _called(table: Table, column: str) -> str:
     return table.labels.get(column, column.removeprefix(f"{table.name}.") if table.name else column)
 
 
+def _elements(table: Table, names: Sequence[str]) -> tuple[str, ...]:
+    """Names of columns, with those of the elements in place of a column of lists."""
+    return tuple(
+        each
+        for name in names
+        for each in (() if name in table.columns else table.elements(name)) or (name,)
+    )
+
+
 def _stated(stated: Mapping[str, tuple[str, ...]], quantity: str) -> list[Named]:
     names = stated.get(quantity, ())
     return [Named(name, "", str(i + 1), "", whose=whose(name)) for i, name in enumerate(names)]
@@ -127,6 +138,8 @@ def _positions(
     stem with a column for each of several joints goes before one that has a single one.
     """
     found = [stated] if stated else columns_of(called, STEMS["q"], "q")
+    # Of a log with plain names, others are of something else, such as of the tool.
+    found = [named for named in found if named[0].is_plain == found[0][0].is_plain]
     errors = []
     for named in [named for named in found if len(named) > 1] or found[:1]:
         try:
@@ -208,7 +221,7 @@ def _nothing(table: Table, what: str, key: str) -> str:
         if key == "tau" and table.name
         else f"name its columns, as in --columns {key}=NAME,NAME"
     )
-    return f"{where}no {what} found; {advice}. Columns: {listed(table.columns)}"
+    return f"{where}no {what} found; {advice}. Columns: {listed_columns(table)}"
 
 
 def _told(order: Sequence[Named], names: Sequence[str]) -> str:

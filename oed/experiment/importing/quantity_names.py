@@ -29,16 +29,17 @@ POSITIONS = (
     *("winkel", "state"),
 )
 VELOCITIES = (
-    *("dq", "qd", "velocity", "velocities", "vel", "qvel", "speed", "omega"),
+    *("dq", "qd", "velocity", "velocities", "vel", "qvel", "speed", "omega", "velo"),
     *("qdot", "q_dot", "theta_dot", "geschwindigkeit", "drehzahl"),
 )
 ACCELERATIONS = ("ddq", "qdd", "acceleration", "accelerations", "acc")
 TORQUES: Mapping[TorqueKind, Sequence[str]] = {
     "measured": (
         *("tau", "tau_j", "effort", "efforts", "torque", "torques", "moment", "mt", "drehmoment"),
+        *("trq", "trqs"),
     ),
     "current": (
-        *("current_as_torque", "current", "currents"),
+        *("current_as_torque", "current", "currents", "cur", "curr"),
         *("i", "iq", "i_q", "current_motor", "strom", "motorstrom"),
     ),
     # These say so without a word of their own.

@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.errors import DataSetError
+from oed.experiment.importing.column_groups import listed_columns
 from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.propose_units import UnitProposal, propose_units
 from oed.experiment.importing.quantity_names import EPISODES
@@ -173,7 +174,7 @@ def _with_clock(
     if "t" not in columns.columns:
         message = (
             "no column of time found; name it, as in --columns t=NAME, or say how many rows there "
-            f"are a second, as in --rate 100. Columns: {', '.join(table.columns[:12])}"
+            f"are a second, as in --rate 100. Columns: {listed_columns(table)}"
         )
         raise DataSetError(message, file=table.file)
     stamp, received = (f"{table.name}.{name}" if table.name else name for name in (STAMP, RECEIVED))

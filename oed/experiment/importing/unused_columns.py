@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from oed.counted import as_one, counted, listed
+from oed.experiment.importing.column_groups import grouped
 from oed.experiment.importing.joint_names import common_start
 from oed.experiment.importing.propose_columns import ColumnProposal
 from oed.experiment.importing.read_log_values import RECEIVED, STAMP, episode_column
@@ -19,16 +20,11 @@ def unused_note(logs: Sequence[ColumnProposal]) -> tuple[str, ...]:
     Args:
         logs: With the columns that are used of each.
     """
-    groups: dict[str, list[str]] = {}
-    for log in logs:
-        for family, name in _unused(log):
-            names = groups.setdefault(family, [])
-            if name not in names:
-                names.append(name)
+    groups = grouped(each for log in logs for each in _unused(log))
     if not groups:
         return ()
-    shown = [as_one(names) for names in groups.values()]
-    count = counted(sum(map(len, groups.values())), "column or topic", "columns or topics")
+    shown = [as_one(names) for names in groups]
+    count = counted(sum(map(len, groups)), "column or topic", "columns or topics")
     return (f"unused: {count}: {listed(shown, MOST_GROUPS, 'such groups')}",)
 
 
@@ -45,7 +41,7 @@ def _unused(log: ColumnProposal) -> Iterator[tuple[str, str]]:
             continue
         for name in other.columns:
             if name not in used:
-                yield re.sub(r"\d+", "#", joints.sub("#", name)), name
+                yield joints.sub("#", name), name
     yield from ((name, name) for name in log.log.passed_over)
 
 

@@ -76,7 +76,8 @@ def read_log(path: Path) -> Log:
     if suffix not in known_suffixes():
         message = (
             f"logs of kind {suffix or 'without a suffix'!r} are not known; known are "
-            f"{', '.join(known_suffixes())} and folders of ROS 2 bags"
+            f"{', '.join(known_suffixes())} and folders of ROS 2 bags: write the log as one of these, a "
+            "spreadsheet as .csv"
         )
         raise DataSetError(message, file=str(path))
     if not is_bag:

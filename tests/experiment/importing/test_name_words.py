@@ -51,6 +51,10 @@ def proposal(columns: str, **stated: tuple[str, ...]):
         ("q_{}", "torque_filtered_{}"),
         ("data_set/q_{}", "data_set/tau_{}"),
         ("training_set.q_{}", "training_set.tau_{}"),
+        ("Pos{}", "Trq{}"),
+        ("J{} pos (deg)", "J{} cur (mA)"),
+        ("ur5_actual_q_{}", "ur5_actual_current_{}"),
+        ("left arm position {}", "left arm torque {}"),
     ],
 )
 @pytest.mark.parametrize("first", [0, 1])
@@ -184,11 +188,36 @@ def test_torques_of_one_arm_are_not_taken_for_those_of_another(arm, another):
         "t,left/q.elbow,left/q.shoulder,right/q.elbow,right/q.shoulder,tau.elbow,tau.shoulder",
         "t,J1_q,joint_1_q,J1_tau,joint_1_tau",
         "t,left_arm_1_q,left_arm_2_q,right_arm_1_q,right_arm_2_q,left_arm_1_tau,left_arm_2_tau",
+        "t,left_q_1,left_q_2,right_q_1,right_q_2,left_tau_1,left_tau_2,right_tau_1,right_tau_2",
     ],
 )
 def test_of_two_arms_the_columns_must_be_named(columns):
     with pytest.raises(DataSetError, match=r"which .*are of the robot, as in --columns q="):
         proposal(columns)
+
+
+@pytest.mark.parametrize(
+    ("tool", "force"), [("tcp_position_{}", "gravity_torque_{}"), ("tool q {}", "ext tau {}")]
+)
+def test_words_before_a_quantity_tell_that_it_is_of_something_else(tool, force):
+    others = [name.format(j) for name in (tool, force) for j in (1, 2)]
+    found = proposal(",".join(["t", *others, "q_1", "q_2", "tau_1", "tau_2"]))
+    assert found.columns["q"] == ("q_1", "q_2")
+    assert found.columns["tau"] == ("tau_1", "tau_2")
+    with pytest.raises(DataSetError, match="no torque found where the positions"):
+        proposal(",".join(["t", *others, "q_1", "q_2"]))
+
+
+def test_a_column_of_lists_may_be_named_by_its_name():
+    arms = [f"{arm}.{k}[{j}]" for arm in ("left", "right") for k in ("q", "tau") for j in (0, 1)]
+    found = proposal(",".join(["t", *arms]), q=("right.q",))
+    assert found.columns["q"] == ("right.q[0]", "right.q[1]")
+    assert found.columns["tau"] == ("right.tau[0]", "right.tau[1]")
+
+
+def test_columns_that_differ_by_a_number_are_listed_together():
+    with pytest.raises(DataSetError, match=r"Columns: t, q_1 … q_2, load_1 … load_2$"):
+        proposal("t,q_1,q_2,load_1,load_2")
 
 
 def test_positions_that_were_named_may_stand_in_a_folder_of_their_own():
