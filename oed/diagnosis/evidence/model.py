@@ -122,6 +122,24 @@ class Fitted:
         squares = self.squares(where, is_ahead=is_ahead)
         return log_score(squares, self.rows(where), self.tolerated)
 
+    def size(self, number: int) -> Float[ndarray, " columns"]:
+        """Of a term: what of it is installed in the whole model, and what its columns still add."""
+        term, own = self.terms[number], self.coefficients[number]
+        if not term.steps:
+            return own
+        installed = term.candidate.size_in(self.problem.base, self.installed)
+        if installed is None:
+            # A step to a coefficient of 1 by construction has no column that could move it on.
+            installed = np.sum([step[: len(own) or None] for step in term.steps], axis=0)
+        return installed[: len(own)] + own if len(own) else installed
+
+    def excluded(self, number: int) -> str | None:
+        """Why a term's prior has no support where it was fitted; None where it has."""
+        term, context = self.terms[number], self.context
+        if term.steps:
+            context = dataclasses.replace(context, model=self.problem.base)
+        return term.candidate.excluded(context, term.values, self.size(number))
+
     def power(self, place: slice) -> Float[ndarray, " joints"]:
         """(n,) mean square of what columns give, in units of noise."""
         own = self.projection.columns[:, :, place] @ self.projection.coefficients[place]

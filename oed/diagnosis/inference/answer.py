@@ -15,7 +15,7 @@ from oed.diagnosis.evidence.model import Fitted
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.inference.estimates import Estimated, estimates
 from oed.diagnosis.numbers import NAMED, PREDICTION_GAIN
-from oed.diagnosis.selection.judge import Judged
+from oed.diagnosis.selection.judge import Judged, excluded
 from oed.diagnosis.selection.screen import ROUGH
 from oed.diagnosis.selection.search import Selected
 from oed.diagnosis.selection.substitutes import Substitute, ahead
@@ -157,7 +157,7 @@ def _named(
     if named < NAMED or probability < foremost:
         return None
     gain = held_out_gain(views, number)
-    if gain <= 0 or is_driven_out(views, number):
+    if gain <= 0 or excluded(views, number) or is_driven_out(views, number):
         return None
     parameters = estimates(whole, number, own.moments.dilution)
     if _undetermined(whole, number, parameters):

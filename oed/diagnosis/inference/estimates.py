@@ -49,9 +49,8 @@ def estimates(whole: Fitted, number: int, dilution: float) -> tuple[Estimated, .
         dilution: Rows that tell as much as one.
     """
     term, place = whole.terms[number], whole.places[number]
-    sizes = whole.projection.coefficients[place]
     own = {j: c[:, place] for j, c in enumerate(whole.projection.columns)}
-    slopes, moving = _slopes(whole, term, sizes)
+    slopes, moving = _slopes(whole, number)
     count = place.stop - place.start
     columns = {j: np.concatenate([own[j], slopes[j]], axis=1) for j in own}
     keep = np.ones(whole.projection.columns.shape[2], dtype=bool)
@@ -61,7 +60,7 @@ def estimates(whole: Fitted, number: int, dilution: float) -> tuple[Estimated, .
     scaled = information / np.outer(lengths, lengths)
     variance = np.diag(np.linalg.pinv(scaled, rcond=1e-10)) / lengths**2 * dilution
     std = np.sqrt(np.maximum(variance, 0.0))
-    total = _whole_size(whole, term, sizes)
+    total = whole.size(number)[:count]
     effect = whole.effects[number]
     names = () if effect is None else effect.parameters
     found = [
@@ -73,19 +72,6 @@ def estimates(whole: Fitted, number: int, dilution: float) -> tuple[Estimated, .
     for k, (shape, value) in enumerate(zip(shapes, term.values, strict=True)):
         found.append(_shape(shape, value, deviations.get(k)))
     return tuple(found)
-
-
-def _whole_size(
-    whole: Fitted, term: Term, sizes: Float[ndarray, " columns"]
-) -> Float[ndarray, " columns"]:
-    """Size of a term: what of it is installed in the whole model, and what its columns still add."""
-    count = len(sizes)
-    if not term.steps or not count:
-        return sizes
-    installed = term.candidate.size_in(whole.problem.base, whole.installed)
-    if installed is None:
-        installed = np.sum([s[:count] for s in term.steps], axis=0)
-    return installed[:count] + sizes
 
 
 def _shape(shape: Shape, value: float, std: float | None) -> Estimated:
@@ -110,11 +96,9 @@ def _shape(shape: Shape, value: float, std: float | None) -> Estimated:
     return Estimated(shape.name, float(value), std, shape.unit)
 
 
-def _slopes(
-    whole: Fitted, term: Term, sizes: Float[ndarray, " columns"]
-) -> tuple[dict[int, ndarray], list[int]]:
-    """White derivative of the term's torque by each shape that is estimated."""
-    rows = whole.problem.rows
+def _slopes(whole: Fitted, number: int) -> tuple[dict[int, ndarray], list[int]]:
+    """White derivative of a term's torque by each shape that is estimated."""
+    term, sizes, rows = whole.terms[number], whole.coefficients[number], whole.problem.rows
     shapes = term.candidate.shapes(whole.context)
     moving = [
         k
@@ -130,7 +114,7 @@ def _slopes(
     if term.steps:
         context = dataclasses.replace(context, model=whole.problem.base)
         if not term.candidate.unit_coefficient:
-            amount = _whole_size(whole, term, sizes)
+            amount = whole.size(number)
 
     def torque(values: Values) -> dict[int, ndarray]:
         effect = term.candidate.effect(context, values)

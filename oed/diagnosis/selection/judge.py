@@ -6,6 +6,8 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from oed.diagnosis.evidence.criterion import Moments, Worth, worth
 from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views, moments
@@ -45,11 +47,17 @@ def judge(whole: Views, number: int, tau: float | None = None) -> Judged:
 
 
 def worth_of(whole: Views, number: int, told: Moments) -> Worth:
-    """Worth of a term by what rows tell of it."""
+    """Worth of a term by what rows tell of it; none at all where its prior has no support."""
     term = whole.terms[number]
     cost = price_of(whole, term, told)
     fixed = term.candidate.unit_coefficient
-    return worth(told, cost, term.precision, fixed=fixed, chosen=term.precision is not None)
+    own = worth(told, cost, term.precision, fixed=fixed, chosen=term.precision is not None)
+    return own if excluded(whole, number) is None else dataclasses.replace(own, nats=-np.inf)
+
+
+def excluded(whole: Views, number: int) -> str | None:
+    """Why a term's prior has no support where the model has it; None where it has."""
+    return whole.showing(whole.terms[number].candidate).excluded(number)
 
 
 def price_of(whole: Views, term: Term, told: Moments) -> float:
@@ -98,7 +106,8 @@ def prune(views: Views, say: Say) -> Views:
         nats, dilution = judged[least]
         if nats > 0:
             return views
-        say(f"- {views.terms[least].label} {nats:.1f} nats, tau {dilution:.1f}")
+        why = excluded(views, least) or f"{nats:.1f} nats, tau {dilution:.1f}"
+        say(f"- {views.terms[least].label} {why}")
         views = views.grown(views.others(least), "all")
 
 
