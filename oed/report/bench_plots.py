@@ -76,6 +76,40 @@ def plot_detection(bins: Sequence[Mapping[str, float | int]]) -> Figure:
 
 
 @mpl.rc_context(STYLE)
+def plot_reliability(bins: Sequence[Mapping[str, float | int | str]]) -> Figure:
+    """Share of names that are right against the probability that was stated for them.
+
+    Args:
+        bins: Each with its ends "from" and "to", how many "names" it has, the mean that was "stated",
+            the share "right", and the interval of the latter from "lower" to "upper".
+    """
+    figure = new_figure(COLUMN, 2.4)
+    axes = figure.add_subplot()
+    stated, right, lower, upper = (
+        np.array([float(b[key]) for b in bins]) for key in ("stated", "right", "lower", "upper")
+    )
+    place = np.arange(len(bins))
+    axes.errorbar(
+        place,
+        right,
+        yerr=[right - lower, upper - right],
+        fmt="o",
+        color=BLUE,
+        label="right",
+        markersize=3.5,
+        elinewidth=0.7,
+    )
+    axes.plot(place, stated, "_", color=VERMILION, markersize=14, label="stated")
+    for x, b in zip(place, bins, strict=True):
+        axes.annotate(str(b["names"]), (x, 0.0), ha="center", fontsize=6.5, color=GREY)
+    axes.set_xticks(place, [f"{b['from']:g} to {b['to']:g}" for b in bins])
+    axes.set(xlabel="stated probability (below: names)", ylabel="share right", ylim=(-0.03, 1.03))
+    axes.set_xlim(-0.5, len(bins) - 0.5)
+    axes.legend(loc="center left")
+    return figure
+
+
+@mpl.rc_context(STYLE)
 def plot_errors(groups: Sequence[str], ratios: Sequence[Sequence[float]]) -> Figure:
     """Test error after the diagnosis over the noise floor, a row a group.
 

@@ -15,6 +15,7 @@ from oed.report.code_digest import code_digest
 from oed.report.json_file import read_json, write_atomically
 from studies.bench.case import Case
 from studies.bench.make_dataset import make_dataset
+from studies.bench.reliability import stated_text
 from studies.bench.robots import ROBOTS
 from studies.bench.score import error_ratios, score
 from studies.bench.truth import Truth
@@ -27,6 +28,7 @@ VALUE_COLUMNS = (
     "nearly",
     "missed",
     "extra",
+    "stated",
     "coordinates_right",
     "covered",
     "compared",
@@ -90,6 +92,7 @@ class Judge:
             "nearly": found.nearly,
             "missed": found.missed,
             "extra": found.extra,
+            "stated": stated_text(found.stated),
             "coordinates_right": _word(found.coordinates_right),
             "covered": found.covered,
             "compared": found.compared,

@@ -25,12 +25,14 @@ class Claim:
     Attributes:
         name: The catalogue's.
         joint: From 0; None for the whole arm.
+        probability: That the name is right, as the diagnosis states it.
         rivals: (name, joint) of the alternatives that it leaves open.
         parameters: Name -> (value, standard deviation, unit).
     """
 
     name: str
     joint: int | None
+    probability: float
     rivals: tuple[tuple[str, int | None], ...]
     parameters: Mapping[str, tuple[float, float, str]]
 
@@ -40,6 +42,7 @@ class Claim:
         return cls(
             raw["name"],
             raw["joint"],
+            float(raw["probability"]),
             # Runners-up that are clearly worse are listed as well: they are no rivals.
             tuple(
                 (rival["name"], rival["joint"])
@@ -66,6 +69,8 @@ class Score:
             the alternatives of a claim.
         missed: The rest.
         extra: Claims that no hidden effect accounts for.
+        stated: Of each claim the probability that the diagnosis states, and whether a hidden effect
+            accounts for it.
         coordinates_right: For effects outside the catalogue, whether all are traced to their
             coordinates at their joint; None where there is none.
         covered: Injected parameters within the 95 % intervals.
@@ -78,6 +83,7 @@ class Score:
     nearly: int
     missed: int
     extra: int
+    stated: tuple[tuple[float, bool], ...]
     coordinates_right: bool | None
     covered: int
     compared: int
@@ -118,6 +124,7 @@ def score(diagnosis: Mapping[str, Any], truth: Truth, joints: int) -> Score:
         nearly=nearly,
         missed=len(named) - found - nearly,
         extra=len(left),
+        stated=tuple((claim.probability, claim not in left) for claim in claims),
         coordinates_right=_coordinates_right(diagnosis["unexplained"], truth),
         covered=covered,
         compared=compared,

@@ -15,7 +15,12 @@ from typing import ClassVar
 
 from oed.commands.options import Count, Seed, parse
 from oed.errors import OedError
-from oed.report.bench_plots import plot_confusion, plot_detection, plot_errors
+from oed.report.bench_plots import (
+    plot_confusion,
+    plot_detection,
+    plot_errors,
+    plot_reliability,
+)
 from oed.report.json_file import write_atomically
 from oed.report.progress import progress
 from oed.report.provenance import Provenance
@@ -24,6 +29,7 @@ from studies.bench.case import KEY_COLUMNS, Case
 from studies.bench.judge import VALUE_COLUMNS, Judge
 from studies.bench.plan import GROUPS, plan, smoke
 from studies.bench.rates import BenchRow, done
+from studies.bench.reliability import reliability
 from studies.bench.summary import confusion, detection, page
 from studies.case_runner import CaseRunner, RowFile, all_failed
 from studies.study_options import CaseOptions
@@ -96,6 +102,8 @@ def write(rows: Sequence[BenchRow], config: Config, out: Path) -> None:
     if not judged:
         return
     save_figure(plot_confusion(confusion(rows)), out / "confusion", ("png",))
+    if names := reliability(rows):
+        save_figure(plot_reliability(names), out / "reliability", ("png",))
     if curve := detection(rows):
         save_figure(plot_detection(curve), out / "detection", ("png",))
     groups = [g for g in GROUPS if any(row["group"] == g for row in judged)]
@@ -123,6 +131,7 @@ class Options(CaseOptions):
         "confusion.png",
         "detection.png",
         "errors.png",
+        "reliability.png",
     )
 
     cases: tuple[str, ...] = GROUPS

@@ -22,6 +22,7 @@ from studies.bench.rates import (
     is_quiet,
     rate,
 )
+from studies.bench.reliability import reliability
 from studies.bench.score import AMBIGUOUS, NOTHING
 
 NOTHING_NAMED = "nothing"
@@ -230,6 +231,12 @@ def page(rows: Sequence[BenchRow], note: str) -> str:
         markdown_table(group_table(rows)),
         "\n## Nothing hidden\n",
         _table(clean_table(rows)),
+        "\n## Names by their stated probability\n",
+        (
+            "Right where a hidden effect accounts for the name: as itself, a delay for a lag, or one of the "
+            "rivals that the verdict leaves open.\n"
+        ),
+        _table(reliability(rows), digits=4),
         "\n## Test error\n",
         "The largest ratio over the joints, by the diagnosis' own errors and floor.\n",
         _table(error_table(rows)),

@@ -6,6 +6,7 @@ from studies.bench import judge as judge_module
 from studies.bench.case import KEY_COLUMNS, Case
 from studies.bench.judge import VALUE_COLUMNS, Judge
 from studies.bench.rates import Rate
+from studies.bench.reliability import reliability, stated_text
 from studies.bench.score import error_ratios, score
 from studies.bench.study import Config, main, run
 from studies.bench.summary import (
@@ -41,10 +42,11 @@ def truth(*effects):
     return Truth(effects, (0.5, 0.1), (0.2, 0.02))
 
 
-def claim(name, joint, rivals=(), **parameters):
+def claim(name, joint, rivals=(), probability=0.99, **parameters):
     return {
         "name": name,
         "joint": joint,
+        "probability": probability,
         "alternatives": [{"name": n, "joint": j, "contender": c} for n, j, c in rivals],
         "parameters": {
             key: {"value": v, "std": s, "unit": u} for key, (v, s, u) in parameters.items()
@@ -146,7 +148,7 @@ def test_the_interval_of_a_rate_is_that_of_clopper_and_pearson(hits, cases):
 def line(group, form, claims="", verdict="explained", size=1.0, **values):
     row = dict.fromkeys((*KEY_COLUMNS, *VALUE_COLUMNS), "0")
     row |= {"group": group, "hidden": form, "claims": claims, "verdict": verdict}
-    row |= {"status": "done", "coordinates_right": ""}
+    row |= {"status": "done", "coordinates_right": "", "stated": ""}
     row |= {"size_in_noise": str(size), "smaller_in_noise": str(size)}
     row |= {"noise": "white", "repeated": "yes", "after_to_floor": "1.0", "removed": "0.5"}
     return row | {key: str(value) for key, value in values.items()}
@@ -168,6 +170,22 @@ def test_what_was_hidden_is_counted_against_what_was_said():
     assert str(table["single"]["right"]).startswith("1 of 1")
     assert str(table["single"]["right, nothing else"]).startswith("0 of 1")
     assert str(clean_table(rows)[-1]["something named"]).startswith("1 of 2")
+
+
+def test_names_are_counted_by_the_probability_that_is_stated_for_them():
+    both = truth(hidden("stribeck", 1), hidden("filter_lag", None))
+    claims = (
+        claim("stribeck", 1, probability=1.0),
+        claim("time_delay", None, probability=0.97),  # accounts for the lag
+        claim("backlash", 0, probability=0.96),
+    )
+    stated = score(diagnosis(*claims), both, 2).stated
+    assert stated == ((1.0, True), (0.97, True), (0.96, False))
+    rows = [line("pair", "stribeck+lag", stated=stated_text(stated)), line("clean", "")]
+    low, high = reliability(rows)
+    assert (low["from"], low["to"], low["names"]) == (0.95, 0.99, 2)
+    assert (low["stated"], low["right"]) == (pytest.approx(0.965), 0.5)
+    assert (high["to"], high["names"], high["right"], high["upper"]) == (1.0, 1, 1.0, 1.0)
 
 
 def test_what_a_diagnosis_takes_is_told_by_state_and_joints():

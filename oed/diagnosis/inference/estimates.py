@@ -12,7 +12,6 @@ from numpy import ndarray
 from oed.diagnosis.candidates.candidate import Values
 from oed.diagnosis.evidence.columns import white_effect
 from oed.diagnosis.evidence.model import Fitted
-from oed.diagnosis.evidence.term import Term
 from oed.dynamics.effects.catalogue import Shape
 
 STEP = 1e-3  # of a shape's range: of central differences
