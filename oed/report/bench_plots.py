@@ -105,7 +105,7 @@ def plot_reliability(bins: Sequence[Mapping[str, float | int | str]]) -> Figure:
     axes.set_xticks(place, [f"{b['from']:g} to {b['to']:g}" for b in bins])
     axes.set(xlabel="stated probability (below: names)", ylabel="share right", ylim=(-0.03, 1.03))
     axes.set_xlim(-0.5, len(bins) - 0.5)
-    axes.legend(loc="center left")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return figure
 
 
