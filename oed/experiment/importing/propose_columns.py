@@ -18,6 +18,8 @@ from oed.experiment.log_format import OPTIONAL, REPETITION
 from oed.experiment.logs.table import Log, Table
 from oed.experiment.units import Quantity
 
+RELATIVE = re.compile(r"[%‰]|\bper ?cent\b", re.IGNORECASE)
+
 
 @dataclass(frozen=True)
 class ColumnProposal:
@@ -88,8 +90,9 @@ def _proposal(
             columns[quantity], units[quantity] = tuple(o.column for o in found), _units(found)
     torque, kind, more = _torque(table, called, order, stated)
     chosen |= {} if stated.get("tau") else {"tau": torque}
+    _check_not_relative(torque, table)
     columns["tau"], units["tau"] = tuple(one.column for one in torque), _units(torque)
-    times = _times(called, stated)[:1]
+    times = (_times(called, stated) or _points_in_time(table))[:1]
     if times:
         columns["t"], units["t"] = (times[0].column,), _units(times)
     if REPETITION in table.columns:
@@ -109,6 +112,11 @@ def _times(called: Mapping[str, str], stated: Mapping[str, tuple[str, ...]]) -> 
         one for one in found if re.fullmatch(rf".*[./]{re.escape(one.stem)}", one.column.lower())
     ]
     return [one for one in found if not one.label] or within
+
+
+def _points_in_time(table: Table) -> list[Named]:
+    """The column that can only be the time, by what it holds."""
+    return [Named(name, "", "", "") for name in table.times] if len(table.times) == 1 else []
 
 
 def _called(table: Table, column: str) -> str:
@@ -197,6 +205,16 @@ def _torque(
             f"{listed(elsewhere)} is that of these joints, name it, as in --columns tau=NAME,NAME"
         )
     raise DataSetError(message, file=table.file)
+
+
+def _check_not_relative(torque: Sequence[Named], table: Table) -> None:
+    for one in torque:
+        if RELATIVE.search(one.column):
+            message = (
+                "a share of what the drive is rated for: multiply each joint's column by its rated torque "
+                "[N m] or current [A] and name it without %"
+            )
+            raise DataSetError(message, file=table.file, row=table.header_row, column=one.column)
 
 
 def _about(kind: TorqueKind, found: Sequence[Named]) -> str:

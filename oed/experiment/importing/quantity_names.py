@@ -15,7 +15,7 @@ from oed.experiment.units import Quantity
 # Words before a quantity that say that it is of the joints: of what turns the joint, ahead of the
 # gear and its elasticity, or of the joint itself.
 OF_MOTORS = ("motor", "motors", "drive", "drives", "servo", "servos", "actuator", "actuators")
-OF_JOINTS = ("joint", "joints", "jnt", "axis", "axes", "link", "links", *OF_MOTORS)
+OF_JOINTS = ("joint", "joints", "jnt", "axis", "axes", "axe", "link", "links", *OF_MOTORS)
 AT_THIS_INSTANT = "current"  # as in current_joint_position, where it is no quantity
 TIMES = (
     *("t", "time", "stamp", "timestamp", "header.stamp", "time_stamp", "t_s", "seconds", "sec"),
@@ -30,13 +30,13 @@ POSITIONS = (
 )
 VELOCITIES = (
     *("dq", "qd", "velocity", "velocities", "vel", "qvel", "speed", "omega", "velo"),
-    *("qdot", "q_dot", "theta_dot", "geschwindigkeit", "drehzahl"),
+    *("qdot", "q_dot", "theta_dot", "geschwindigkeit", "drehzahl", "vitesse", "vitesses"),
 )
 ACCELERATIONS = ("ddq", "qdd", "acceleration", "accelerations", "acc")
 TORQUES: Mapping[TorqueKind, Sequence[str]] = {
     "measured": (
         *("tau", "tau_j", "effort", "efforts", "torque", "torques", "moment", "mt", "drehmoment"),
-        *("trq", "trqs"),
+        *("trq", "trqs", "couple", "couples"),
     ),
     "current": (
         *("current_as_torque", "current", "currents", "cur", "curr"),

@@ -1,8 +1,8 @@
 """How a text file separates its numbers, and the same numbers separated by commas.
 
 Whatever a spreadsheet or a logger wrote (semicolons, tabs, blanks, decimal commas, quotes, comments
-above, a header or none, a line of units, times of day) becomes one kind
-of text, line for line, so that a fault is still named by the line that the user sees.
+or other lines above, a header of one line, of two or none, a line of units, times of day) becomes one
+kind of text, line for line, so that a fault is still named by the line that the user sees.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from oed.experiment.units import Quantity
 from oed.experiment.units_in_names import is_unit
 
 SAMPLE = 20  # lines that tell how a file is written
+MOST_ABOVE = 100  # lines that a logger may write above the names
+LEAST_COLUMNS = 3  # of time, position and torque
 COMMENTS = ("#", "%")
 SEPARATOR_LINE = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)  # spreadsheets write it as line 1
 TWO_NUMBERS = re.compile(r"[\d.,eE+-]*\d\s+[+-]?[\d.,][\d.,eE+-]*")
@@ -37,6 +39,8 @@ class CsvText:
         header_row: Line of the header; None if there is none.
         is_complete: Whether the last line of the file ends with a line break.
         encoding: Of the file, by name.
+        above: Lines above the header that are neither comments nor rows.
+        times: Columns whose cells were times that are written out.
     """
 
     header: tuple[str, ...]
@@ -45,6 +49,8 @@ class CsvText:
     header_row: int | None
     is_complete: bool
     encoding: str
+    above: int = 0
+    times: tuple[str, ...] = ()
 
 
 def read_csv_text(content: bytes, file: str) -> CsvText:
@@ -58,6 +64,9 @@ def read_csv_text(content: bytes, file: str) -> CsvText:
     skipped, separator, comment, text = _without_top(text)
     if not text.strip():
         raise DataSetError("empty; it needs one row per sample", file=file)
+    passed = _lines_above(text, separator)
+    if passed:
+        skipped, text = skipped + passed, text.split(b"\n", passed)[passed]
     sample = [line.decode() for line in text.split(b"\n", SAMPLE)[:SAMPLE]]
     separator = separator or _separator(sample)
     first, _, rest = text.partition(b"\n")
@@ -70,6 +79,9 @@ def read_csv_text(content: bytes, file: str) -> CsvText:
     if _are_units(units) and len(units) == len(names):
         names = tuple(_with_unit(name, unit) for name, unit in zip(names, units, strict=True))
         body, first_row = below, first_row + 1
+    elif len(set(names)) < len(names) == len(units) and not any(map(_is_value, units)):
+        names = _joined(names, units)
+        body, first_row = below, first_row + 1
     if not has_header:
         above = _cells(comment, separator, file, skipped) if comment else ()
         is_named = len(above) == len(names) and not any(map(_is_value, above))
@@ -80,8 +92,9 @@ def read_csv_text(content: bytes, file: str) -> CsvText:
     if not body.strip():
         raise DataSetError("holds a header but no row", file=file, row=first_row)
     header = tuple(name or f"column {i + 1}" for i, name in enumerate(names))
-    body = _with_seconds(_with_commas(body, separator, file, first_row))
-    return CsvText(header, body, first_row, header_row, is_complete, encoding)
+    body, clocks = _with_seconds(_with_commas(body, separator, file, first_row))
+    times = tuple(header[i] for i in clocks if i < len(header))
+    return CsvText(header, body, first_row, header_row, is_complete, encoding, passed, times)
 
 
 def _without_top(text: bytes) -> tuple[int, str, str, bytes]:
@@ -99,6 +112,39 @@ def _without_top(text: bytes) -> tuple[int, str, str, bytes]:
             break
         skipped, text = skipped + 1, rest
     return skipped, separator, comment, text
+
+
+def _lines_above(text: bytes, separator: str) -> int:
+    """How many lines stand above that of the names, such as of who recorded what.
+
+    The names are as many as the numbers in the first two rows of these, and stand right above them,
+    in one line or two. What is not so is left to be named as a fault.
+    """
+    lines = [line.decode() for line in text.split(b"\n", MOST_ABOVE)[:MOST_ABOVE]]
+    for k in range(1, len(lines) - 1):
+        own = separator or _separator(lines[k : k + SAMPLE])
+        rows = [_split(line, own) for line in lines[k : k + 2]]
+        if len(rows[0]) >= LEAST_COLUMNS and all(map(_is_row, rows)):
+            start = k
+            while start and len(_split(lines[start - 1], own)) == len(rows[0]):
+                start -= 1
+            return start if start < k and not _is_row(_split(lines[start], own)) else 0
+    return 0
+
+
+def _is_row(cells: list[str]) -> bool:
+    """Whether there are numbers or times in a line, and nothing else."""
+    bare = [cell.strip().strip("\"'") for cell in cells]
+    return any(bare) and all(not cell or _is_value(cell) for cell in bare)
+
+
+def _joined(names: tuple[str, ...], below: tuple[str, ...]) -> tuple[str, ...]:
+    """Names in two lines, of which one above holds for those behind it that are empty."""
+    found, last = [], ""
+    for name, rest in zip(names, below, strict=True):
+        last = name or last
+        found.append(f"{last}.{rest}" if rest else last)
+    return tuple(found)
 
 
 def _separator(lines: list[str]) -> str:
@@ -164,18 +210,21 @@ def _with_commas(body: bytes, separator: str, file: str, first_row: int) -> byte
     return body.replace(separator.encode(), b",")
 
 
-def _with_seconds(body: bytes) -> bytes:
-    """The rows with seconds in place of times that are written out, as the first row has them."""
+def _with_seconds(body: bytes) -> tuple[bytes, list[int]]:
+    """The rows with seconds in place of times that are written out, and which cells these are.
+
+    Which, the first row tells.
+    """
     lines = body.decode().split("\n")
     clocks = [i for i, cell in enumerate(lines[0].split(",")) if is_clock(cell)]
     if not clocks:
-        return body
+        return body, clocks
     rows = [line.split(",") for line in lines]
     for i in clocks:
         within = [row for row in rows if len(row) > i]
         for row, seconds in zip(within, clock_seconds([row[i] for row in within]), strict=True):
             row[i] = seconds
-    return "\n".join(map(",".join, rows)).encode()
+    return "\n".join(map(",".join, rows)).encode(), clocks
 
 
 def _unquoted(body: str, separator: str, file: str, first_row: int) -> bytes:

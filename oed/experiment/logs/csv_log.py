@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy import ndarray
 
+from oed.counted import counted
 from oed.errors import DataSetError
 from oed.experiment.logs.csv_dialect import CsvText, read_csv_text
 from oed.experiment.logs.csv_encoding import WINDOWS
@@ -56,10 +57,18 @@ def read_csv(path: Path) -> Log:
                 file,
                 first_row=text.first_row,
                 header_row=text.header_row,
-                text=() if text.encoding != WINDOWS else (f"read as {WINDOWS} text",),
+                text=_said(text),
+                times=text.times,
             ),
         ),
     )
+
+
+def _said(text: CsvText) -> tuple[str, ...]:
+    """What an import repeats of how a file was read."""
+    lines = counted(text.above, "line")
+    above = (f"passed over: {lines} above the names of the columns",) if text.above else ()
+    return (*above, *((f"read as {WINDOWS} text",) if text.encoding == WINDOWS else ()))
 
 
 def _echo_table(text: CsvText, echo: EchoLayout, file: str) -> Table:

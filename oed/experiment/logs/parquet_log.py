@@ -71,7 +71,10 @@ def read_parquet(path: Path) -> Log:
             for field, i in (columns[name],)
         }
 
-    return Log(file, (Table((*columns, *twice), load, file, labels=_lerobot_labels(path, widths)),))
+    labels = _lerobot_labels(path, widths)
+    times = tuple(field.name for field in schema if pa.types.is_timestamp(field.type))
+    table = Table((*columns, *twice), load, file, labels=labels, times=times)
+    return Log(file, (table,))
 
 
 def _read(parquet: pq.ParquetFile, names: list[str], file: str) -> pa.Table:

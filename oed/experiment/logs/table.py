@@ -31,6 +31,7 @@ class Table:
         name: Of the table within its file, such as a topic; "" where it is the only one.
         text: Facts about it that an import repeats, a line each.
         labels: What columns are called beside their names, such as the motors of a list.
+        times: Columns of points in time, whatever they are called.
     """
 
     columns: tuple[str, ...]
@@ -41,6 +42,7 @@ class Table:
     name: str = ""
     text: tuple[str, ...] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
+    times: tuple[str, ...] = ()
 
     def take(self, names: Sequence[str]) -> dict[str, ndarray]:
         """The (N,) finite numbers of some columns.
