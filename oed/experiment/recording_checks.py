@@ -148,7 +148,8 @@ def check_signals(
             value = f"is {abs(torque[0]):g} in" if spread == 0 else f"varies by {spread:.2g} over"
             message = (
                 f"the torque of joint {joint.name!r} {value} every row: it was not logged; log it, "
-                "or name the other joints with --joints where a command takes it"
+                "or name the others, with --columns q=NAME,NAME where a log is imported, with --joints where a "
+                "data set is read"
             )
             raise DataSetError(message, file=file)
     travel = float(np.ptp(q, axis=0).max())

@@ -50,8 +50,8 @@ def assign_joints(
         message = (
             f"holds positions of {counted(len(order), 'joint')} ({listed([one.column for one in order])}), the "
             f"robot has {len(joints.arm)} in its arm and {len(joints.movable)} in all"
-            f"{f', --joints names {len(joints.chosen)}' if joints.chosen else ''}; say which they are with "
-            "--joints, in the order of the log"
+            f"{f', --joints names {len(joints.chosen)}' if joints.chosen else ''}; say "
+            f"{_which(len(order), joints)}"
         )
         raise DataSetError(message, file=table.file)
     labels = {one.label: one for one in positions}
@@ -89,10 +89,12 @@ def _more_than_once(positions: Sequence[Named], table: Table) -> DataSetError:
 
 
 def _which(logged: int, joints: RobotJoints) -> str:
-    """What to say of joints whose names are not the robot's."""
+    """What to say of joints of which it cannot be told which of the robot's they are."""
+    columns = "which columns are of the robot, as in --columns q=NAME,NAME"
     if logged > len(joints.movable):
-        return "which columns are of the robot, as in --columns q=NAME,NAME"
-    return "which they are with --joints, by the robot's names in the order of the log"
+        return columns
+    names = "which they are with --joints, by the robot's names in the order of the log"
+    return f"{names}, or {columns}" if logged > len(joints.chosen or joints.arm) else names
 
 
 def places(columns: Sequence[Named]) -> list[str]:

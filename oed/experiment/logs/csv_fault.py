@@ -12,6 +12,7 @@ from oed.errors import DataSetError
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 MISSING = {"", "nan"}  # which whoever reads that row judges
 NOT_A_NUMBER = {"inf", "infinity"}
+REPAIR = "repair such cells, or leave them empty: their rows then count as missing"
 
 
 def find_fault(
@@ -78,9 +79,9 @@ def _cell_fault(cell: str) -> str:
     if cell.lower().lstrip("+-") in MISSING:
         return ""
     if cell.lower().lstrip("+-") in NOT_A_NUMBER:
-        return f"{cell} is not a finite number; remove the row or repair the log"
+        return f"{cell} is not a finite number; {REPAIR}"
     if not NUMBER.fullmatch(cell):
-        hint = ""
+        hint = f"; {REPAIR}"
         if NUMBER.fullmatch(cell.strip("\"'")):
             hint = "; write numbers without quotes"
         elif ":" in cell:

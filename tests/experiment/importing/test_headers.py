@@ -88,3 +88,12 @@ def test_a_share_of_what_a_drive_is_rated_for_is_no_torque(unit, tmp_path):
     text = f"t,q_1,q_2,trq 1 {unit},trq 2 {unit}\n{ROWS}"
     with pytest.raises(DataSetError, match="multiply each joint's column by its rated torque"):
         proposal(written(tmp_path, text), tau=(f"trq 1 {unit}", f"trq 2 {unit}"))
+
+
+@pytest.mark.parametrize("cell", ["inf", "ERR"])
+def test_a_cell_without_a_number_may_be_left_empty(cell, tmp_path):
+    (table,) = read_log(written(tmp_path, f"{NAMES}0,1,2,3,{cell}\n{ROWS}")).tables
+    with pytest.raises(DataSetError, match=r"row 2.*'tau_2'.*leave them empty"):
+        table.take(["tau_2"])
+    (table,) = read_log(written(tmp_path, f"{NAMES}0,1,2,3,\n{ROWS}")).tables
+    assert np.isnan(table.read(["tau_2"])["tau_2"]).tolist() == [True] + 5 * [False]

@@ -100,6 +100,18 @@ def test_columns_as_loggers_name_them(columns, q, tau, t):
     assert found.columns["t"] == t
 
 
+def test_positions_of_a_gripper_beside_the_arm_may_be_left_out():
+    names = ("t", *(f"{key}_{j}" for key in ("q", "tau") for j in (1, 2, 3)))
+    table = table_of({name: np.arange(5.0) for name in names}, "log.csv")
+    joints = RobotJoints(("shoulder", "elbow", "left", "right"), ("shoulder", "elbow"))
+    log = Log("log.csv", (table,))
+    with pytest.raises(DataSetError, match=r"say which they are with --joints.*, or .* --columns"):
+        propose_columns(log, joints, {})
+    found = propose_columns(log, joints, {"q": ("q_1", "q_2")})
+    assert found.joints == joints.arm
+    assert found.columns["tau"] == ("tau_1", "tau_2")
+
+
 def test_units_in_names_are_taken():
     found = proposal("timestamp [ms]", "q1_deg", "q2_deg", "torque 1 (mNm)", "torque 2 (mNm)")
     assert found.units == {"t": ("ms",), "q": ("deg",), "tau": ("mN m",)}
