@@ -12,7 +12,7 @@ conditioned, so that a fit with other torques takes a millisecond, however long 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -200,7 +200,7 @@ class Trials:
     @cached_property
     def as_logged(self) -> Outcome:
         """The log as it is."""
-        return self._logged.fit(self._none)
+        return self._laid_out[self._none.of_columns].fit(self._none)
 
     @cached_property
     def without_constants(self) -> Outcome:
@@ -209,13 +209,13 @@ class Trials:
         return logged.fit(self._none)
 
     def equations(self, changes: Sequence[Change]) -> list[NormalEquations]:
-        """Of each change; those with the same columns are laid out once."""
-        alike = {change.of_columns: change for change in changes}
-        found = {
-            columns: self._equations(change)
-            for columns, change in told(tuple(alike.items()), "causes looked into")
-        }
-        return [found[change.of_columns] for change in changes]
+        """Of each change; those with the same columns are laid out once, and kept."""
+        known = self._laid_out
+        alike = {c.of_columns: c for c in changes if c.of_columns not in known}
+        for columns, change in told(tuple(alike.items()), "causes looked into"):
+            factors = self._factors(change)
+            known[columns] = NormalEquations.of(factors, self._friction, constants=True)
+        return [known[change.of_columns] for change in changes]
 
     def independent(self, outcome: Outcome) -> Float[ndarray, " joints"]:
         """Independent samples of each torque: its rows over those that its residual is correlated over.
@@ -241,13 +241,10 @@ class Trials:
         return self._factors(self._none)
 
     @cached_property
-    def _logged(self) -> NormalEquations:
-        return NormalEquations.of(self._logged_factors, self._friction, constants=True)
-
-    def _equations(self, change: Change) -> NormalEquations:
-        if change.of_columns == self._none.of_columns:
-            return self._logged
-        return NormalEquations.of(self._factors(change), self._friction, constants=True)
+    def _laid_out(self) -> dict[Hashable, NormalEquations]:
+        """By columns; each as large as so many parameters squared a joint, whatever the rows."""
+        logged = NormalEquations.of(self._logged_factors, self._friction, constants=True)
+        return {self._none.of_columns: logged}
 
     def _factors(self, change: Change) -> list[Float[ndarray, "_ width"]]:
         """Of each joint's rows [columns | 1 | velocity | torques], their mean over samples."""
