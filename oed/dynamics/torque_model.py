@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi
-from jaxtyping import Float
+import numpy as np
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.effects import (
@@ -94,12 +96,18 @@ class TorqueModel:
         effects = tuple(RigidBody(robot) if isinstance(e, RigidBody) else e for e in self.effects)
         return dataclasses.replace(self, robot=robot, effects=effects)
 
+    @cached_property
+    def rigid(self) -> Bool[ndarray, " parameters"]:
+        """(p,) which parameters are the rigid body's."""
+        own = (isinstance(effect, RigidBody) for effect in self.effects)
+        return np.repeat(list(own), [len(effect.parameters) for effect in self.effects])
+
     def columns(self, motion: Motion) -> Float[ndarray, "samples joints parameters"]:
         """Torque per unit parameter at every instant and joint."""
         evaluate: Callable[[Motion], Float[ndarray, "samples joints parameters"]]
         evaluate = self._effect_columns
         for seen_through in self.measurement:
-            evaluate = _compose(seen_through, evaluate)
+            evaluate = _compose(seen_through, evaluate, self.rigid)
         return evaluate(motion)
 
     def regressor(self, motion: Motion) -> Float[ndarray, "rows parameters"]:
@@ -141,5 +149,6 @@ class TorqueModel:
 def _compose(
     effect: MeasurementEffect,
     inner: Callable[[Motion], Float[ndarray, "samples joints parameters"]],
+    rigid: Bool[ndarray, " parameters"],
 ) -> Callable[[Motion], Float[ndarray, "samples joints parameters"]]:
-    return lambda motion: effect.through(inner, motion)
+    return lambda motion: effect.through(inner, motion, rigid)

@@ -175,6 +175,12 @@ class FormReader:
             for key, x in plain.items()
             if key != KIND
         }
+        fields = {field.name for field in dataclasses.fields(kinds[name])}
+        if other := sorted(given.keys() - fields):
+            raise ModelFileError(
+                f"{place}: {name} has no {', '.join(other)} in this version of the program: make the "
+                "file again with it"
+            )
         try:
             return kinds[name](**given)
         except (TypeError, ValueError) as error:

@@ -52,7 +52,7 @@ def test_a_model_seen_through_measurement_has_no_energy_form() -> None:
     class Delay(MeasurementEffect):
         name = "delay"
 
-        def through(self, columns, motion):
+        def through(self, columns, motion, rigid):
             return columns(motion)
 
     seen = TorqueModel.standard(imi_scara()).with_measurement(Delay())

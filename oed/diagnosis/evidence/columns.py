@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -10,8 +11,6 @@ from numpy import ndarray
 
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.dynamics.effects.effect import Effect, State
-from oed.dynamics.effects.measurement_effect import MeasurementEffect
-from oed.dynamics.motion import Motion
 from oed.dynamics.scalars import Scalar
 from oed.dynamics.torque_model import TorqueModel
 from oed.experiment.preparation.prepared import Prepared
@@ -61,7 +60,7 @@ def _filtered(effect: Effect, model: TorqueModel, prepared: Prepared) -> dict[in
         entries = effect.entries(State.along(motion))
         joints = {j for entry in entries for j in entry}
         return {j: _of_joint(entries, j, prepared) for j in joints}
-    whole = _seen_through(effect, model, motion)
+    whole = dataclasses.replace(model, effects=(effect,)).columns(motion)
     if laps is not None:  # what changes from one repetition to the next has its own mean over them
         length = len(prepared.motion)
         whole = whole.reshape(-1, length, *whole.shape[1:]).mean(axis=0)
@@ -77,33 +76,6 @@ def _of_joint(
         if joint in entry:
             fine[:, k] = entry[joint]
     return prepared.band.apply(fine)
-
-
-def _seen_through(
-    effect: Effect, model: TorqueModel, motion: Motion
-) -> Float[ndarray, "samples joints columns"]:
-    """Columns of an effect through the model's measurement, the rigid body's left at zero."""
-    leading = max((getattr(m, "rigid_columns", 0) for m in model.measurement), default=0)
-    alone = TorqueModel(model.robot, (effect,))
-
-    def evaluate(seen: Motion) -> Float[ndarray, "samples joints columns"]:
-        if len(seen) < 2:  # a gear's look at the rigid body at one instant: an effect may remember
-            return np.zeros((len(seen), model.robot.n, leading + len(effect.parameters)))
-        own = alone.columns(seen)
-        if not leading:
-            return own
-        return np.concatenate([np.zeros((*own.shape[:2], leading)), own], axis=2)
-
-    seen_last: Callable[[Motion], Float[ndarray, "_ joints columns"]] = evaluate
-    for seen_through in model.measurement:
-        seen_last = _through(seen_through, seen_last)
-    return seen_last(motion)[:, :, leading:]
-
-
-def _through(
-    measured: MeasurementEffect, inner: Callable[[Motion], Float[ndarray, "_ joints columns"]]
-) -> Callable[[Motion], Float[ndarray, "_ joints columns"]]:
-    return lambda seen: measured.through(inner, seen)
 
 
 def white_model(

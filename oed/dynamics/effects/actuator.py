@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.effects.effect import Parameter, State
@@ -75,6 +75,7 @@ class TorqueGain(MeasurementEffect):
         self,
         columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
         motion: Motion,
+        rigid: Bool[ndarray, " columns"],  # noqa: ARG002  # all columns alike
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns with the joint's row scaled."""
         result = np.array(columns(motion))

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy.interpolate import make_interp_spline
 from scipy.ndimage import spline_filter1d
@@ -73,6 +73,7 @@ class TimeDelay(Late):
         self,
         columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
         motion: Motion,
+        rigid: Bool[ndarray, " columns"],  # noqa: ARG002  # all columns alike
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns as they were earlier."""
         if motion.averaged:
@@ -155,6 +156,7 @@ class FilterLag(Late):
         self,
         columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
         motion: Motion,
+        rigid: Bool[ndarray, " columns"],  # noqa: ARG002  # all columns alike
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns through the filter."""
         return respond(motion.t, columns(motion), *self._transfer)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.effects.effect import Parameter, State
@@ -39,6 +39,7 @@ class EncoderEccentricity(MeasurementEffect):
         self,
         columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
         motion: Motion,
+        rigid: Bool[ndarray, " columns"],  # noqa: ARG002  # all columns alike
     ) -> Float[ndarray, "samples joints columns"]:
         """The columns along the true motion."""
         return columns(motion.changed(self, lambda: self._true(motion)))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.effects.effect import State
@@ -33,8 +33,8 @@ class Instants:
 class MeasurementEffect(ABC):
     """What measurement does to the whole model, such as a delay: it adds no column.
 
-    `through` receives the function that evaluates all columns of the model, and may
-    change the motion before or the columns after.
+    `through` receives the function that evaluates columns, and may change the motion before or the
+    columns after.
 
     Attributes:
         name: Of the effect, for people.
@@ -89,5 +89,12 @@ class MeasurementEffect(ABC):
         self,
         columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
         motion: Motion,
+        rigid: Bool[ndarray, " columns"],
     ) -> Float[ndarray, "samples joints columns"]:
-        """The columns as this effect lets them be seen."""
+        """The columns as this effect lets them be seen.
+
+        Args:
+            columns: Of a model, or of a part of one.
+            motion: As recorded.
+            rigid: (p,) which of the columns are the rigid body's.
+        """

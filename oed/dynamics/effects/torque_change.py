@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -65,4 +66,5 @@ class TorqueChange(Effect):
         def parts(seen: Motion) -> Float[ndarray, "samples joints 2"]:
             return modelled if seen is motion else forgetful.parts(seen)
 
-        return self.measurement.through(parts, motion).sum(axis=2)
+        rigid = np.array([True, False])
+        return self.measurement.through(parts, motion, rigid).sum(axis=2)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
@@ -81,7 +81,6 @@ class Transmission(MeasurementEffect):
         bearing: Share of the joint's friction that sits behind the gear.
         posture: (n,) position where these are declared [rad or m].
         reference: Gives the load.
-        rigid_columns: The leading columns are the rigid body's.
         rubbing: Coulomb and viscous friction behind the gear, part of what `reference` has
             beside the rigid body: here the links' speed decides.
         stiffening: k [1/rad^2 or 1/m^2].
@@ -95,7 +94,6 @@ class Transmission(MeasurementEffect):
     bearing: float
     posture: tuple[float, ...]
     reference: ReferenceTorque
-    rigid_columns: int
     rubbing: Rubbing = Rubbing()
     stiffening: float = 0.0
     name = "transmission"
@@ -116,16 +114,20 @@ class Transmission(MeasurementEffect):
         self,
         columns: Callable[[Motion], Float[ndarray, "samples joints columns"]],
         motion: Motion,
+        rigid: Bool[ndarray, " columns"],
     ) -> Float[ndarray, "samples joints columns"]:
-        """The columns with the rigid body where the links are."""
-        result, rigid = np.array(columns(motion)), slice(self.rigid_columns)
+        """The columns with the rigid body where the links are, and friction behind the gear at their speed."""
+        result = np.array(columns(motion))
+        if self.bearing == 0 and not rigid.any():
+            return result
         state = State.along(motion)
         bend = self.bend(state)
         behind = columns(with_joint(motion, self.joint, self._behind(motion, bend)))
         result[:, :, rigid] = behind[:, :, rigid]
-        beside = slice(self.rigid_columns, None)
-        step = behind[:, self.joint, beside] - result[:, self.joint, beside]
-        result[:, self.joint, beside] += self.bearing * step
+        step = behind[:, self.joint, ~rigid] - result[:, self.joint, ~rigid]
+        result[:, self.joint, ~rigid] += self.bearing * step
+        if not rigid.any():
+            return result
         at_rest, moving = columns(self._probe(0.0)), columns(self._probe(1.0))
         rotor = self.rotor_share * (moving - at_rest)[0, self.joint, rigid]
         for joint, moved in enumerate(self.reference.rotor_inertia(state, self.joint)):

@@ -141,7 +141,7 @@ def test_a_gap_that_drowns_in_the_bend_is_not_plausible() -> None:
 
 
 def test_refuses_a_gap_below_zero() -> None:
-    good = Backlash(0, 30.0, 0.3, 0.2, 1e-3, 0.5, (0.0, 0.0), ReferenceTorque(scara()), 20)
+    good = Backlash(0, 30.0, 0.3, 0.2, 1e-3, 0.5, (0.0, 0.0), ReferenceTorque(scara()))
     with pytest.raises(ValueError, match="gap"):
         dataclasses.replace(good, gap=-1e-3)
     with pytest.raises(ValueError, match="bearing"):

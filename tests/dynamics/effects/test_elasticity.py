@@ -32,7 +32,7 @@ def _seen(robot: Robot, motion: Motion, joint: int, rotor: float) -> tuple[ndarr
     rigid = RigidBody(robot)
     reference = ReferenceTorque(robot)
     posture = tuple((motion.q.min(axis=0) + motion.q.max(axis=0)) / 2)
-    spring = JointElasticity(joint, FREQUENCY, DAMPING, rotor, 0.0, 0.0, posture, reference, 20)
+    spring = JointElasticity(joint, FREQUENCY, DAMPING, rotor, 0.0, 0.0, posture, reference)
     model = TorqueModel(robot, (rigid,))
     sprung = model.with_measurement(spring)
     return model.torque(robot.parameters, motion), sprung.torque(robot.parameters, motion)
@@ -56,9 +56,7 @@ def test_a_spring_may_stiffen(joint: int) -> None:
     motion = smooth_motion(robot, duration=3.0, step=1e-3)
     reference = ReferenceTorque(robot)
     middle = (motion.q.min(axis=0) + motion.q.max(axis=0)) / 2
-    spring = JointElasticity(
-        joint, FREQUENCY, DAMPING, rotor, 0.0, 0.0, tuple(middle), reference, 20
-    )
+    spring = JointElasticity(joint, FREQUENCY, DAMPING, rotor, 0.0, 0.0, tuple(middle), reference)
     bend = np.abs(spring.bend(State.along(motion)).d).max()
     stiffer = dataclasses.replace(spring, stiffening=2 / bend**2)
     model = TorqueModel(robot, (RigidBody(robot),))
@@ -116,6 +114,21 @@ def test_friction_of_the_motor_stays_with_it() -> None:
     assert np.array_equal(seen[:, :, 20:], model.columns(motion)[:, :, 20:])
 
 
+@pytest.mark.parametrize("bearing", [0.0, 0.6])
+def test_a_part_of_a_model_is_seen_as_it_is_in_the_whole(bearing: float) -> None:
+    """Wherever its columns stand: those of friction alone are not taken for the rigid body's."""
+    model = TorqueModel.standard(vertical_arm())
+    motion = smooth_motion(model.robot)
+    entry, context = CATALOGUE["joint_elasticity"], context_of(vertical_arm(), motion)
+    seen = entry.apply(context, 1, (FREQUENCY, DAMPING, 0.2, bearing, 0.0), np.ones(1))
+    whole = seen.columns(motion)
+    rigid, *friction = seen.effects
+    turned = dataclasses.replace(seen, effects=(*friction, rigid)).columns(motion)
+    assert turned == pytest.approx(np.concatenate([whole[:, :, 20:], whole[:, :, :20]], axis=2))
+    alone = dataclasses.replace(seen, effects=tuple(friction)).columns(motion)
+    assert alone == pytest.approx(whole[:, :, 20:])
+
+
 @pytest.mark.parametrize("bearing", [0.6, 1.0])
 @pytest.mark.parametrize("joint", [0, 1])
 def test_friction_of_the_links_acts_behind_the_spring(joint: int, bearing: float) -> None:
@@ -155,7 +168,7 @@ def test_exact_form_and_column_differ_in_second_order_of_the_bend(joint: int) ->
 
 def test_refuses_a_spring_without_damping() -> None:
     reference = ReferenceTorque(scara())
-    good = JointElasticity(0, 5.0, 0.1, 0.0, 0.0, 0.0, (0.0, 0.0), reference, 20)
+    good = JointElasticity(0, 5.0, 0.1, 0.0, 0.0, 0.0, (0.0, 0.0), reference)
     with pytest.raises(ValueError, match="damping"):
         dataclasses.replace(good, damping=0.0)
     with pytest.raises(ValueError, match="rotor_share"):

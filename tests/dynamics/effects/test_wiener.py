@@ -77,7 +77,7 @@ def test_a_gear_does_not_ring_with_the_noise_of_its_encoder() -> None:
     q, dq, ddq = (np.fft.irfft(x, len(clean), axis=0) for x in orders)
     measured = dataclasses.replace(clean, q=clean.q + q, dq=clean.dq + dq, ddq=clean.ddq + ddq)
     aware = dataclasses.replace(measured, noise=(DENSITY, DENSITY))
-    gear = JointElasticity(0, 6.0, 0.05, 0.2, 0.0, 0.0, (0.0, 0.0), ReferenceTorque(robot), 20)
+    gear = JointElasticity(0, 6.0, 0.05, 0.2, 0.0, 0.0, (0.0, 0.0), ReferenceTorque(robot))
     known = dataclasses.replace(clean, noise=(DENSITY, DENSITY))
     motions = (clean, measured, aware, known)
     true, *others = (gear.bend(State.along(m)).ddd for m in motions)

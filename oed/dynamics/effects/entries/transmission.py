@@ -32,8 +32,8 @@ def _gear(
     first = context.model.effects[0]
     if isinstance(first, RigidBody):
         posture = tuple(float(x) for x in context.position_range.mean(axis=1))
-        places = (posture, context.unyielding, len(first.parameters))
-        return _rubbing_behind(kind(joint_of(target), *values, *places), context)
+        gear = kind(joint_of(target), *values, posture, context.unyielding)
+        return _rubbing_behind(gear, context)
     raise ValueError(f"{kind.__name__} needs the rigid body first, not {first.name}")
 
 
