@@ -1,13 +1,19 @@
-"""Causes that leave every fit as it is, and that the robot file's own inertials tell: all signs, all scales."""
+"""Causes that leave every fit as it is, and that the robot file's own inertials tell.
+
+All signs, all scales, and gravity where the motion does not tell it.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy import ndarray
 
 from oed.checkup.cause import Cause
-from oed.checkup.projection import Projection
-from oed.checkup.suspicion import UNITS, is_on_earth
+from oed.checkup.change import Change
+from oed.checkup.projection import TELLING, Projection
+from oed.checkup.suspicion import UNITS, is_on_earth, suspicions
 from oed.estimation.dissipation import CLEAR_SHARE, LEAST_SHARE
 from oed.experiment.dataset import DataSet
 
@@ -21,8 +27,8 @@ def all_reversed(dataset: DataSet, projection: Projection) -> Cause | None:
     telling = np.flatnonzero(projection.telling)
     if not len(telling) or (projection.correlation[telling] > 0).any():
         return None
-    if (projection.braking[telling] > CLEAR_SHARE).any():
-        return None  # its friction says that the signs are right, and the file is wrong
+    if (projection.braking > CLEAR_SHARE).any():
+        return None  # where friction brakes the sign is right
     if not (projection.is_driven or (projection.friction < LEAST_SHARE and len(telling) > 1)):
         return None
     names = dataset.robot.joint_names
@@ -32,6 +38,34 @@ def all_reversed(dataset: DataSet, projection: Projection) -> Cause | None:
         evidence += "; friction would drive the joints instead of braking them"
     every = f"tau_1 ... tau_{len(names)}" if len(names) > 1 else "tau_1"
     return Cause("sign", "all torques have the opposite sign", f"reverse {every}", evidence)
+
+
+def gravity_reversed(
+    dataset: DataSet, projection: Projection, under: Callable[[Change], Projection]
+) -> Cause | None:
+    """Every joint that tells has the file's torque with the opposite sign, and as it is with another gravity.
+
+    Args:
+        dataset: As read.
+        projection: Under the gravity that is declared.
+        under: The same under that of a change.
+    """
+    telling = np.flatnonzero(projection.telling)
+    if len(telling) < 2 or (projection.correlation[telling] > 0).any():
+        return None
+    ways = [s for s in suspicions(dataset) if s.kind == "gravity"]
+    found = [(s, under(s.change).correlation[telling]) for s in ways]
+    right = [(s, correlation) for s, correlation in found if (correlation >= TELLING).all()]
+    if len(right) != 1:
+        return None
+    ((suspicion, after),) = right
+    names = dataset.robot.joint_names
+    shown = ", ".join(
+        f"{projection.correlation[j]:.2f} to {x:.2f} at {names[j]}"
+        for j, x in zip(telling, after, strict=True)
+    )
+    evidence = f"correlation with the torque of the robot file's own inertials {shown}"
+    return Cause("gravity", suspicion.text, suspicion.remedy, evidence)
 
 
 def all_scaled(dataset: DataSet, projection: Projection) -> Cause | None:

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from oed.checkup.finding import EvidenceRow, Finding, share
+from oed.checkup.suspicion import UNITS
 from oed.counted import counted
 from oed.experiment.dataset import DataSet
 from oed.experiment.preparation.fresh import fresh_samples
@@ -130,6 +131,18 @@ def saturation_finding(dataset: DataSet) -> Finding:
             f"torque at the effort limit in more than {100 * SATURATED:g} % of the samples: {bad}; "
             "what the drive could not give is no dynamics",
             "slow the motion down until no drive saturates",
+            rows,
+        )
+    factor = 1 / min(UNITS)  # of N m, of the largest unit that torques are logged in
+    limited = np.isfinite(limit) & (tau != 0).any(axis=0)
+    largest = np.abs(tau[:, limited]).max(axis=0)
+    if limited.any() and (factor * largest <= limit[limited]).all():
+        return Finding(
+            "saturation",
+            "amber",
+            f"no torque is above 1/{factor:g} of the effort limit at any joint: they may be in "
+            f"{UNITS[min(UNITS)]}",
+            f"multiply the tau columns by {factor:g} if they are",
             rows,
         )
     return Finding("saturation", "green", "no drive is at its effort limit", "", rows)

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oed.checkup.by_inertials import all_reversed, all_scaled
+from oed.checkup.by_inertials import all_reversed, all_scaled, gravity_reversed
 from oed.checkup.cause import USELESS, Cause
+from oed.checkup.change import Change
 from oed.checkup.projection import Projection, project
 from oed.checkup.repair import Weighing, find_repair
 from oed.checkup.trial import Outcome, Trials, with_rotors
@@ -62,11 +63,18 @@ def find_cause(
         cause = all_reversed(dataset, projection)
     if cause is None:
         cause, is_repaired = find_repair(trials, dataset, is_bad=is_bad)
-    # Of repairs that nothing tells apart none is named, and the file's inertials are no judge of them.
+    # Of repairs that nothing tells apart none is named, and the file's inertials are no judge of signs
+    # and scales among them: with their own they would have any. Gravity they know.
     if cause is None and not is_repaired:
         cause = (
             _offset(trials) or all_reversed(dataset, projection) or all_scaled(dataset, projection)
         )
+    if cause is None:
+
+        def under(change: Change) -> Projection:
+            return project(change.model(model), recordings)
+
+        cause = gravity_reversed(dataset, projection, under)
     return Search(cause, projection, as_logged)
 
 

@@ -104,11 +104,13 @@ def described(robot: Robot) -> RobotDescription:
 
 
 def _arm(description: RobotDescription, plant: MultibodyPlant) -> ArmChain:
-    # Fingers that mimic one another fork like others.
+    # Fingers that mimic one another fork like others, and a follower is commanded by its leader alone.
     names = outward_names(plant)
     _check_any(description, names)
     tree = _tree(description, plant, names, {})
-    return find_arm(names, [joint.parent for joint in tree.joints])
+    arm = find_arm(names, [joint.parent for joint in tree.joints])
+    led = tuple(name for name in arm.names if name not in description.mimics)
+    return dataclasses.replace(arm, names=led)
 
 
 def _of_plant(

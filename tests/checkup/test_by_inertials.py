@@ -13,14 +13,11 @@ from tests.checkup.simulated_arm import arm
     ("braking", "named"),
     [
         ((-0.1, -0.02, -0.03), True),
-        (
-            (-0.2, 0.1, -0.03),
-            False,
-        ),  # of a joint that follows the file it brakes: the file is wrong
-        ((-0.1, -0.02, 0.1), True),  # this joint does not follow the file
+        ((-0.2, 0.1, -0.03), False),
+        ((-0.2, -0.02, 0.1), False),  # whether or not the joint follows the file
     ],
 )
-def test_all_signs_are_reversed_unless_the_friction_of_a_joint_that_tells_brakes(braking, named):
+def test_all_signs_are_reversed_unless_the_friction_of_a_joint_brakes(braking, named):
     projection = Projection(
         slope=-np.ones(3),
         correlation=np.array([-0.95, -0.99, -0.5]),

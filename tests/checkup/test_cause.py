@@ -227,6 +227,16 @@ def test_the_sign_of_a_joint_that_hardly_couples_is_its_torque_s_or_its_position
 
 
 @needs_shared_data
+def test_where_a_joint_s_friction_brakes_not_all_torques_are_reversed():
+    """The first joint's friction drives the arm as a whole, and the file's inertials tell of it alone."""
+    spoiled = changed(read_dataset(SHARED_DATA / "dfki_a0"), tau=reversed_at(0))
+    found = search(spoiled)
+    assert found.projection.is_driven
+    assert found.cause is None or found.cause.remedy.startswith("reverse tau_1")
+    assert found.cause is None or "tau_2" not in found.cause.remedy
+
+
+@needs_shared_data
 @pytest.mark.parametrize("name", ["dfki_a0", "staubli_tx40", "franka_panda"])
 def test_a_reversed_gravity_is_named_on_measured_arms(name):
     data = read_dataset(SHARED_DATA / name)
@@ -269,6 +279,15 @@ def checked(data):
 
 def gravity_of(checkup):
     return next(f for f in checkup.findings if f.topic == "gravity")
+
+
+@needs_cases
+def test_a_reversed_gravity_that_the_motion_does_not_tell_is_told_by_the_file_s_inertials():
+    data = med7()
+    found = cause(with_robot(data, data.robot.with_gravity(-data.robot.gravity)))
+    assert found.kind == "gravity"
+    assert found.remedy == "declare gravity = [0, 0, -9.81]"
+    assert has_no_cause(data)
 
 
 @needs_cases

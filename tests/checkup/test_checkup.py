@@ -105,6 +105,17 @@ def test_a_drive_at_its_limit_is_told(sound):
     assert "base" not in saturation.text
 
 
+def test_torques_that_would_be_within_the_limits_in_kilonewton_metres_are_told(sound):
+    largest = max(np.abs(recording.tau).max() for recording in sound.recordings)
+    bound = np.full((3, 1), 1.5 * largest)
+    limits = sound.robot.limits.with_(torque=np.hstack([-bound, bound]))
+    limited = dataclasses.replace(sound, robot=sound.robot.with_limits(limits))
+    assert on(check(limited), "saturation").level == "green"
+    saturation = on(check(changed(limited, tau=lambda tau: tau / 1000)), "saturation")
+    assert saturation.level == "amber"
+    assert "kN m" in saturation.text
+
+
 def test_positions_beyond_the_limits_are_told(sound):
     narrow = np.tile([-0.2, 0.2], (3, 1))
     robot = sound.robot.with_limits(sound.robot.limits.with_(position=narrow))

@@ -154,7 +154,10 @@ SPOILED = {
         r"effects\[1\]: its parameters are Fx",
     ),
     "an impossible shape": (_change("effects", -1, "form", "speed", to=-1.0), "positive"),
-    "a field of no effect": (_change("effects", -1, "form", "spin", to=1.0), "spin"),
+    "a field of no effect": (
+        _change("effects", -1, "form", "spin", to=1.0),
+        "has no spin in this version",
+    ),
     "a joint that carries itself": (_change("robot", "joints", 0, "parent", to=0), "no way leads"),
     "a joint on nothing": (_change("robot", "joints", 1, "parent", to=7), "no way leads"),
     "two joints of one name": (

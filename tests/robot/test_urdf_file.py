@@ -8,7 +8,7 @@ import pytest
 
 from oed.dynamics.cross_check import cross_check
 from oed.errors import RobotError
-from oed.robot import arm_joints, load_robot
+from oed.robot import arm_joints, load_arm, load_robot
 from tests.experiment.tiny_dataset import urdf_text
 from tests.paths import example_robot
 
@@ -76,6 +76,13 @@ def test_a_follower_of_an_active_joint_is_held_and_told_of(tmp_path: Path) -> No
     assert robot.held == {"joint_3": 0.0}
     (note,) = robot.notes
     assert "joint 'joint_3' mimics 'joint_1': it is held at 0, and what it carries" in note
+
+
+@pytest.mark.parametrize("follower", ["joint_2", "joint_3"])
+def test_a_follower_within_the_arm_is_none_of_its_joints(tmp_path: Path, follower: str) -> None:
+    path = mimicking(tmp_path, follower)
+    others = tuple(name for name in ("joint_1", "joint_2", "joint_3") if name != follower)
+    assert arm_joints(path) == load_arm(path).joint_names == others
 
 
 def test_a_follower_that_is_named_is_a_joint_of_its_own(tmp_path: Path) -> None:

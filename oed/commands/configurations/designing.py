@@ -51,7 +51,7 @@ class Design(Command):
         no_clearance: Links may touch; whether they do is told.
         avoid_collision: Refuse a motion that cannot be proven clear.
         package: Where a ROS package lies, as NAME=DIR, should its meshes not be found.
-        box: Lower and upper x, y, z that no body's origin may leave [m].
+        box: Least and largest x, then y, then z, that no body's origin may leave [m].
         rate: Set points a second [Hz].
         evaluations: Of the criterion; the same number and seed give the same motion.
         budget: CPU time after which the optimiser stops in any case [s].

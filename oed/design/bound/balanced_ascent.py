@@ -107,7 +107,7 @@ def project(
     """
     weights = weights / weights.sum()
     y = np.zeros(balance.shape[1])
-    logs = np.log(weights)
+    logs = np.log(weights, out=np.full_like(weights, -np.inf), where=weights > 0)
     value, tilted = _tilt(logs, balance, y)
     for _ in range(PROJECTION_STEPS):
         mean = tilted @ balance
