@@ -39,6 +39,8 @@ from tests.studies.spoiled_inputs import Case, make_case
 STATUSES = {
     "cross-check": (0, 1, 2),
     "design": (0, 2, 3),
+    "import": (0, 2),
+    "check": (0, 2, 3),
     "identify": (0, 2),
     "feasible": (0, 2, 3),
     "diagnose": (0, 2),

@@ -10,6 +10,16 @@ from pathlib import Path
 from tests.studies.sound_inputs import MANIFEST, ROBOTS, URDF, recording
 from tests.studies.spoiling import COMMON, TABLE, XML
 
+# How often of each.
+COMMANDS = {
+    "cross-check": 9,
+    "design": 4,
+    "import": 4,
+    "check": 2,
+    "identify": 4,
+    "feasible": 1,
+    "diagnose": 1,
+}
 INSTEAD = ("pipe", "device", "folder", "nothing", "empty", "huge")
 
 
@@ -31,9 +41,8 @@ class Case:
 def make_case(number: int, folder: Path) -> Case:
     """Write the inputs of a case into an empty folder, spoilt."""
     rng = random.Random(number)  # noqa: S311  # spoilt files are no secrets
-    commands = ("cross-check", "design", "identify", "feasible", "diagnose")
-    command = rng.choices(commands, weights=(9, 4, 5, 1, 1))[0]
-    with_data = command in ("identify", "feasible", "diagnose") or (
+    command = rng.choices(list(COMMANDS), weights=list(COMMANDS.values()))[0]
+    with_data = command in ("check", "identify", "feasible", "diagnose") or (
         command == "design" and rng.random() < 0.25
     )
     files: dict[str, str] = {}
@@ -46,6 +55,8 @@ def make_case(number: int, folder: Path) -> Case:
         if rng.random() < 0.5:
             files["robot.urdf"] = URDF
             files["dataset.toml"] = MANIFEST.replace("builtin:imi_scara", "robot.urdf")
+    elif command == "import":
+        files = {"estimation.csv": recording(0), "robot.urdf": URDF}
     else:
         name = rng.choices(list(ROBOTS), weights=(6, 2, 2, 2, 1))[0]
         files = {name: ROBOTS[name]}
@@ -54,13 +65,15 @@ def make_case(number: int, folder: Path) -> Case:
     source = ("{in}",) if with_data else (file,)
     if command == "design":
         source = ("--data" if with_data else "--robot", *source)
+    if command == "import":
+        source = (*source, "--robot", "{in}/robot.urdf")
     more = rng.choices(
         [(), ("--joints", "joint_2"), ("--joints", "nobody"), ("--joints", "joint_1", "joint_1")],
         weights=(12, 2, 1, 1),
     )[0]
     if command == "cross-check":
         return Case(command, (*source, "--states", "50"), told)
-    less = () if command == "identify" else ("--smoke",)
+    less = ("--smoke",) if command in ("design", "feasible", "diagnose") else ()
     return Case(command, (*source, *less, *(() if command == "diagnose" else more)), told)
 
 
