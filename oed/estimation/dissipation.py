@@ -38,8 +38,8 @@ def check_dissipation(
     """
     if np.all(_share_taken(friction, dq, torque) < -LEAST_SHARE):
         raise OedError(
-            f"{name}: with these torques friction drives every joint instead of braking it: the "
-            "signs of the tau columns are opposite to those of q; reverse one or the other"
+            f"{name}: with these torques friction drives every joint instead of braking it: signs of the "
+            "tau columns, or of q, are reversed; oed check tells which where a test shows it"
         )
 
 
