@@ -63,8 +63,8 @@ def find_cause(
         cause = all_reversed(dataset, projection)
     if cause is None:
         cause, is_repaired = find_repair(trials, dataset, is_bad=is_bad)
-    # Of repairs that nothing tells apart none is named, and the file's inertials are no judge of signs
-    # and scales among them: with their own they would have any. Gravity they know.
+    # Of repairs that nothing tells apart none is named: the file's inertials, often made up, do not choose
+    # among signs and scales. A gravity under which all of them agree is no accident.
     if cause is None and not is_repaired:
         cause = (
             _offset(trials) or all_reversed(dataset, projection) or all_scaled(dataset, projection)
