@@ -45,6 +45,8 @@ def gravity_reversed(
 ) -> Cause | None:
     """Every joint that tells has the file's torque with the opposite sign, and as it is with another gravity.
 
+    Friction brakes: under torques of the opposite sign it would drive.
+
     Args:
         dataset: As read.
         projection: Under the gravity that is declared.
@@ -52,6 +54,8 @@ def gravity_reversed(
     """
     telling = np.flatnonzero(projection.telling)
     if len(telling) < 2 or (projection.correlation[telling] > 0).any():
+        return None
+    if projection.friction < LEAST_SHARE:
         return None
     ways = [s for s in suspicions(dataset) if s.kind == "gravity"]
     found = [(s, under(s.change).correlation[telling]) for s in ways]
