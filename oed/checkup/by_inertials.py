@@ -24,8 +24,8 @@ OTHER_UNIT = 10.0  # farther from 1 than any such file
 
 def all_reversed(dataset: DataSet, projection: Projection) -> Cause | None:
     """Every joint that tells has the file's torque with the opposite sign, and friction drives."""
-    telling = np.flatnonzero(projection.telling)
-    if not len(telling) or (projection.correlation[telling] > 0).any():
+    telling = projection.opposed
+    if not len(telling):
         return None
     if (projection.braking > CLEAR_SHARE).any():
         return None  # where friction brakes the sign is right
@@ -52,10 +52,8 @@ def gravity_reversed(
         projection: Under the gravity that is declared.
         under: The same under that of a change.
     """
-    telling = np.flatnonzero(projection.telling)
-    if len(telling) < 2 or (projection.correlation[telling] > 0).any():
-        return None
-    if projection.friction < LEAST_SHARE:
+    telling = projection.opposed
+    if len(telling) < 2 or projection.friction < LEAST_SHARE:
         return None
     ways = [s for s in suspicions(dataset) if s.kind == "gravity"]
     found = [(s, under(s.change).correlation[telling]) for s in ways]

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from oed.dynamics.effects import RigidBody
@@ -51,6 +51,12 @@ class Projection:
     def telling(self) -> Bool[ndarray, " joints"]:
         """Joints whose torque the file's inertials explain, up to sign and scale."""
         return np.abs(self.correlation) >= TELLING
+
+    @property
+    def opposed(self) -> Int[ndarray, " telling"]:
+        """The joints that tell, where all have the file's torque with the opposite sign; else none."""
+        telling = np.flatnonzero(self.telling)
+        return telling[:0] if (self.correlation[telling] > 0).any() else telling
 
     @property
     def contrary(self) -> Bool[ndarray, " joints"]:

@@ -13,7 +13,6 @@ import numpy as np
 
 from oed.checkup.by_inertials import all_reversed, all_scaled, gravity_reversed
 from oed.checkup.cause import USELESS, Cause
-from oed.checkup.change import Change
 from oed.checkup.projection import Projection, project
 from oed.checkup.repair import Weighing, find_repair
 from oed.checkup.trial import Outcome, Trials, with_rotors
@@ -70,11 +69,9 @@ def find_cause(
             _offset(trials) or all_reversed(dataset, projection) or all_scaled(dataset, projection)
         )
     if cause is None:
-
-        def under(change: Change) -> Projection:
-            return project(change.model(model), recordings)
-
-        cause = gravity_reversed(dataset, projection, under)
+        cause = gravity_reversed(
+            dataset, projection, lambda change: project(change.model(model), recordings)
+        )
     return Search(cause, projection, as_logged)
 
 

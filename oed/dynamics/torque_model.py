@@ -99,8 +99,8 @@ class TorqueModel:
     @cached_property
     def rigid(self) -> Bool[ndarray, " parameters"]:
         """(p,) which parameters are the rigid body's."""
-        own = (isinstance(effect, RigidBody) for effect in self.effects)
-        return np.repeat(list(own), [len(effect.parameters) for effect in self.effects])
+        own = [isinstance(effect, RigidBody) for effect in self.effects for _ in effect.parameters]
+        return np.array(own, dtype=bool)
 
     def columns(self, motion: Motion) -> Float[ndarray, "samples joints parameters"]:
         """Torque per unit parameter at every instant and joint."""

@@ -6,8 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import matplotlib as mpl
 import numpy as np
+from jaxtyping import Float, Int
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
+from numpy import ndarray
 
 from oed.report.style import BLUE, COLUMN, GREY, PAGE, STYLE, VERMILION, new_figure
 
@@ -54,21 +57,9 @@ def plot_detection(bins: Sequence[Mapping[str, float | int]]) -> Figure:
     """
     figure = new_figure(COLUMN, 2.4)
     axes = figure.add_subplot()
-    size, noticed, right, lower, upper = (
-        np.array([float(b[key]) for b in bins])
-        for key in ("median", "noticed", "right", "lower", "upper")
-    )
+    size, noticed = (np.array([float(b[key]) for b in bins]) for key in ("median", "noticed"))
     axes.plot(size, noticed, "o--", color=GREY, label="noticed", markersize=3.5)
-    axes.errorbar(
-        size,
-        right,
-        yerr=[right - lower, upper - right],
-        fmt="o-",
-        color=BLUE,
-        label="right class",
-        markersize=3.5,
-        elinewidth=0.7,
-    )
+    _draw_right(axes, size, bins, "o-", "right class")
     axes.set_xscale("log")
     axes.set(xlabel="size of the effect / noise (rms)", ylabel="share", ylim=(-0.03, 1.03))
     axes.legend(loc="lower right")
@@ -85,20 +76,8 @@ def plot_reliability(bins: Sequence[Mapping[str, float | int | str]]) -> Figure:
     """
     figure = new_figure(COLUMN, 2.4)
     axes = figure.add_subplot()
-    stated, right, lower, upper = (
-        np.array([float(b[key]) for b in bins]) for key in ("stated", "right", "lower", "upper")
-    )
-    place = np.arange(len(bins))
-    axes.errorbar(
-        place,
-        right,
-        yerr=[right - lower, upper - right],
-        fmt="o",
-        color=BLUE,
-        label="right",
-        markersize=3.5,
-        elinewidth=0.7,
-    )
+    stated, place = [float(b["stated"]) for b in bins], np.arange(len(bins))
+    _draw_right(axes, place, bins, "o", "right")
     axes.plot(place, stated, "_", color=VERMILION, markersize=14, label="stated")
     for x, b in zip(place, bins, strict=True):
         axes.annotate(str(b["names"]), (x, 0.0), ha="center", fontsize=6.5, color=GREY)
@@ -107,6 +86,23 @@ def plot_reliability(bins: Sequence[Mapping[str, float | int | str]]) -> Figure:
     axes.set_xlim(-0.5, len(bins) - 0.5)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return figure
+
+
+def _draw_right(
+    axes: Axes,
+    place: Float[ndarray, " bins"] | Int[ndarray, " bins"],
+    bins: Sequence[Mapping[str, float | int | str]],
+    line: str,
+    label: str,
+) -> None:
+    """The share right of each bin with its interval."""
+    right, lower, upper = (
+        np.array([float(b[key]) for b in bins]) for key in ("right", "lower", "upper")
+    )
+    spread = [right - lower, upper - right]
+    axes.errorbar(
+        place, right, spread, fmt=line, color=BLUE, label=label, markersize=3.5, elinewidth=0.7
+    )
 
 
 @mpl.rc_context(STYLE)

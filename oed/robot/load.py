@@ -109,8 +109,11 @@ def _arm(description: RobotDescription, plant: MultibodyPlant) -> ArmChain:
     _check_any(description, names)
     tree = _tree(description, plant, names, {})
     arm = find_arm(names, [joint.parent for joint in tree.joints])
-    led = tuple(name for name in arm.names if name not in description.mimics)
-    return dataclasses.replace(arm, names=led)
+    led, *others = (
+        tuple(name for name in chain if name not in description.mimics)
+        for chain in (arm.names, *arm.others)
+    )
+    return dataclasses.replace(arm, names=led, others=tuple(others))
 
 
 def _of_plant(

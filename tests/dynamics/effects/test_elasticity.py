@@ -127,6 +127,7 @@ def test_a_part_of_a_model_is_seen_as_it_is_in_the_whole(bearing: float) -> None
     assert turned == pytest.approx(np.concatenate([whole[:, :, 20:], whole[:, :, :20]], axis=2))
     alone = dataclasses.replace(seen, effects=tuple(friction)).columns(motion)
     assert alone == pytest.approx(whole[:, :, 20:])
+    assert dataclasses.replace(seen, effects=()).columns(motion).shape[2] == 0
 
 
 @pytest.mark.parametrize("bearing", [0.6, 1.0])
