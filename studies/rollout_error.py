@@ -35,6 +35,7 @@ from studies.study_options import CaseOptions
 
 # Of each search [s] of CPU time, as in `studies.public_arms`.
 BUDGET, SMOKE_BUDGET = 60.0, 1.0
+SMOKE_CANDIDATES = ("stribeck", "torque_offset")  # in place of the whole catalogue
 SHORT = 12  # digits of a data set's hash
 KEY = ("arm", "content", "budget", "seed", "smoke")
 VALUES = (
@@ -109,6 +110,11 @@ class Case:
     reports: Path
 
     @property
+    def candidates(self) -> tuple[str, ...]:
+        """Effects that a diagnosis may name; the whole catalogue if empty."""
+        return SMOKE_CANDIDATES if self.smoke else ()
+
+    @property
     def key(self) -> tuple[str, ...]:
         """As text, in the order of `KEY`."""
         smoke = "yes" if self.smoke else "no"
@@ -125,6 +131,7 @@ def work(case: Case) -> Outcome:
             out=out,
             model="rotor",
             to=("numpy",),
+            candidates=case.candidates,
             budget=case.budget,
             smoke=case.smoke,
             seed=case.seed,
@@ -155,6 +162,7 @@ def second_round(case: Case, out: Path) -> float:
             out=out / "second_round",
             model=out / "diagnosis" / NAME,
             max_effects=0,
+            candidates=case.candidates,
             budget=0.0,
             seed=case.seed,
             smoke=case.smoke,

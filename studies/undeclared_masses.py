@@ -203,7 +203,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     config = Config(seeds=options.seeds, budget=options.budget)
     if options.smoke:
         few = ("torque_offset", "joint_spring")
-        config = Config(seeds=options.seeds[:1], seconds=10.0, candidates=few)
+        config = Config(seeds=options.seeds[:1], seconds=6.0, candidates=few)
     with options.held() as results:
         rows = run(config, smoke=options.smoke)
         with results.replaced() as new:

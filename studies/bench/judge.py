@@ -64,12 +64,14 @@ class Judge:
         module: The diagnosis, run as `python -m module --data DIR --out DIR`.
         limit: Longest time that it may take [s].
         keep: Whether the data sets stay for another run.
+        options: Of the diagnosis, beside its folders.
     """
 
     folder: Path
     module: str = "studies.close_loop"
     limit: float = 900.0
     keep: bool = True
+    options: tuple[str, ...] = ()
 
     def __call__(self, case: Case) -> dict[str, str | int | float]:
         """A line of the table."""
@@ -127,6 +129,7 @@ class Judge:
         shutil.rmtree(out, ignore_errors=True)
         out.parent.mkdir(parents=True, exist_ok=True)
         command = [sys.executable, "-m", self.module, "--data", str(data), "--out", str(out)]
+        command += self.options
         done = subprocess.run(  # noqa: S603  # this interpreter, a module of this repository
             command,
             capture_output=True,

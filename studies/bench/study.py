@@ -52,6 +52,7 @@ class Config:
         first_seed: Seed of the first.
         module: The diagnosis.
         limit: Longest time for a diagnosis [s].
+        options: Of the diagnosis.
     """
 
     groups: tuple[str, ...] = GROUPS
@@ -59,6 +60,12 @@ class Config:
     first_seed: int = 0
     module: str = "studies.close_loop"
     limit: float = 900.0
+    options: tuple[str, ...] = ()
+
+    @classmethod
+    def smoke(cls) -> Config:
+        """Of a diagnosis that only shows that it works."""
+        return cls(seeds=1, options=("--smoke", "--candidates", "torque_offset"))
 
 
 def run(
@@ -72,7 +79,7 @@ def run(
 ) -> list[BenchRow]:
     """Do the cases that have no line yet, and return all lines."""
     rows = RowFile(out / RUNS, KEY_COLUMNS, VALUE_COLUMNS)
-    judge = Judge(folder, config.module, config.limit)
+    judge = Judge(folder, config.module, config.limit, options=config.options)
     work = CaseRunner(judge, rows, "bench", code=(config.module,))
     work.run(cases, workers=workers, scheduler=scheduler)
     return list(rows.rows())
@@ -150,7 +157,11 @@ class Options(CaseOptions):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; 1 if all failed, else 0."""
     options = parse(Options, prog="python -m studies.bench", arguments=arguments)
-    config = Config(options.cases, options.seeds, options.first_seed)
+    config = (
+        Config.smoke()
+        if options.smoke
+        else Config(options.cases, options.seeds, options.first_seed)
+    )
     cases = smoke() if options.smoke else plan(config.seeds, config.groups, first=config.first_seed)
     sets = options.folder
     if options.make:
