@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from oed.experiment.drive import TorqueKind
 from oed.experiment.importing.name_words import (
@@ -26,6 +27,7 @@ MOTOR_BEHIND = re.compile(rf"(?<=[^._/ ])[._/ ]+({'|'.join(OF_MOTORS)})$", re.IG
 # Sources of what was measured, the likelier first. Raw may be numbers of a converter, which a plain
 # name beside it is not; what was filtered lags behind the rest of the log.
 MEASURED: tuple[Source, ...] = ("measured", "", "raw", "filtered")
+REMEMBERED = 10_000  # names, each for a quantity: more than a log has
 
 
 @dataclass(frozen=True)
@@ -92,16 +94,27 @@ def torques_of(columns: Mapping[str, str], kind: TorqueKind) -> list[list[Named]
 
 
 def _take_apart(column: str, called: str, stem: str, quantity: Quantity) -> Named | None:
-    for name, unit in _with_units(called, quantity):
-        for spelling in dict.fromkeys((name, parted(name))):
-            bare, source, words = without_source(spelling.strip())
-            found = _label(bare, stem)
-            if found is not None:
-                label, of_joints, before = found
-                said = (*words, *of_joints)
-                own = re.split("[./]", before)[-1]
-                return Named(column, stem, label, unit, source, said, whose(before), not own)
+    for bare, unit, source, words in _readings(called, quantity):
+        found = _label(bare, stem) if stem in _spelled(bare) else None
+        if found is not None:
+            label, of_joints, before = found
+            said = (*words, *of_joints)
+            own = re.split("[./]", before)[-1]
+            return Named(column, stem, label, unit, source, said, whose(before), not own)
     return None
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _readings(
+    called: str, quantity: Quantity
+) -> tuple[tuple[str, str, Source, tuple[str, ...]], ...]:
+    """Ways to read a name, which all stems share: what is left of it, its unit, its source and words of that."""
+    return tuple(
+        (bare, unit, source, words)
+        for name, unit in _with_units(called, quantity)
+        for spelling in dict.fromkeys((name, parted(name)))
+        for bare, source, words in (without_source(spelling.strip()),)
+    )
 
 
 def _with_units(called: str, quantity: Quantity) -> list[tuple[str, str]]:
