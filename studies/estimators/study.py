@@ -18,7 +18,7 @@ from oed.report.json_file import write_atomically
 from oed.report.provenance import Provenance
 from oed.report.style import save_figure
 from studies.case_runner import CaseRunner, RowFile, all_failed
-from studies.estimators.arms import SEED
+from studies.estimators.arms import KEYS, SEED
 from studies.estimators.conditions import CONDITIONS
 from studies.estimators.contest import KEY, METHODS, VALUES, Case, work
 from studies.estimators.pictures import PICTURES
@@ -31,7 +31,7 @@ FAST = tuple(m for m in METHODS if not m.startswith("feasible"))
 
 @dataclass(frozen=True)
 class Config:
-    """What is simulated: a fraction of the full factorial.
+    """What is simulated: every arm under every condition.
 
     Attributes:
         draws: Logs of each condition, by arm.
@@ -45,13 +45,8 @@ class Config:
 
 
 FULL = Config(
-    draws={"planar": 6, "quill": 4, "ur5": 2, "panda": 2},
-    conditions={
-        "planar": tuple(CONDITIONS),
-        "quill": ("base", "felt noise", "wrong friction", "poor motion"),
-        "ur5": ("base", "felt noise"),
-        "panda": ("base",),
-    },
+    draws={"planar": 6, "quill": 4, "ur5": 4, "panda": 4},
+    conditions=dict.fromkeys(KEYS, tuple(CONDITIONS)),
     feasible=("poor motion",),
 )
 SMOKE = Config(draws={"planar": 2}, conditions={"planar": ("base",)}, feasible=())
