@@ -1,13 +1,17 @@
-"""Whether a recording that is held out holds rows of one that is fitted.
+"""Whether a recording that is held out holds rows of one that is fitted, or plays its motion again.
 
-The error on such a recording is that of a fit, not of a prediction, and says nothing of other motions.
+The error on a copy is that of a fit, not of a prediction. That on the same motion is one of this motion:
+what bends to its path foretells it, and may say nothing of another.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.spatial import cKDTree
 
 from oed.checkup.finding import EvidenceRow, Finding
 from oed.experiment.dataset import DataSet
@@ -17,10 +21,13 @@ from oed.experiment.recording import Recording
 # columns a joint leaves no two rows of different moments as near in all of them.
 SAME = 1e-4
 COPIED = 0.1  # of the moving rows; chance gives none
+STEP = 0.05  # [s] from one place of a path to the next
+LOOKS = (0, 2, 4)  # steps at which positions are compared: where an arm is, and how it moves on
+RETRACED = 0.5  # of the places of a held-out motion: most of it is no new one
 
 
 def copy_finding(dataset: DataSet) -> Finding:
-    """Held-out recordings whose rows are also in a recording for estimation."""
+    """Held-out recordings whose rows, or whose motion, are also in a recording for estimation."""
     ranges = _ranges(dataset.recordings)
     rows: list[EvidenceRow] = []
     for held in (*dataset.validation, *dataset.test):
@@ -36,9 +43,7 @@ def copy_finding(dataset: DataSet) -> Finding:
                     }
                 )
     if not rows:
-        return Finding(
-            "held-out recordings", "green", "no held-out recording holds rows of one that is fitted"
-        )
+        return _retracing(dataset)
     told = ", ".join(
         f"{row['recording']} ({row['role']}) has {row['copied [%]']:.3g} % of its moving rows from "
         f"{row['rows of']}"
@@ -51,6 +56,63 @@ def copy_finding(dataset: DataSet) -> Finding:
         "record another motion to be predicted",
         tuple(rows),
     )
+
+
+def _retracing(dataset: DataSet) -> Finding:
+    """Held-out recordings that play a fitted motion again."""
+    topic, fitted = "held-out recordings", dataset.estimation
+    held = (*dataset.validation, *dataset.test)
+    shares = [(r, retraced_share(r, fitted)) for r in held]
+    told = [
+        f"{r.name} ({r.role}) follows for {100 * share:.3g} % of its way the path of the estimation "
+        "recordings"
+        for r, share in shares
+        if share > RETRACED
+    ]
+    rows: tuple[EvidenceRow, ...] = tuple(
+        {"recording": r.name, "role": r.role, "of a fitted path [%]": 100 * share}
+        for r, share in shares
+    )
+    if not told:
+        text = "no held-out recording holds rows of one that is fitted, or plays its motion again"
+        return Finding(topic, "green", text, "", rows)
+    return Finding(
+        topic,
+        "amber",
+        f"{', '.join(told)}: its error tells of this motion, and little of another",
+        "hold out a recording of another motion: oed design with another --seed gives one",
+        rows,
+    )
+
+
+def retraced_share(held: Recording, fitted: Sequence[Recording]) -> float:
+    """Share of a motion along which an arm moves where, and as, it did in others.
+
+    A place of a path is the positions of all joints at several moments after one another, each over
+    its range. It is one of another path's if it is no further from one of its places than from the
+    next of its own.
+    """
+    own = _places(held)
+    there = [x for x in map(_places, fitted) if len(x)]
+    if len(own) < 2 or not there:
+        return 0.0
+    every = np.concatenate([*there, own])
+    ranges = np.ptp(every, axis=0)
+    scale = np.where(ranges > 0, ranges, 1.0)
+    distance, _ = cKDTree(np.concatenate(there) / scale).query(own[:-1] / scale)
+    step = np.linalg.norm(np.diff(own / scale, axis=0), axis=1)
+    moves = step > SAME
+    return float(np.mean(distance[moves] <= step[moves])) if moves.any() else 0.0
+
+
+def _places(recording: Recording) -> Float[ndarray, "places positions"]:
+    """Positions of all joints at every step, and at some after it."""
+    t = np.arange(recording.t[0], recording.t[-1], STEP)
+    q = np.column_stack([np.interp(t, recording.t, x) for x in recording.q.T])
+    last = len(q) - max(LOOKS)
+    if last < 1:
+        return np.zeros((0, q.shape[1] * len(LOOKS)))
+    return np.hstack([q[k : last + k] for k in LOOKS])
 
 
 def copied_share(held: Recording, fitted: Recording, ranges: Float[ndarray, " columns"]) -> float:

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oed.checkup.copies import copy_finding
+from oed.checkup.copies import copy_finding, retraced_share
 from tests.checkup.simulated_arm import dataset, recorded
 
 
@@ -36,8 +36,39 @@ def test_a_part_that_overlaps_is_told_with_its_share():
     assert found.rows[0]["copied [%]"] == pytest.approx(50, abs=2)
 
 
-def test_the_same_motion_played_again_is_no_copy():
+def test_the_same_motion_played_again_is_no_copy_and_no_other_motion():
     fit = recorded(1, "estimation", "fit")
-    noise = 0.05 * np.random.default_rng(3).standard_normal(fit.tau.shape)
-    again = dataclasses.replace(fit, name="again", role="validation", tau=fit.tau + noise)
-    assert copy_finding(dataset(recordings=(fit, again))).level == "green"
+    rng = np.random.default_rng(3)
+    noise = 0.05 * rng.standard_normal(fit.tau.shape)
+    # Another moment of the same way, an encoder that is read anew.
+    late = fit.t[:-7] + 0.4 * np.median(np.diff(fit.t))
+    q = np.column_stack([np.interp(late, fit.t, x) for x in fit.q.T])
+    again = dataclasses.replace(
+        fit,
+        name="again",
+        role="validation",
+        t=late,
+        q=q + 1e-5 * rng.standard_normal(q.shape),
+        tau=(fit.tau + noise)[:-7],
+        dq=None,
+        ddq=None,
+    )
+    found = copy_finding(dataset(recordings=(fit, again)))
+    assert found.level == "amber"
+    assert "again (validation) follows for 100 %" in found.text
+
+
+def test_the_same_path_at_another_speed_is_another_motion():
+    fit = recorded(1, "estimation", "fit")
+    slow = dataclasses.replace(
+        fit, name="slow", role="validation", t=2.0 * fit.t, tau=fit.tau + 1.0, dq=None, ddq=None
+    )
+    assert copy_finding(dataset(recordings=(fit, slow))).level == "green"
+
+
+def test_a_motion_of_which_a_part_is_new_has_its_share():
+    fit, other = recorded(1, "estimation", "fit"), recorded(2, "validation", "held")
+    half = len(fit) // 2
+    q = np.concatenate([fit.q[:half], other.q[half:]])
+    mixed = dataclasses.replace(other, q=q, tau=other.tau + 1.0)
+    assert retraced_share(mixed, [fit]) == pytest.approx(0.5, abs=0.03)

@@ -18,7 +18,7 @@ from oed.diagnosis.selection.screen import (
     promised,
     weighed,
 )
-from oed.diagnosis.selection.search import as_handed_on
+from oed.diagnosis.selection.search import as_handed_on, keep_predictive
 from oed.diagnosis.selection.sign_refit import with_refitted_sign
 from oed.diagnosis.selection.tables import as_term
 from oed.diagnosis.setup import pose
@@ -120,6 +120,27 @@ def test_nuisances_that_take_up_what_the_model_explains_have_no_part_in_the_esti
     alone = as_handed_on(Views.of(problem.bare, (), "all"), lambda _: None).every.parameters
     assert estimated == pytest.approx(alone, rel=1e-3)  # weights of rows settle to a per cent
     assert greedy.every.parameters != pytest.approx(alone, rel=1e-2)
+
+
+def test_a_term_has_to_serve_where_it_is_handed_on_without_nuisances(problem, monkeypatch):
+    friction = Views.of(problem.bare, (), "fitted").every.projection.columns[:, :, -1:]
+    noise = 1e-3 * np.random.default_rng(3).normal(size=friction.shape)
+    law = next(c for c in problem.names if c.label == "stribeck@1")
+    fitted = Views.of(problem.bare, (), "fitted").means
+    tried = (evaluate(law, shapes, fitted) for shapes in law.grid(problem.context))
+    term = as_term(next(s for s in tried if s is not None))
+    # Beside nuisances it gains, without it does not.
+    monkeypatch.setattr(
+        "oed.diagnosis.selection.search._gains_ahead",
+        lambda views: [10.0 if views.problem.nuisances.size else -1.0] * len(views.terms),
+    )
+
+    def kept(nuisances):
+        there = dataclasses.replace(problem, nuisances=nuisances)
+        return keep_predictive(Views.of(there, (term,), "all"), lambda _: None).terms
+
+    assert kept(noise)
+    assert not kept(friction + noise)
 
 
 def test_a_drift_is_compared_on_the_rows_that_show_it():

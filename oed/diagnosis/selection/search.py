@@ -61,11 +61,13 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
     while True:
         found = _each_by_its_best(tables, views, say, found, may_exchange=exchanges > 0)
         is_exchanged = found.views is not views
-        changed = found.views if is_exchanged else _predictive(views, say)
-        if changed is views or (is_exchanged and over()):
-            break
-        exchanges -= is_exchanged
-        views = prune(changed, say)
+        exchanges = 0 if over() else exchanges - is_exchanged
+        views = found.views
+        if not is_exchanged or over():
+            views = keep_predictive(views, say)
+            if views is found.views:
+                break
+        views = prune(views, say)
     return dataclasses.replace(found, views=as_handed_on(found.views, say))
 
 
@@ -76,13 +78,18 @@ def as_handed_on(views: Views, say: Say) -> Views:
     their own number costs, and more where they take up what the model lacks. Signs turn as `oed
     identify` has them.
     """
-    bare = Views.of(views.problem.bare, views.terms, "fitted", views)
-    gain = bare.rise(ahead(views, views.terms), "held_out")
+    bare, gain = _without_nuisances(views)
     if gain > PREDICTION_GAIN:
         say(f"estimated without nuisances: held-out rows {gain:.1f} nats")
         views = bare
     problem = with_least_torque_left(views)
     return Views.of(problem, views.terms, "all", views, settled=True)
+
+
+def _without_nuisances(views: Views) -> tuple[Views, float]:
+    """The same terms estimated without nuisances, and what held-out rows gain by that [nats]."""
+    bare = Views.of(views.problem.bare, views.terms, "fitted", views)
+    return bare, bare.rise(ahead(views, views.terms), "held_out")
 
 
 def _each_by_its_best(
@@ -163,10 +170,16 @@ def _ahead_and_back(
     return _ahead_and_back(tables, again, say, over, refused=refused, looks=looks - 1)
 
 
-def _predictive(views: Views, say: Say) -> Views:
-    """The model without terms that predict held-out rows no better, one after another."""
+def keep_predictive(views: Views, say: Say) -> Views:
+    """The model without terms that predict held-out rows no better, one after another.
+
+    Where it is handed on without nuisances, each has to serve there as well as beside them.
+    """
     while views.terms:
-        gains = _gains_ahead(views)
+        gains = np.array(_gains_ahead(views))
+        bare, gain = _without_nuisances(views)
+        if gain > PREDICTION_GAIN:
+            gains = np.minimum(gains, _gains_ahead(bare))
         least = int(np.argmin(gains))
         if gains[least] > 0:
             return views
