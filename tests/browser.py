@@ -140,6 +140,8 @@ class Browser:
         self._thread = ThreadPoolExecutor(max_workers=1)
         self._thread.submit(self._open, program).result()
 
+        self._looked: dict[tuple[str, int, int, bool], Seen] = {}
+
     def _open(self, program: str) -> None:
         from playwright.sync_api import sync_playwright  # noqa: PLC0415  only where a browser is
 
@@ -157,14 +159,17 @@ class Browser:
         self._thread.shutdown()
 
     def look(self, path: Path, width: int, *, touched: bool = False) -> Seen:
-        """Open a page in a window of that width [px], and wait until its figures are drawn.
+        """Open a page in a window of that width [px], and wait until its figures are drawn; once.
 
         Args:
             path: Of the page.
             width: Of the window [px].
             touched: Whether by a finger, as on a phone, where no pointer hovers.
         """
-        return self._thread.submit(self._look, path, width, touched).result()
+        key = (str(path), path.stat().st_mtime_ns, width, touched)
+        if key not in self._looked:
+            self._looked[key] = self._thread.submit(self._look, path, width, touched).result()
+        return self._looked[key]
 
     def found(self, path: Path, words: str) -> list[str]:
         """Addresses that the search of a page of the documentation lists for some words."""
