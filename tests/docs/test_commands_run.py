@@ -26,10 +26,12 @@ from tests.running import oed
 
 LINES = list(oed_lines())
 IMPORT = next(words for words in LINES if words[0] == "import")
-# The demo has a test of its own, and so has what a shell completes by.
-OTHERS = [words for words in LINES if words[0] != "demo" and words[0] in COMMANDS]
-# A diagnosis takes the time that it is given.
-LESS = {name: ["--smoke", "--budget", "0"] for name in ("diagnose", "calibrate")}
+# The demo has a test of its own, and so have a refinement and what a shell completes by.
+ELSEWHERE = {"demo", "--refine"}
+OTHERS = [words for words in LINES if not ELSEWHERE & {*words} and words[0] in COMMANDS]
+# A diagnosis takes the time that it is given, and as long as it has candidates to try.
+FEW = ["--smoke", "--budget", "0", "--candidates", "stribeck"]
+LESS = dict.fromkeys(("diagnose", "calibrate"), FEW)
 # What the pages' examples say of the load: its mass [kg] and centre in the last link's frame [m].
 MASS, CENTRE = 2.805, np.array([0.0, 0.0, 0.06])
 LIGHTER = 1.0  # [kg]
