@@ -25,7 +25,8 @@ from oed.export.model_file import NAME as MODEL
 from oed.export.model_file import write_model
 from oed.one_thread import on_one_thread
 from oed.report.diagnosis_report import write_diagnosis
-from oed.report.joint_words import over_floor, place_words
+from oed.report.doubts import far_off, names_of
+from oed.report.joint_words import over_floor
 from oed.report.next_steps import Run, next_steps
 from oed.report.provenance import Provenance
 from oed.report.study_files import CLOSE_LOOP
@@ -161,8 +162,7 @@ def _summarise(outcome: Outcome, config: Diagnose) -> None:
             + (f"(standard deviation {p.std:.2g})" if p.std is not None else f"({p.note})")
             for p in effect.parameters
         )
-        where = place_words(effect.joint)
-        print(f"  {effect.name} ({where}), probability {effect.probability:.3f}: {values}")
+        print(f"  {names_of(effect)}, probability {effect.probability:.3f}: {values}")
     for item in unnamed_terms(found):
         carries = "" if item.carried is None else f"carries {item.carried:.3g} noise floors; "
         print(
@@ -173,7 +173,10 @@ def _summarise(outcome: Outcome, config: Diagnose) -> None:
         print(f"  {in_words(text, words)}")
     for errors in found.errors:
         old, new = (over_floor(x, found.noise_floor) for x in (errors.before, errors.after))
-        print(f"  {errors.role} error: {old:.3g} -> {new:.3g} times the noise floor")
+        print(
+            f"  {errors.role} error: {old:.3g} -> {new:.3g} times the noise floor"
+            f"{far_off(errors.after, found)}"
+        )
     for step in next_steps(found, outcome.following, _where(config)):
         print(f"next: {step.text}")
         for line in step.commands:

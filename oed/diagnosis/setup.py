@@ -133,9 +133,10 @@ def pose(
         ordered=len(estimation) < 2 or not estimation[0].laid or any(p.period for p in estimation),
     )
     n = model.robot.n
-    smooth = terms_alone(estimation, n)
+    # Over all that is fitted in the end: a curve that ends sooner cannot follow the rest.
+    smooth = terms_alone((*estimation, *validation), n)
     if n <= ALL_PAIRED:
-        smooth += terms_together(estimation, n, range(n))
+        smooth += terms_together((*estimation, *validation), n, range(n))
     repeated = any(p.period is not None for p in rows.prepared)
     problem = Problem(
         rows,

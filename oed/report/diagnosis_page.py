@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from oed.diagnosis.candidates.candidate import NamedCandidate
 from oed.diagnosis.diagnose import Diagnosis
 from oed.diagnosis.discrimination.next_motion import NextExperiment
 from oed.diagnosis.inference.answer import FoundEffect
 from oed.report.chart import THINNED
 from oed.report.diagnosis_record import NEXT
-from oed.report.joint_words import joint_labels, over_floor, place_words, torque_units
+from oed.report.doubts import far_off, names_of
+from oed.report.joint_words import joint_labels, over_floor, torque_units
 from oed.report.next_steps import Run, next_steps
 from oed.report.open_sections import steps_sections, unnamed_sections
 from oed.report.page import Links, Page, Picture, Section, Table, Text, Verdict
@@ -56,7 +58,7 @@ def diagnosis_page(
         *(Section("What each addition does", [picture]) for picture in additions),
         _error_section(found, labels, pictures["proof"]),
         _torque_section(found, torques),
-        *(_effect_section(effect, labels, words) for effect in found.effects),
+        *(_effect_section(found, effect, labels, words) for effect in found.effects),
         *([] if following is None else [_next_section(following, words)]),
         *([Section("Notes on the data", [Text(f"{n}.") for n in notes])] if notes else []),
     ]
@@ -90,19 +92,20 @@ def _without_name(unnamed: Sequence[Unnamed]) -> str:
 def _verdict(
     found: Diagnosis, unnamed: Sequence[Unnamed], words: Mapping[str, TermWords]
 ) -> Verdict:
-    names = ", ".join(f"{e.name} ({place_words(e.joint)})" for e in found.effects)
+    names = ", ".join(map(names_of, found.effects))
     headline = found.verdict.capitalize() + (f": {names}" if names else "")
     if unnamed:
         headline += f"{';' if names else ','} without a name: {_without_name(unnamed)}"
     sentences = [
         f"{e.role.capitalize()} error: {over_floor(e.before, found.noise_floor):.2f} → "
-        f"{over_floor(e.after, found.noise_floor):.2f} noise floors."
+        f"{over_floor(e.after, found.noise_floor):.2f} noise floors{far_off(e.after, found)}."
         for e in found.errors
         if e.role != "estimation"
     ]
+    is_far_off = any(far_off(e.after, found) for e in found.errors if e.role == "test")
     told = [in_words(text, words) for text in found.contradicted]
     contradicted = [f"{text[0].upper()}{text[1:]}." for text in told]
-    good = found.verdict in ("nothing found", "explained") and not contradicted
+    good = found.verdict in ("nothing found", "explained") and not (contradicted or is_far_off)
     text = " ".join([SAYS[found.verdict], *sentences, *contradicted])
     return Verdict("good" if good else "warning", headline, text)
 
@@ -198,7 +201,7 @@ def _below_floor(found: Diagnosis, labels: Sequence[str]) -> str:
 
 
 def _effect_section(
-    effect: FoundEffect, labels: Sequence[str], words: Mapping[str, TermWords]
+    found: Diagnosis, effect: FoundEffect, labels: Sequence[str], words: Mapping[str, TermWords]
 ) -> Section:
     place = "the whole arm" if effect.joint is None else labels[effect.joint]
     parameters: list[Row] = [
@@ -222,12 +225,14 @@ def _effect_section(
         f"Probability {effect.probability:.3f}; log evidence {effect.nats:.3g} nats; held-out rows are "
         f"predicted better by {effect.held_out_gain:.3g} nats."
     )
-    page = effect.page
+    page, candidate = effect.page, found.selected.views.terms[effect.number].candidate
+    alike = candidate.entry.equivalent if isinstance(candidate, NamedCandidate) else ()
     blocks: list[Text | Table | Picture] = [
         Text(said),
         Text(f"{page.equation}. {page.parameters}."),
         Table(parameters, "Parameters.", digits=4),
         *([Table(others, "What else was weighed in its place.")] if others else []),
+        *(Text(f"By its formula it is not told from: {text}.") for text in alike),
         Text(f"Signature: {page.signature}. Exposed by: {page.exposed_by}. Source: {page.source}."),
     ]
     return Section(f"{effect.name}, {place}", blocks)

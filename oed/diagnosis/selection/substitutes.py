@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.stats import chi2
 
 from oed.diagnosis.evidence.moments import columns_of
 from oed.diagnosis.evidence.term import Term
@@ -29,8 +30,9 @@ class Substitute:
     Attributes:
         term: It.
         nats: What it is worth there, at the term's own dilution and variance.
-        is_same: Whether it gives the torque that the term gives: a model with it, which `in_place`
-            makes, is not kept, since each holds columns of all rows.
+        is_same: Whether it gives the torque that the term gives, but for what formulas err by; a
+            smooth term, but for what noise makes of one: a model with it, which `in_place` makes, is
+            not kept, since each holds columns of all rows.
         price: -log of its prior probability [nats].
     """
 
@@ -64,7 +66,8 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
     nothing = ahead(own.rest, own.rest.terms).shared()
 
     def placed(scored: Scored) -> Substitute | None:
-        grown = in_place(whole, own, as_term(_as_smooth(scored, own)))
+        smoothed = _as_smooth(scored, own)
+        grown = in_place(whole, own, as_term(smoothed))
         # Substitutes of one size are compared at the same, smaller dilution.
         nats = _nats_in_place(grown, whole, own)
         if grown.terms[-1].label == own.term.label and nats <= own.worth.nats + PREDICTION_GAIN:
@@ -72,7 +75,11 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         is_excluded = nats < own.worth.nats - NOT_EXCLUDED
         if not is_excluded and ahead(grown, grown.terms).rise(nothing, "held_out") <= 0:
             return None
-        is_same = _cosine(mine, _given(grown, own)) > ALIKE
+        given = _given(grown, own)
+        is_same = _cosine(mine, given) > ALIKE or (
+            not scored.candidate.is_named
+            and float(np.sum((mine - given) ** 2)) < _least_noticed(smoothed, own)
+        )
         cost = price_of(grown, grown.terms[-1], own.moments)
         return Substitute(grown.terms[-1], nats, is_same, cost)
 
@@ -108,9 +115,14 @@ def _plainness(substitute: Substitute) -> tuple[float, int]:
 
 
 def _is_itself(scored: Scored, term: Term) -> bool:
-    """Whether a candidate is the term with the shapes that it has, whose refit would end where it is."""
-    alike = scored.candidate is term.candidate and scored.values == term.values
-    return alike and term.candidate.is_named
+    """Whether a candidate is the term with the shapes that it has; how smooth it is, the whole model says."""
+    return scored.candidate is term.candidate and scored.values == term.values
+
+
+def _least_noticed(scored: Scored, own: Judged) -> float:
+    """Sum of squares by which noise alone makes a smooth term differ from a formula that is right."""
+    freedom = max(scored.worth.freedom, 1.0)
+    return own.moments.dilution * float(chi2.ppf(NAMED, freedom))
 
 
 def _as_smooth(scored: Scored, own: Judged) -> Scored:
