@@ -175,7 +175,7 @@ def _summarise(outcome: Outcome, config: Diagnose) -> None:
         old, new = (over_floor(x, found.noise_floor) for x in (errors.before, errors.after))
         print(
             f"  {errors.role} error: {old:.3g} -> {new:.3g} times the noise floor"
-            f"{far_off(errors.after, found)}"
+            f"{far_off(errors.after, found.noise_floor)}"
         )
     for step in next_steps(found, outcome.following, _where(config)):
         print(f"next: {step.text}")

@@ -98,11 +98,11 @@ def _verdict(
         headline += f"{';' if names else ','} without a name: {_without_name(unnamed)}"
     sentences = [
         f"{e.role.capitalize()} error: {over_floor(e.before, found.noise_floor):.2f} → "
-        f"{over_floor(e.after, found.noise_floor):.2f} noise floors{far_off(e.after, found)}."
+        f"{over_floor(e.after, found.noise_floor):.2f} noise floors{far_off(e.after, found.noise_floor)}."
         for e in found.errors
         if e.role != "estimation"
     ]
-    is_far_off = any(far_off(e.after, found) for e in found.errors if e.role == "test")
+    is_far_off = any(far_off(e.after, found.noise_floor) for e in found.errors if e.role == "test")
     told = [in_words(text, words) for text in found.contradicted]
     contradicted = [f"{text[0].upper()}{text[1:]}." for text in told]
     good = found.verdict in ("nothing found", "explained") and not (contradicted or is_far_off)

@@ -1,0 +1,57 @@
+"""What is asked in a term's place: a curve within noise of a formula is none of its rivals."""
+
+import numpy as np
+import pytest
+
+from oed.diagnosis.evidence.views import Views
+from oed.diagnosis.selection.judge import judge
+from oed.diagnosis.selection.screen import evaluate
+from oed.diagnosis.selection.substitutes import substitutes_of
+from oed.diagnosis.selection.tables import Tables, as_term
+from oed.diagnosis.setup import pose
+from oed.dynamics.torque_model import TorqueModel
+from tests.diagnosis.arm import data_set
+
+
+def _spring(bend):
+    """A weak spring at the first joint, of which a part is bent by no formula that is tried."""
+
+    def torque(q, dq, ddq):
+        result = np.zeros_like(q)
+        result[:, 0] = 0.2 * q[:, 0] + bend * np.sin(4 * q[:, 0])
+        return result
+
+    return torque
+
+
+def _asked(bend, label):
+    """What could stand in the place of a term, and the term's own label."""
+    dataset = data_set(61, repetitions=1, extra=_spring(bend))
+    problem = pose(dataset, TorqueModel.standard(dataset.robot), names=("joint_spring",))[0]
+    start = Views.of(problem, (), "all")
+    candidate = next(c for c in problem.candidates if c.label == label)
+    scored = evaluate(candidate, next(iter(candidate.grid(problem.context))), start.means)
+    assert scored is not None
+    whole = start.grown((as_term(scored),), "all")
+    tables = Tables.of(Views.of(problem, (), "fitted"), problem.candidates)
+    return substitutes_of(tables, whole, judge(whole, 0))
+
+
+@pytest.mark.parametrize(("bend", "is_same"), [(0.0, True), (0.3, False)])
+def test_a_curve_gives_a_formulas_torque_where_noise_alone_parts_them(bend, is_same):
+    curve = next(s for s in _asked(bend, "joint_spring@1") if s.term.label.startswith("f(q_1)["))
+    assert curve.is_same is is_same
+
+
+def test_a_curve_is_not_weighed_against_itself():
+    labels = [s.term.label for s in _asked(0.3, "f(q_1)[11]@1")]
+    assert labels.count("f(q_1)[11]@1") == 1
+
+
+def test_curves_reach_as_far_as_all_that_is_fitted():
+    dataset = data_set(62, repetitions=1, near=0.5)
+    problem = pose(dataset, TorqueModel.standard(dataset.robot), names=("joint_spring",))[0]
+    curve = next(c for c in problem.smooth if c.label == "f(q_1)[11]@1").term.coordinates[0]
+    q = np.concatenate([p.motion.q[:, 0] for p in problem.rows.prepared if p.role == "validation"])
+    assert curve.lower == pytest.approx(q.min(), abs=0.05)
+    assert curve.upper == pytest.approx(q.max(), abs=0.05)
