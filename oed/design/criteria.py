@@ -114,6 +114,13 @@ def cost(information: Float[ndarray, "columns columns"], criterion: Criterion) -
     raise ValueError(f"criterion {criterion!r} is none of {CRITERIA}")
 
 
+def value_of(cost: float, criterion: Criterion) -> float:
+    """The criterion itself, of its `cost`: J_k, J_d, the trace of A or the eigenvalue of E."""
+    if criterion == "J_d":
+        return -cost
+    return float(10.0 ** (-cost if criterion == "E" else cost))
+
+
 def cost_and_slope(
     information: Float[ndarray, "columns columns"],
     criterion: Criterion,
@@ -139,14 +146,14 @@ def cost_and_slope(
     if criterion == "J_d":
         value, weights = -logs.sum(), -np.ones_like(logs)
     elif criterion == "A":
-        value, weights = _soft_maximum(-logs, 1.0)
+        value, weights = soft_maximum(-logs, 1.0)
         weights = -weights
     elif criterion == "E":
-        value, weights = _soft_maximum(-logs, exponent)
+        value, weights = soft_maximum(-logs, exponent)
         weights = -weights
     elif criterion == "J_k":
-        largest, above = _soft_maximum(logs, exponent)
-        smallest, below = _soft_maximum(-logs, exponent)
+        largest, above = soft_maximum(logs, exponent)
+        smallest, below = soft_maximum(-logs, exponent)
         value, weights = largest + smallest, above - below
     else:
         raise ValueError(f"criterion {criterion!r} is none of {CRITERIA}")
@@ -154,7 +161,7 @@ def cost_and_slope(
     return float(value / np.log(10)), slope / np.log(10)
 
 
-def _soft_maximum(
+def soft_maximum(
     values: Float[ndarray, " columns"], exponent: float
 ) -> tuple[float, Float[ndarray, " columns"]]:
     """Logarithm of the p-norm of exp(values), and its gradient; the maximum itself for p = inf."""

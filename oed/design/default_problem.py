@@ -138,8 +138,8 @@ def _nominal(model: TorqueModel, *, enabled: bool) -> _Nominal:
     _check_mass(robot)
     nominal = np.zeros(len(model.parameters))
     nominal[: len(robot.parameters)] = robot.parameters
-    check_torque_bounded(model, nominal)
-    stand = find_stand(model, nominal)
+    check_torque_bounded(model, nominal[None])
+    stand = find_stand(model, nominal[None])
     notes = ["torque is limited for the file's own inertia, friction not counted"]
     if not np.array_equal(stand.posture, roomiest_posture(robot.limits)):
         posture = ", ".join(f"{q:.3g}" for q in stand.posture)

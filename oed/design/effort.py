@@ -54,12 +54,12 @@ class Stand:
     shares: Float[ndarray, " joints"]
 
 
-def find_stand(model: TorqueModel, nominal: Float[ndarray, " parameters"]) -> Stand:
+def find_stand(model: TorqueModel, parameters: Float[ndarray, "models parameters"]) -> Stand:
     """Mid-range (by sums of positions too) where the arm can stand there, else the easiest of many postures.
 
     Args:
         model: Of the torque; position limits of its robot are finite.
-        nominal: (p,) parameters.
+        parameters: (m, p) with each of which the arm is to stand: the nominal ones, and others.
 
     Raises:
         EffortTooSmall: If gravity takes too much of an effort limit in every posture.
@@ -71,8 +71,9 @@ def find_stand(model: TorqueModel, nominal: Float[ndarray, " parameters"]) -> St
     is_within = ((limits.sum_bounds[:, 0] < sums) & (sums < limits.sum_bounds[:, 1])).all(axis=1)
     postures = np.vstack([roomiest_posture(limits), grid[is_within]])
     still = np.zeros_like(postures)
-    torque = model.torque(nominal, Motion(np.zeros(len(postures)), postures, still, still))
-    shares = np.abs(torque) / np.abs(limits.torque).min(axis=1)
+    columns = model.columns(Motion(np.zeros(len(postures)), postures, still, still))
+    torque = np.abs(columns @ parameters.T).max(axis=2)
+    shares = torque / np.abs(limits.torque).min(axis=1)
     worst = shares.max(axis=1)
     best = 0 if worst[0] <= STANDING_SHARE else int(worst.argmin())
     if worst[best] > STANDING_SHARE:

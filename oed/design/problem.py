@@ -177,10 +177,10 @@ class DesignProblem:
         width = self.sign_width if sign_width is None else sign_width
         motion = self.trajectory.motion(z, self.instants)
         bare, entries = self.fast.information_and_entries(motion, width)
-        value, slope = cost_and_slope(self._complete(bare), self.criterion, exponent)
+        value, slope = self._worth_and_slope(bare, exponent)
         if not np.isfinite(value):
             return value, np.zeros(self.size)
-        adjoint = self.fast.adjoint(entries, self._of_rows(bare, slope))
+        adjoint = self.fast.adjoint(entries, slope)
         if self.limits_torque:
             penalty, push = self._torque.penalty(entries)
             value, adjoint = value + dearer * penalty, adjoint + dearer * push
@@ -205,10 +205,13 @@ class DesignProblem:
             TorqueNotBounded: If torque is limited and an effect of the nominal model cannot be
                 evaluated on intervals.
         """
-        torque = None
-        if self.nominal is not None and self.limits_torque:
-            torque = proven_torque_range(self.model, self.nominal, self.trajectory, z)
-        return certify(self.trajectory, z, self.limits, torque)
+        return certify(self.trajectory, z, self.limits, self.torque_range(z))
+
+    def torque_range(self, z: Float[ndarray, " size"]) -> Float[ndarray, "joints 2"] | None:
+        """Proven bounds on the nominal torque [N m]; None where torque is not limited."""
+        if self.nominal is None or not self.limits_torque:
+            return None
+        return proven_torque_range(self.model, self.nominal[None], self.trajectory, z)
 
     @property
     def limits_torque(self) -> bool:
@@ -237,7 +240,8 @@ class DesignProblem:
     def _torque(self) -> NominalTorque:
         if self.nominal is None:
             raise ValueError("no nominal parameters to limit the torque of")
-        return NominalTorque.of(self.regressor, self.base, self.nominal, self.limits.torque)
+        columns = self.base.from_standard(self.nominal)[None]
+        return NominalTorque.of(self.regressor, columns, self.limits.torque)
 
     def torque_factor(self, z: Float[ndarray, " size"]) -> float:
         """Share of a motion, from 0 to 1, that the torque limits leave of it."""
@@ -263,6 +267,13 @@ class DesignProblem:
         return self.trajectory.shift(
             smaller, (1 - factor) * (self.stand - self.trajectory.centre(z))
         )
+
+    def _worth_and_slope(
+        self, bare: Float[ndarray, "columns columns"], exponent: float
+    ) -> tuple[float, Float[ndarray, "columns columns"]]:
+        """The criterion of the rows' own information, and its gradient by that."""
+        value, slope = cost_and_slope(self._complete(bare), self.criterion, exponent)
+        return value, self._of_rows(bare, slope)
 
     def _of_rows(
         self,

@@ -40,7 +40,7 @@ class TorqueNotBounded(OedError):
 
 def proven_torque_range(
     model: TorqueModel,
-    parameters: Float[ndarray, " parameters"],
+    parameters: Float[ndarray, "models parameters"],
     trajectory: TrajectoryClass,
     z: Float[ndarray, " size"],
 ) -> Float[ndarray, "joints 2"]:
@@ -48,7 +48,7 @@ def proven_torque_range(
 
     Args:
         model: Its measurement effects are not seen.
-        parameters: (p,) nominal.
+        parameters: (m, p) each of which the bounds hold for: the nominal ones, and others.
         trajectory: The class.
         z: The motion.
 
@@ -62,9 +62,9 @@ def proven_torque_range(
     attained = np.stack([np.full(n, np.inf), np.full(n, -np.inf)])
     proven = attained.copy()
     for level in range(LEVELS):
-        centre = model.torque(parameters, trajectory.motion(z, middle))
-        attained[0] = np.minimum(attained[0], centre.min(axis=0))
-        attained[1] = np.maximum(attained[1], centre.max(axis=0))
+        centre = model.columns(trajectory.motion(z, middle)) @ parameters.T
+        attained[0] = np.minimum(attained[0], centre.min(axis=(0, 2)))
+        attained[1] = np.maximum(attained[1], centre.max(axis=(0, 2)))
         q, dq, ddq = (_signal_on(trajectory, z, order, middle, half) for order in range(3))
         state = State(Interval(middle - half, middle + half), q, dq, ddq)
         lower, upper = _torque_on(model, parameters, state)
@@ -81,30 +81,40 @@ def proven_torque_range(
     return proven.T.copy()
 
 
-def check_torque_bounded(model: TorqueModel, parameters: Float[ndarray, " parameters"]) -> None:
+def check_torque_bounded(
+    model: TorqueModel, parameters: Float[ndarray, "models parameters"]
+) -> None:
     """Ask, before the work, whether `proven_torque_range` can bound a model's torque.
+
+    Args:
+        model: As there, and so are the parameters.
+        parameters: Effects count that any of them has a part of.
 
     Raises:
         TorqueNotBounded: If it cannot.
     """
-    short = Interval(np.zeros(1), np.full(1, 1e-3))
+    # Round a standstill, where an effect is least likely to have bounds.
+    short = Interval(np.full(1, -1e-3), np.full(1, 1e-3))
     signals = [short] * model.robot.n
     _torque_on(model, parameters, State(short, signals, signals, signals))
 
 
-def _torque_on(model: TorqueModel, parameters: ndarray, state: State) -> tuple[ndarray, ndarray]:
-    """Lower and upper torque (N, n) of intervals of motion."""
-    lower, upper = (np.zeros((len(state.t.lower), model.robot.n)) for _ in range(2))
+def _torque_on(
+    model: TorqueModel, parameters: Float[ndarray, "models parameters"], state: State
+) -> tuple[ndarray, ndarray]:
+    """Lower and upper torque (N, n) of intervals of motion, of whatever parameters."""
+    shape = (len(parameters), len(state.t.lower), model.robot.n)
+    lower, upper = np.zeros(shape), np.zeros(shape)
     for effect, place in with_columns(model.effects):
-        sizes = parameters[place]
+        sizes = parameters[:, place]
         if not np.any(sizes):
             continue
-        for parameter, by_joint in zip(sizes, _entries(effect, state), strict=True):
+        for own, by_joint in zip(sizes.T, _entries(effect, state), strict=True):
             for joint, entry in by_joint.items():
-                torque = Interval(np.zeros(1), np.zeros(1)) + float(parameter) * entry
-                lower[:, joint] += torque.lower
-                upper[:, joint] += torque.upper
-    return lower, upper
+                torque = Interval(own[:, None], own[:, None]) * entry
+                lower[..., joint] += torque.lower
+                upper[..., joint] += torque.upper
+    return lower.min(axis=0), upper.max(axis=0)
 
 
 def _entries(effect: Effect, state: State) -> Sequence[Mapping[int, Scalar]]:

@@ -109,6 +109,19 @@ def compile_regressor(
         base: Which columns.
         native: Whether to compile to machine code if there is a compiler.
     """
+    return compile_columns(model, base.columns, native=native)
+
+
+def compile_columns(
+    model: TorqueModel, columns: Int[ndarray, " columns"], *, native: bool = True
+) -> CompiledRegressor:
+    """Build the fast regressor of any columns of a model.
+
+    Args:
+        model: As above, and so is `native`.
+        columns: Which of its parameters, in this order.
+        native: Whether to compile.
+    """
     n = model.robot.n
     x = casadi.SX.sym("x", 3 * n)
     width = casadi.SX.sym("width")
@@ -117,7 +130,7 @@ def compile_regressor(
     every = [entry for effect in model.effects for entry in effect.entries(state)]
     found = [
         (joint, column, casadi.SX(entry))
-        for column, kept in enumerate(base.columns)
+        for column, kept in enumerate(columns)
         for joint, entry in every[kept].items()
         if not (casadi.SX(entry).is_zero())
     ]
@@ -132,7 +145,7 @@ def compile_regressor(
     forward_batch, reverse_batch = batches or (_interpreted(forward), _interpreted(reverse))
     return CompiledRegressor(
         joints=n,
-        columns=len(base),
+        columns=len(columns),
         entry_joint=np.array([joint for joint, _, _ in found]),
         entry_column=np.array([column for _, column, _ in found]),
         is_native=not interpreted,

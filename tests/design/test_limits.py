@@ -112,7 +112,7 @@ def test_torque_is_proven_too(name) -> None:
     z = fill(trajectory, trajectory.draw(np.random.default_rng(0)), robot.limits)
     friction = [2.61, 7.343, 1.46, 0.787]  # Calafiore 2001, section 5
     parameters = np.concatenate([robot.parameters, friction])
-    proven = proven_torque_range(model, parameters, trajectory, z)
+    proven = proven_torque_range(model, parameters[None], trajectory, z)
     torque = model.torque(parameters, trajectory.motion(z, DENSE))
     seen = np.stack([torque.min(axis=0), torque.max(axis=0)], axis=1)
     assert (proven[:, 0] <= seen[:, 0]).all()

@@ -14,6 +14,7 @@ from oed.design.torque_range import (
 from oed.design.trajectories import FourierClass
 from oed.dynamics.effects.catalogue import CATALOGUE
 from oed.dynamics.effects.effect import Effect
+from oed.dynamics.effects.friction import Coulomb
 from oed.dynamics.torque_model import TorqueModel
 from tests.dynamics.effects.arms import context_of, vertical_arm
 
@@ -50,17 +51,27 @@ def test_no_sample_leaves_the_proven_range(name: str) -> None:
     sizes = np.ones(len(model.parameters))
     trajectory = FourierClass(10.0, robot.limits)
     z = fill(trajectory, trajectory.draw(np.random.default_rng(0)), robot.limits)
-    proven = proven_torque_range(model, sizes, trajectory, z)
+    proven = proven_torque_range(model, sizes[None], trajectory, z)
     seen = model.torque(sizes, trajectory.motion(z, np.linspace(0.0, 10.0, 5001)))
     assert (proven[:, 0] <= seen).all()
     assert (proven[:, 1] >= seen).all()
+
+
+def test_a_sign_that_turns_slowly_is_bounded_by_its_friction() -> None:
+    robot = vertical_arm()
+    model = TorqueModel(robot, tuple(Coulomb(j, 1e-3, gradual=True) for j in range(robot.n)))
+    trajectory = FourierClass(10.0, robot.limits)
+    z = fill(trajectory, trajectory.draw(np.random.default_rng(0)), robot.limits)
+    proven = proven_torque_range(model, np.array([[2.0, 3.0], [1.0, 4.0]]), trajectory, z)
+    assert (proven[:, 1] >= [2.0 - 1e-6, 4.0 - 1e-6]).all()
+    assert (proven[:, 0] <= [-2.0 + 1e-6, -4.0 + 1e-6]).all()
 
 
 @pytest.mark.parametrize("name", NOT_BOUNDED)
 def test_an_effect_that_cannot_be_bounded_is_named(name: str) -> None:
     model = TorqueModel(vertical_arm(), (effect(name),))
     with pytest.raises(TorqueNotBounded, match=name) as caught:
-        check_torque_bounded(model, np.ones(len(model.parameters)))
+        check_torque_bounded(model, np.ones((1, len(model.parameters))))
     assert caught.value.effect == name
 
 
@@ -70,7 +81,7 @@ def test_an_effect_that_the_nominal_model_leaves_out_does_no_harm() -> None:
     model = TorqueModel.standard(robot.with_limits(limits)).with_effects(effect("backlash"))
     nominal = np.zeros(len(model.parameters))
     nominal[: len(robot.parameters)] = robot.parameters
-    check_torque_bounded(model, nominal)
+    check_torque_bounded(model, nominal[None])
 
 
 def test_the_default_problem_limits_torque_beside_an_effect() -> None:

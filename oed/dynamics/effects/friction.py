@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from oed.dynamics.effects.effect import Effect, Parameter, State
-from oed.dynamics.scalars import Scalar
+from oed.dynamics.scalars import Scalar, power
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Coulomb(Effect):
         """sgn(dq_j)."""
         dq = state.dq[self.joint]
         if self.gradual and self.width > state.sign_width:
-            return [{self.joint: dq / (dq * dq + self.width**2) ** 0.5}]
+            return [{self.joint: dq / (power(dq, 2.0) + self.width**2) ** 0.5}]
         return [{self.joint: state.sign(dq, self.width)}]
 
 
