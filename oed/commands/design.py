@@ -8,19 +8,23 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
 
 from oed.commands.configurations import Design
+from oed.commands.design_in_doubt import (
+    robust_of,
+    search_in_doubt,
+    torque_in_doubt,
+    worth_in_doubt,
+)
 from oed.commands.design_of_load import of_load, run_static, worth_of_load
 from oed.commands.design_of_model import of_model
 from oed.commands.design_output import Result, evaluations_of, told_of, write
+from oed.commands.design_surroundings import kept_clear_of, surroundings_of
 from oed.commands.telling import say, speak
 from oed.counted import counted
-from oed.design.bound.efficiency import QUICK, NoBound, d_efficiency
-from oed.design.clear_search import search_clear
+from oed.design.bound.efficiency import QUICK, DEfficiency, NoBound, d_efficiency
+from oed.design.clear_search import ClearSearch
 from oed.design.clearance import ClearanceCheck, clearance_status, prove_clearance
-from oed.design.collision import Surroundings
 from oed.design.criteria import Criterion
 from oed.design.default_limits import with_default_limits
 from oed.design.default_problem import DefaultProblem, ProblemSettings, default_problem
@@ -33,7 +37,7 @@ from oed.design.problem import DesignProblem
 from oed.design.status import DesignStatus, LimitStatus
 from oed.design.still_joints import hold_still_joints
 from oed.dynamics.models import build_model
-from oed.errors import NoUsableResult, OedError, RobotError
+from oed.errors import NoUsableResult
 from oed.experiment.read_dataset import read_robot
 from oed.export.model_file import load_model, model_file_at
 from oed.one_thread import on_one_thread
@@ -115,7 +119,7 @@ def find(config: Design, robot: Robot, *, bounded: bool = True) -> Result:
         *([ROTORS] if config.model == "standard" and not config.payload else []),
     ]
     rng = np.random.default_rng(config.seed)
-    surroundings, unchecked = _surroundings(robot, config)
+    surroundings, unchecked = surroundings_of(robot, config)
     posed, told = _posed(config, robot)
     problem = posed.problem
     notes += [*posed.notes, *told]
@@ -124,21 +128,16 @@ def find(config: Design, robot: Robot, *, bounded: bool = True) -> Result:
         notes += told
     if config.prior:
         problem = _with_prior(problem, config.prior)
-    kept = _kept(surroundings, robot, config)
+    problem, told = robust_of(problem, config)
+    notes += told
+    kept = kept_clear_of(surroundings, robot, config)
     slowed = _slowed(problem, config)
     budget = Budget(evaluations_of(config), config.budget)
-    search = search_clear(problem, kept, budget, rng, optimise)
-    found, beyond = search.found, search.found.evaluations - evaluations_of(config)
-    if search.is_cut_short:
-        notes.append(
-            f"stopped by --budget {config.budget:g} CPU s after "
-            f"{counted(found.evaluations, 'evaluation')}: the same seed may give another motion"
-        )
-    if beyond > 0:
-        why = "until a motion was clear" if search.is_kept_on else f"by {config.optimiser} itself"
-        notes.append(
-            f"{counted(beyond, 'evaluation')} beyond the {evaluations_of(config)} of --evaluations, {why}"
-        )
+    searched = search_in_doubt(problem, kept, budget, rng, optimise)
+    search = searched.search
+    notes += searched.notes
+    notes += _told_of_search(search, config)
+    found = search.found
     tell("proving what the motion keeps", 0, None)  # a search that ended early is over
     say(f"found after {counted(found.evaluations, 'evaluation')}; proving what it keeps")
     problem = slowed
@@ -152,18 +151,41 @@ def find(config: Design, robot: Robot, *, bounded: bool = True) -> Result:
     elif clearance is None or config.no_clearance:
         clearance = prove_clearance(surroundings, problem.trajectory, design.z)
     design = dataclasses.replace(design, status=_status(design, clearance, config))
-    efficiency = None
-    if bounded and isinstance(problem, LoadProblem):
-        say("bounding how much better any motion could be")
-        notes.append(worth_of_load(problem, design.z, rng, is_quick=config.smoke))
-    elif bounded:
-        say("bounding how much better any motion could be")
-        try:
-            efficiency = d_efficiency(design, rng, QUICK if config.smoke else None)
-        except NoBound as error:
-            notes.append(f"D-efficiency not known: {error}")
+    efficiency, told = _efficiency(design, rng, config) if bounded else (None, ())
+    notes += told
+    doubt = worth_in_doubt(problem, searched.nominal, design.z)
     before = None if search.free is None else problem.worth(search.free)
-    return Result(design, limits, tuple(notes), efficiency, clearance, before)
+    return Result(design, limits, tuple(notes), efficiency, clearance, before, doubt)
+
+
+def _told_of_search(search: ClearSearch, config: Design) -> list[str]:
+    """Where a search took less or more than it was given."""
+    notes = []
+    found, beyond = search.found, search.found.evaluations - evaluations_of(config)
+    if search.is_cut_short:
+        notes.append(
+            f"stopped by --budget {config.budget:g} CPU s after "
+            f"{counted(found.evaluations, 'evaluation')}: the same seed may give another motion"
+        )
+    if beyond > 0:
+        why = "until a motion was clear" if search.is_kept_on else f"by {config.optimiser} itself"
+        notes.append(
+            f"{counted(beyond, 'evaluation')} beyond the {evaluations_of(config)} of --evaluations, {why}"
+        )
+    return notes
+
+
+def _efficiency(
+    design: FoundDesign, rng: np.random.Generator, config: Design
+) -> tuple[DEfficiency | None, tuple[str, ...]]:
+    """What a motion is worth against the best that any could be, or why that is not known."""
+    say("bounding how much better any motion could be")
+    if isinstance(design.problem, LoadProblem):
+        return None, (worth_of_load(design.problem, design.z, rng, is_quick=config.smoke),)
+    try:
+        return d_efficiency(design, rng, QUICK if config.smoke else None), ()
+    except NoBound as error:
+        return None, (f"D-efficiency not known: {error}",)
 
 
 def _posed(config: Design, robot: Robot) -> tuple[DefaultProblem, tuple[str, ...]]:
@@ -183,26 +205,12 @@ def _sums(robot: Robot, config: Design) -> list[JointSum]:
     return [each for each in sums if each is not None]
 
 
-def _kept(surroundings: Surroundings | None, robot: Robot, config: Design) -> Surroundings | None:
-    """What the motion must keep clear of; None where there is nothing."""
-    has_shapes = surroundings is not None and surroundings.has_shapes
-    if config.avoid_collision and not has_shapes:
-        reason = "it has no file" if surroundings is None else surroundings.note
-        raise RobotError(f"--avoid-collision: {reason}")
-    if surroundings is None:
-        if config.box:
-            raise RobotError(f"--box: {robot.name} does not come from a file: it has no geometry")
-        return None
-    if not config.no_clearance:
-        return surroundings if has_shapes or config.box else None
-    return Surroundings(robot, _walls(config), walls_only=True) if config.box else None
-
-
 def _status(design: FoundDesign, clearance: ClearanceCheck, config: Design) -> DesignStatus:
     """The status with what is kept besides limits."""
     rest = LimitStatus("rest to rest", "proven" if not config.periodic else "given up")
     return design.status.with_limits(
         (
+            *torque_in_doubt(design),
             rest,
             *clearance_status(
                 clearance,
@@ -246,11 +254,6 @@ def _problem(config: Design) -> ProblemSettings:
     )
 
 
-def _walls(config: Design) -> Float[ndarray, "3 2"]:
-    """The box as lower and upper bounds of x, y, z; empty where there is none."""
-    return np.array(config.box or ()).reshape(-1, 2)
-
-
 def robot_of(config: Design) -> Robot:
     """The robot that a command names."""
     if config.data:
@@ -259,15 +262,6 @@ def robot_of(config: Design) -> Robot:
         return load_model(model_file_at(Path(config.model))).robot
     gravity = config.gravity or EARTH_GRAVITY
     return load_arm(config.robot, joints=config.joints, gravity=gravity)
-
-
-def _surroundings(robot: Robot, config: Design) -> tuple[Surroundings | None, str]:
-    """What may be hit; None with the reason where the robot has no geometry."""
-    clearance = config.clearance if not config.no_clearance else 0.0
-    try:
-        return Surroundings(robot, _walls(config) if config.box else None, clearance), ""
-    except OedError as error:
-        return None, f"not checked: {error}"
 
 
 def _with_prior(problem: DesignProblem, files: Sequence[str]) -> DesignProblem:

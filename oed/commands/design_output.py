@@ -16,6 +16,7 @@ from oed.design.controller_files import files_for
 from oed.design.design import Design as FoundDesign
 from oed.design.design_file import design_record, limits_record
 from oed.design.export import SetPoints
+from oed.design.robust_worth import RobustWorth
 from oed.report.design_page import design_page
 from oed.report.json_file import write_json
 from oed.report.motion_recording import frame_times, record_motion
@@ -40,6 +41,7 @@ class Result:
         clearance: What the geometry says of it.
         before: J_k and J_d of the best motion found that need not keep clear, at the same speed;
             None where that one was clear, or nothing had to be.
+        doubt: The motion and that for the nominal model, under drawn ones; None where none were.
     """
 
     design: FoundDesign
@@ -48,6 +50,7 @@ class Result:
     efficiency: DEfficiency | None
     clearance: ClearanceCheck
     before: dict[str, float] | None
+    doubt: RobustWorth | None = None
 
 
 def evaluations_of(config: Design) -> int:
@@ -76,6 +79,7 @@ def write(result: Result, config: Design, out: Path) -> tuple[str, ...]:
     more |= {"margin": config.margin, "scale": config.scale, "before_clearance": result.before}
     more |= {"robot_limits": limits_record(result.limits), "gravity": robot.gravity.tolist()}
     more |= {"model": str(config.model), "prior": list(config.prior), "clearance": result.clearance}
+    more |= {"robust": result.doubt}
     write_json(out / "design.json", {**record, **more})
     provenance = Provenance.collect(config, seed=config.seed)
     provenance.write(out / "provenance.json")
@@ -93,7 +97,7 @@ def _write_page(
         design, result.limits, result.efficiency, result.clearance,
         notes=told, provenance=provenance, fine=fine,
         torque=None if nominal is None else design.problem.model.torque(nominal, fine),
-        replay=replay,
+        replay=replay, doubt=result.doubt,
     )  # fmt: skip
     write_page(out / "report.html", page)
 

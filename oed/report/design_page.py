@@ -15,12 +15,14 @@ from oed.design.clearance import ClearanceCheck
 from oed.design.controller_files import files_for
 from oed.design.design import Design
 from oed.design.limits import Certificate
+from oed.design.robust_worth import RobustWorth
 from oed.dynamics.motion import Motion
 from oed.report.design_summary import clearance_line, efficiency_line
 from oed.report.motion_charts import SIGNALS, motion_charts
 from oed.report.page import Links, Page, Section, Table, Text, Verdict
 from oed.report.provenance import Provenance
 from oed.report.replay import Replay
+from oed.report.robust_section import robust_worth
 from oed.report.table import Row
 from oed.robot import JointLimits, Robot
 
@@ -44,6 +46,7 @@ def design_page(
     fine: Motion,
     torque: Float[ndarray, "samples joints"] | None,
     replay: Replay | None,
+    doubt: RobustWorth | None = None,
 ) -> Page:
     """The whole page.
 
@@ -57,6 +60,7 @@ def design_page(
         fine: The motion, sampled finely.
         torque: (N, n) of the nominal model along it [N m]; None where there is none.
         replay: The arm as it moves; None where it cannot be shown.
+        doubt: What it is worth under drawn models; None where none were drawn.
     """
     robot = design.problem.model.robot
     return Page(
@@ -65,6 +69,7 @@ def design_page(
         sections=(
             *(() if replay is None else (Section("The motion", (replay,)),)),
             Section("What it is worth", _worth(design, efficiency)),
+            *(() if doubt is None else (Section("What doubt costs", robust_worth(doubt)),)),
             Section("What it keeps", _kept(design, limits, clearance)),
             Section("Joint by joint", motion_charts(robot, limits, fine, torque)),
             Section("What is assumed", tuple(Text(f"{note}.") for note in notes)),

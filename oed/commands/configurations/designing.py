@@ -13,6 +13,7 @@ from oed.commands.options import Count, Gravity, OutFolder, Positive, Range, Rat
 MOST_POINTS = 200_000
 # An arm stands in each for some seconds, and they are picked from ten times as many.
 MOST_POSES = 1e2
+MOST_SCENARIOS = 1e3  # each is evaluated at every step of the search
 LEAST_POINTS = 50  # ten a period of the fifth harmonic, the highest of most classes
 # Distance that links keep, and the largest that can be asked for [m]; as `oed.design.collision`.
 CLEARANCE = 0.01
@@ -60,6 +61,10 @@ class Design(Command):
             paper's), or one that was registered from outside.
         optimiser: By name: interior_point, slsqp, hopping, evolution (CMA-ES), genetic (the paper's),
             random_search, or one that was registered from outside.
+        robust: Count as well the models that the data do not tell from --model FILE: torque limits hold
+            under each, and the criterion is its mean (expected) or its worst over them where it depends on
+            them. The nominal motion is searched for too, to compare.
+        scenarios: How many of these are drawn.
         payload: Excite what the arm holds, the arm being known; --horizon 3 to 10 is enough.
         arm: model.json of the arm, whose errors then count; the arm is taken for known if not given.
         frame: Link or frame of the robot's file that holds the load; the flange, or the last link,
@@ -95,6 +100,8 @@ class Design(Command):
     budget: Positive = 60.0
     trajectory: str = "fourier"
     optimiser: str = "interior_point"
+    robust: Literal["no", "expected", "worst"] = "no"
+    scenarios: Annotated[int, Range(2.0, MOST_SCENARIOS)] = 20
     payload: bool = False
     arm: str = ""
     frame: str = ""
@@ -129,6 +136,12 @@ class Design(Command):
             raise ValueError("--gravity: with --model FILE, the file says it")
         if is_file and self.joints and not (self.robot or self.data):
             raise ValueError("--joints: with --model FILE, the motion is one of the file's joints")
+        if self.robust != "no" and self.payload:
+            raise ValueError(
+                "--robust: with --payload the criterion counts the arm's errors already (--arm)"
+            )
+        if self.robust != "no" and not is_file:
+            raise ValueError("--robust: give what is in doubt, as --model model.json")
         if is_file and self.payload:
             raise ValueError("--model: with --payload, a file is given as --arm")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from msgspec import field
 
@@ -85,6 +85,31 @@ class ClearanceRecord(Record, frozen=True, kw_only=True):
     short: Numbers
 
 
+class RobustWorthRecord(Record, frozen=True, kw_only=True):
+    """A motion under drawn models; the criterion as it is optimised, what is known before counted.
+
+    `largest_share` of a torque limit under any of them, null where torque is not limited; `exceeding`
+    is how many of them exceed one.
+    """
+
+    nominal: Number
+    expected: Number
+    worst: Number
+    largest_share: Number
+    exceeding: int
+
+
+class RobustRecord(Record, frozen=True, kw_only=True):
+    """With `--robust`: the motion for the nominal model alone and the robust one, under the same draws."""
+
+    aim: Literal["expected", "worst"]
+    criterion: str
+    scenarios: int
+    has_shapes: bool
+    nominal_design: RobustWorthRecord
+    robust_design: RobustWorthRecord
+
+
 class DesignRecord(FileRecord, frozen=True, kw_only=True):
     """design.json; limits and margins as they were designed for, `robot_limits` without margin."""
 
@@ -127,6 +152,7 @@ class DesignRecord(FileRecord, frozen=True, kw_only=True):
     model: str
     prior: list[str]
     clearance: ClearanceRecord
+    robust: RobustRecord | None = None
 
 
 class StampRecord(Record, frozen=True, kw_only=True):
