@@ -12,6 +12,7 @@ from oed.experiment.read_dataset import read_dataset
 from oed.report.json_file import read_json
 from oed.report.table import read_csv
 from studies import (
+    condition_bound,
     cross_check,
     rollout_error,
     rollout_summary,
@@ -132,3 +133,10 @@ def test_the_script_for_another_environment_says_what_it_lacks() -> None:
     assert run.returncode == 2
     assert "has no package figaroh" in run.stderr
     assert run.stderr.count("\n") == 1
+
+
+def test_a_bound_on_the_condition_number_is_left_with_what_it_ignores(tmp_path: Path) -> None:
+    assert condition_bound.main(["--smoke", "--out", str(tmp_path)]) == 0
+    (row,) = read_csv(tmp_path / "runs.csv")
+    assert float(row["J_k_bound"]) == pytest.approx(0.4 * float(row["J_k_of_best_measure"]))
+    assert "ignores that states lie on one trajectory" in (tmp_path / "summary.md").read_text()
