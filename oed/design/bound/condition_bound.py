@@ -66,8 +66,8 @@ class ConditionBound:
 
     Attributes:
         J_k: The bound, proven over all states.
-        sampled: What the relaxation allows on the states that were looked at; the least bound of
-            this kind is between both.
+        sampled: What the relaxation allows on the states that were looked at; the largest bound
+            of this kind is between both.
         A: (b, b) of the certificate, positive semidefinite.
         B: (b, b) likewise.
         boxes: Of the proof.
@@ -132,9 +132,11 @@ def _relaxed(
     A, B = cp.Variable((size, size), PSD=True), cp.Variable((size, size), PSD=True)
     flat = atoms.reshape(len(atoms), -1)
     flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
-    problem = cp.Problem(
-        cp.Maximize(cp.trace(A)), [cp.trace(B) == 1.0, flat @ cp.vec(B - A, order="C") >= 0.0]
-    )
+    kept: list[cp.Constraint] = [
+        cp.trace(B) == 1.0,  # pyright: ignore[reportAssignmentType]  # cvxpy's == is no bool
+        flat @ cp.vec(B - A, order="C") >= 0.0,
+    ]
+    problem = cp.Problem(cp.Maximize(cp.trace(A)), kept)
     with warnings.catch_warnings():  # what is not accurate is proven afterwards, or not
         warnings.filterwarnings("ignore", "Solution may be inaccurate")
         problem.solve(solver=cp.CLARABEL)
