@@ -131,6 +131,7 @@ def pose(
         drives,
         later=[p.motion for p in validation],
         ordered=len(estimation) < 2 or not estimation[0].laid or any(p.period for p in estimation),
+        cut=prepared[0].band.cut / prepared[0].band.rate,
     )
     n = model.robot.n
     # Over all that is fitted in the end: a curve that ends sooner cannot follow the rest.

@@ -173,7 +173,7 @@ def evaluate(
     return Scored(candidate, values, own)
 
 
-def polish(scored: Scored, fitted: Fitted, evaluations: int = EVALUATIONS) -> Scored:
+def polish(scored: Scored, fitted: Fitted, *, roughly: bool = False) -> Scored:
     """A candidate with the shapes that are worth most near those given (variable projection).
 
     Of each formula that it has: where one of them is best, another need not be good.
@@ -181,10 +181,12 @@ def polish(scored: Scored, fitted: Fitted, evaluations: int = EVALUATIONS) -> Sc
     Args:
         scored: It, with the shapes to start from.
         fitted: The model beside which it stands.
-        evaluations: Of a shape, and so many more for each further one.
+        roughly: With few evaluations, and without a second scan, which is enough to tell what is
+            worth more.
     """
     shapes = scored.candidate.shapes(fitted.context)
-    best = _profiled(scored, fitted, evaluations)
+    evaluations = ROUGH if roughly else EVALUATIONS
+    best = _profiled(scored if roughly else _scanned(scored, fitted), fitted, evaluations)
     for k, shape in enumerate(shapes):
         if shape.scale != "formula":
             continue
@@ -199,6 +201,21 @@ def polish(scored: Scored, fitted: Fitted, evaluations: int = EVALUATIONS) -> Sc
             if known:
                 other = _profiled(max(known, key=lambda s: s.nats), fitted, evaluations)
                 best = max(best, other, key=lambda s: s.nats)
+    return best
+
+
+def _scanned(scored: Scored, fitted: Fitted) -> Scored:
+    """A candidate after the second scan of each shape that needs one: as far as the first one's next values."""
+    best = scored
+    for k, shape in enumerate(scored.candidate.shapes(fitted.context)):
+        if shape.fine <= shape.points or shape.is_idle(best.values[k]):
+            continue
+        middle, reach = shape.place_of(best.values[k]), 1.0 / max(shape.points - 1, 1)
+        offsets = np.arange(-reach, reach, 1.0 / shape.fine)
+        values = dict.fromkeys(shape.at(middle + float(x)) for x in offsets)
+        tried = ((*best.values[:k], value, *best.values[k + 1 :]) for value in values)
+        found = [evaluate(best.candidate, each, fitted) for each in tried]
+        best = max([best, *(s for s in found if s is not None)], key=lambda s: s.nats)
     return best
 
 

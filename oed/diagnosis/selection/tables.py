@@ -9,7 +9,7 @@ from oed.diagnosis.candidates.candidate import Candidate
 from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.evidence.views import Views
 from oed.diagnosis.numbers import COMPARED, POLISHED
-from oed.diagnosis.selection.screen import ROUGH, Scored, evaluate, polish
+from oed.diagnosis.selection.screen import Scored, evaluate, polish
 from oed.diagnosis.selection.table import Line, Table, lay_out, ranked
 from oed.parallel_map import parallel_map
 
@@ -54,7 +54,7 @@ class Tables:
             fitted = views.showing(candidate)
             starts = (evaluate(candidate, line.values, fitted) for _, line in lines)
             start = next((s for s in starts if s is not None), None)
-            return None if start is None else polish(start, fitted, ROUGH)
+            return None if start is None else polish(start, fitted, roughly=True)
 
         asked = [*names, *smooth]
         same = [own[0][1].candidate for own in asked]

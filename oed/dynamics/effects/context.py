@@ -95,6 +95,7 @@ class Context:
         *,
         later: Sequence[Motion] = (),
         ordered: bool = True,
+        cut: float = 0.0,
     ) -> Context:
         """The context of recordings, one motion each.
 
@@ -107,6 +108,8 @@ class Context:
             later: Of further recordings, which tell whether the clock of a single one goes on, and
                 must have a temperature if it is to count.
             ordered: As the attribute.
+            cut: Of each recording, before its motion's first sample [s]: a session begins with the
+                log.
         """
         if not motions:
             raise ValueError("a context needs at least one motion to say what is covered")
@@ -114,7 +117,7 @@ class Context:
         states = ("q", "dq", "ddq")
         q, dq, ddq = (np.concatenate([getattr(m, x) for m in motions]) for x in states)
         torque = np.concatenate([reference.parts(motion).sum(axis=2) for motion in motions])
-        session = _session(motions if len(motions) > 1 else [*motions, *later])
+        session = _session(motions if len(motions) > 1 else [*motions, *later], cut)
         return cls(
             model=model,
             parameters=parameters,
@@ -230,13 +233,13 @@ def _temperature_range(
     return found if np.ptp(found, axis=1).max() >= LEAST_WARMING else None
 
 
-def _session(motions: Sequence[Motion]) -> tuple[float, float] | None:
-    """First and last time of motions that follow one another on one clock [s]."""
+def _session(motions: Sequence[Motion], cut: float) -> tuple[float, float] | None:
+    """First and last time of motions that follow one another on one clock, what was cut included [s]."""
     if len(motions) < 2 or not follow_one_another([motion.t for motion in motions]):
         return None
     return (
-        min(float(motion.t[0]) for motion in motions),
-        max(float(motion.t[-1]) for motion in motions),
+        min(float(motion.t[0]) for motion in motions) - cut,
+        max(float(motion.t[-1]) for motion in motions) + cut,
     )
 
 
