@@ -135,9 +135,10 @@ def pose(
     )
     n = model.robot.n
     # Over all that is fitted in the end: a curve that ends sooner cannot follow the rest.
-    smooth = terms_alone((*estimation, *validation), n)
+    looked_at = (*estimation, *validation)
+    smooth = terms_alone(looked_at, n)
     if n <= ALL_PAIRED:
-        smooth += terms_together((*estimation, *validation), n, range(n))
+        smooth += terms_together(looked_at, n, range(n))
     repeated = any(p.period is not None for p in rows.prepared)
     problem = Problem(
         rows,

@@ -110,10 +110,8 @@ def weighed(
         return None
     rows = float(sum(counted[j] for j in beside.squares))
     cost = price(candidate, values, fitted, rows)
-    penalty, fixed = (
-        candidate.precision(len(g)),
-        candidate.unit_coefficient if fixed is None else fixed,
-    )
+    penalty = candidate.precision(len(g))
+    fixed = candidate.unit_coefficient if fixed is None else fixed
     own = worth(Moments(A, g, rows, dilution), cost, penalty, fixed=fixed)
     before = beside.span.squares / beside.span.weights**2
     after = beside.left_by(own.coefficients)
@@ -205,17 +203,17 @@ def polish(scored: Scored, fitted: Fitted, *, roughly: bool = False) -> Scored:
 
 
 def _scanned(scored: Scored, fitted: Fitted) -> Scored:
-    """A candidate after the second scan of each shape that needs one: as far as the first one's next values."""
+    """A candidate after a second scan of shapes that need one, as far as the first one's next values."""
     best = scored
     for k, shape in enumerate(scored.candidate.shapes(fitted.context)):
         if shape.fine <= shape.points or shape.is_idle(best.values[k]):
             continue
         middle, reach = shape.place_of(best.values[k]), 1.0 / max(shape.points - 1, 1)
-        offsets = np.arange(-reach, reach, 1.0 / shape.fine)
-        values = dict.fromkeys(shape.at(middle + float(x)) for x in offsets)
+        places = middle + np.arange(-reach, reach, 1.0 / shape.fine)
+        values = dict.fromkeys(shape.at(float(x)) for x in places)
         tried = ((*best.values[:k], value, *best.values[k + 1 :]) for value in values)
-        found = [evaluate(best.candidate, each, fitted) for each in tried]
-        best = max([best, *(s for s in found if s is not None)], key=lambda s: s.nats)
+        found = (evaluate(best.candidate, each, fitted) for each in tried)
+        best = max([best, *(s for s in found if s)], key=lambda s: s.nats)
     return best
 
 

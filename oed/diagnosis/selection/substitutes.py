@@ -31,7 +31,7 @@ class Substitute:
         term: It.
         nats: What it is worth there, at the term's own dilution and variance.
         is_same: Whether it gives the torque that the term gives, but for what formulas err by; a
-            smooth term, but for what noise makes of one: a model with it, which `in_place` makes, is
+            smooth term that is worth no more, but for what noise makes of one: a model with it, which `in_place` makes, is
             not kept, since each holds columns of all rows.
         price: -log of its prior probability [nats].
     """
@@ -78,6 +78,7 @@ def substitutes_of(tables: Tables, whole: Views, own: Judged) -> list[Substitute
         given = _given(grown, own)
         is_same = _cosine(mine, given) > ALIKE or (
             not scored.candidate.is_named
+            and nats <= own.worth.nats + PREDICTION_GAIN
             and float(np.sum((mine - given) ** 2)) < _least_noticed(smoothed, own)
         )
         cost = price_of(grown, grown.terms[-1], own.moments)

@@ -28,12 +28,17 @@ QUANTILES = (0.002, 0.998)
 def coordinate(
     prepared: Sequence[Prepared], kind: str, joint: int, pieces: int = PIECES_ALONE
 ) -> Coordinate:
-    """A coordinate with the range that the recordings cover."""
+    """A coordinate with the range that the recordings cover; time with that of those for estimation.
+
+    Where an arm was it comes again, when it was it does not: a course over time ends with what it is
+    looked for in.
+    """
     start = 0.0
     if kind == "time":
         # Of recordings laid end to end each one's own: what drifts does so again in the next.
         start = None if any(p.laid for p in prepared) else 0.0
-        times = [since(p.motion.t, start) for p in prepared]
+        own = [p for p in prepared if p.role == "estimation"] or prepared
+        times = [since(p.motion.t, start) for p in own]
         lower, upper = min(float(t[0]) for t in times), max(float(t[-1]) for t in times)
     else:
         values = np.concatenate([getattr(p.motion, kind)[:, joint] for p in prepared])
