@@ -146,6 +146,7 @@ def test_a_cache_named_by_the_environment_is_not_unpickled(tmp_path: Path) -> No
         **os.environ,
         "NUMBA_CACHE_DIR": str(elsewhere),
         "XDG_CACHE_HOME": str(tmp_path / "own"),
+        "PYTHONPATH": str(Path(__file__).parents[2]),  # a script's own folder is not the project's
     }
     loop = tmp_path / "loop.py"
     loop.write_text(
