@@ -1,12 +1,15 @@
 """What is asked in a term's place: a curve within noise of a formula is none of its rivals."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from oed.diagnosis.evidence.views import Views
+from oed.diagnosis.selection import substitutes
 from oed.diagnosis.selection.judge import judge
 from oed.diagnosis.selection.screen import evaluate
-from oed.diagnosis.selection.substitutes import substitutes_of
+from oed.diagnosis.selection.substitutes import in_place, substitutes_of
 from oed.diagnosis.selection.tables import Tables, as_term
 from oed.diagnosis.setup import pose
 from oed.dynamics.torque_model import TorqueModel
@@ -46,6 +49,32 @@ def test_a_curve_gives_a_formulas_torque_where_noise_alone_parts_them(bend, is_s
 def test_a_curve_is_not_weighed_against_itself():
     labels = [s.term.label for s in _asked(0.3, "f(q_1)[11]@1")]
     assert labels.count("f(q_1)[11]@1") == 1
+
+
+def test_what_is_worth_nothing_stands_in_no_ones_place(monkeypatch):
+    """At so large a dilution neither the curve nor the drift is worth anything: that is no gain."""
+    dataset = data_set(61, repetitions=2, extra=_spring(0.3))
+    problem = pose(dataset, TorqueModel.standard(dataset.robot), names=("thermal_drift",))[0]
+    start = Views.of(problem, (), "all")
+
+    def term(label):
+        candidate = next(c for c in problem.candidates if c.label == label)
+        fitted = start.showing(candidate)
+        tried = (evaluate(candidate, v, fitted) for v in candidate.grid(problem.context))
+        return as_term(next(s for s in tried if s is not None))
+
+    whole = start.grown((term("f(q_1)[11]@1"),), "all")
+    own = judge(whole, 0)
+    drift = in_place(whole, own, term("thermal_drift@1"))
+    nats = {"f(q_1)[11]@1": -15.0, "thermal_drift@1": -7.0}
+    monkeypatch.setattr(
+        substitutes,
+        "worth_of",
+        lambda views, k, _: dataclasses.replace(own.worth, nats=nats[views.terms[k].label]),
+    )
+    assert substitutes._nats_in_place(drift, whole, own) == -7.0
+    nats["thermal_drift@1"] = 7.0
+    assert substitutes._nats_in_place(drift, whole, own) == pytest.approx(own.worth.nats + 22.0)
 
 
 def test_curves_reach_as_far_as_all_that_is_fitted():

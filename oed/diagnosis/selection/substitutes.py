@@ -181,8 +181,8 @@ def _nats_in_place(grown: Views, whole: Views, own: Judged) -> float:
         worth_of(views, place, dataclasses.replace(t, dilution=tau)).nats
         for (views, place), t in zip(pair, told, strict=True)
     )
-    # Beside a term without support whatever has some is better.
-    return other if np.isneginf(mine) else own.worth.nats + other - mine
+    # Beside a term without support whatever has some is better; what is worth nothing is not.
+    return other if np.isneginf(mine) or other <= 0 else own.worth.nats + other - mine
 
 
 def ahead(views: Views, terms: tuple[Term, ...]) -> Views:
