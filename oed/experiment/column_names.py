@@ -8,11 +8,11 @@ from typing import get_args
 
 from oed.counted import MOST_SHOWN, counted
 from oed.errors import DataSetError
-from oed.experiment.log_format import REPETITION, TEMPERATURE, TIME, LogFormat
+from oed.experiment.log_format import REPETITION, SI, TEMPERATURE, TIME, LogFormat
 from oed.experiment.logs.table import Log, Table
 from oed.experiment.toml_table import nearest
-from oed.experiment.units import JOINT_QUANTITIES, Quantity
-from oed.experiment.units_in_names import marked_unit
+from oed.experiment.units import JOINT_QUANTITIES, Quantity, units_of
+from oed.experiment.units_in_names import marked_unit, unknown_unit
 from oed.robot import Robot
 
 NUMBERED = re.compile(r"(q|dq|ddq|tau)_(\d+)")
@@ -59,13 +59,15 @@ def find_columns(log: Log, robot: Robot, log_format: LogFormat) -> ColumnNames:
     """Assign the columns of a log to the fields of a recording.
 
     Raises:
-        DataSetError: If a column is missing, or there are columns for another number of joints.
+        DataSetError: If a column is missing, there are columns for another number of joints, or names
+            end with a unit that is not known where none is stated.
     """
     found = [ColumnNames(table, _fields(table, robot, log_format)) for table in log.tables]
     missing = [[name for name in one.all if name not in one.table.columns] for one in found]
     best = min(range(len(found)), key=lambda i: len(missing[i]))
     if missing[best]:
         raise _missing(found[best], missing[best][0], log_format)
+    _check_units(found[best], log_format)
     return found[best]
 
 
@@ -93,6 +95,20 @@ def _fields(table: Table, robot: Robot, log_format: LogFormat) -> dict[str, tupl
     if TEMPERATURE in stated or (not stated and sensors):
         fields[TEMPERATURE] = stated.get(TEMPERATURE) or joint_columns(TEMPERATURE, sensors)
     return fields
+
+
+def _check_units(found: ColumnNames, log_format: LogFormat) -> None:
+    for quantity in JOINT_QUANTITIES:
+        names = found.fields.get(quantity, ())
+        unit = "" if quantity in log_format.units else unknown_unit(names, quantity)
+        if unit:
+            message = (
+                f"{unit!r} is none of the units of {quantity} that are known "
+                f"({', '.join(units_of(quantity))}): convert the columns and name them without it, or, if "
+                f"it is no unit, say what they are in, as in --units {quantity}={SI[quantity].replace(' ', '')} "
+                "of oed import"
+            )
+            raise DataSetError(message, file=found.table.file, column=names[0])
 
 
 def _usual_names(table: Table, quantity: Quantity, robot: Robot) -> tuple[str, ...]:

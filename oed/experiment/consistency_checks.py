@@ -66,7 +66,8 @@ def check_velocity(
             continue
         message = (
             f"velocity is {ratios[j]:.4g} times the slope of q_{j + 1} over t (joint "
-            f"{robot.joints[j].name!r}): {_cause(ratios, int(j))}; correct the log, or leave dq out"
+            f"{robot.joints[j].name!r}): {_cause(ratios, int(j))}; correct the log, or leave dq "
+            "out (oed import --columns dq=)"
         )
         raise DataSetError(message, file=file, column=f"dq_{j + 1}")
 

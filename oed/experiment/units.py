@@ -25,8 +25,9 @@ KELVIN = 273.15  # [K] at 0 degrees Celsius
 SYNONYMS = {
     "sec": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us", "μs": "us", "nsec": "ns",
     "radian": "rad", "radians": "rad", "degree": "deg", "degrees": "deg", "°": "deg", "rev": "turn", "turns": "turn",
+    "grad": "deg", "grado": "deg", "gradi": "deg", "grados": "deg", "degré": "deg", "degrés": "deg",  # never gon
     "tick": TICKS, "counts": TICKS, "count": TICKS, "amp": "A", "ampere": "A",
-    "1/min": "rpm", "min^-1": "rpm", "min-1": "rpm", "U/min": "rpm",
+    "1/min": "rpm", "min^-1": "rpm", "min-1": "rpm", "U/min": "rpm", "tr/min": "rpm", "giri/min": "rpm",
     "degC": "C", "°C": "C", "celsius": "C", "kelvin": "K", "r/min": "rpm", "rev/min": "rpm", "newtonmeter": "Nm",
 }  # fmt: skip
 

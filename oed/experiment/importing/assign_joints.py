@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -38,11 +39,10 @@ def assign_joints(
     """
     numbered = [one for one in positions if one.label.isdigit() or not one.label]
     if not numbered and not _matched(positions, joints):
-        by_number = [one for one in positions if joint_number(one.label) is not None]
-        numbered = by_number if len(by_number) == len(positions) else []
+        numbered = positions if _differ_by_number(positions) else []
     if numbered:
-        order = sorted(numbered, key=lambda one: joint_number(one.label) or 0)
-        if len({joint_number(one.label) for one in order}) < len(order):
+        order = sorted(numbered, key=lambda one: _number(one.label))
+        if len({_number(one.label) for one in order}) < len(order):
             raise _more_than_once(order, table)
         for names in (joints.chosen,) if joints.chosen else (joints.arm, joints.movable):
             if len(names) == len(order):
@@ -68,6 +68,19 @@ def assign_joints(
         f"file; say {_which(len(labels), joints)}"
     )
     raise DataSetError(message, file=table.file)
+
+
+def _differ_by_number(positions: Sequence[Named]) -> bool:
+    """Whether joints are told by nothing but a number, as in J1 or, alike in all, 1_a."""
+    labels = {one.label for one in positions}
+    alike = {re.sub(r"\d+", "#", label) for label in labels}
+    is_one_number = len(alike) == 1 and alike.pop().count("#") == 1
+    return is_one_number or all(joint_number(label) is not None for label in labels)
+
+
+def _number(label: str) -> int:
+    digits = re.search(r"\d+", label)
+    return 0 if digits is None else int(digits[0])
 
 
 def _matched(positions: Sequence[Named], joints: RobotJoints) -> dict[str, str]:

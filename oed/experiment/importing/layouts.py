@@ -12,16 +12,24 @@ from oed.experiment.importing.name_words import (
     WORD_OR_NUMBER,
     Source,
     is_of_motor,
-    parted,
+    joint_number,
     without_source,
     without_word_of_joints,
 )
-from oed.experiment.importing.quantity_names import OF_MOTORS, OF_THE_ROBOT, TORQUES
-from oed.experiment.units import Quantity
+from oed.experiment.importing.quantity_names import (
+    JOINTS_ALONE,
+    OF_MOTORS,
+    OF_THE_ROBOT,
+    ONLY_WITH_A_UNIT,
+    TORQUES,
+)
+from oed.experiment.importing.spelling import QUANTITIES, parted, plainly, without_carriers
+from oed.experiment.units import CURRENTS, Quantity, plain
 from oed.experiment.units_in_names import marked_unit, suffixed_unit
 
 # Columns of lists whose elements may be of several quantities, and then say so.
 MIXED = "state"
+ELEMENT = re.compile(r"[_ -]+([^\[\]./]+)\[(\d+)\]")  # of a list whose name has more words
 BETWEEN_WORDS = re.compile("[_ -]+")
 MOTOR_BEHIND = re.compile(rf"(?<=[^._/ ])[._/ ]+({'|'.join(OF_MOTORS)})$", re.IGNORECASE)
 # Sources of what was measured, the likelier first. Raw may be numbers of a converter, which a plain
@@ -63,7 +71,8 @@ def columns_of(
 ) -> list[list[Named]]:
     """Columns of a quantity, those of one stem and source together.
 
-    Plain names go before others, and those of the joints before those of the motors that turn them.
+    Plain names go before others, those of the joints before those of the motors that turn them, and
+    torques before currents.
 
     Args:
         columns: What each column is called, by its name.
@@ -74,15 +83,17 @@ def columns_of(
     Returns:
         In the order of the sources, and for each in that of the stems.
     """
-    found: dict[tuple[bool, bool, int, int, tuple[str, ...]], list[Named]] = {}
+    found: dict[tuple[bool, bool, bool, int, int, tuple[str, ...]], list[Named]] = {}
     for i, stem in enumerate(stems):
         for column, called in columns.items():
             one = _take_apart(column, called, stem, quantity)
             if one is not None and one.source in sources:
-                of_motor, source = is_of_motor(called), sources.index(one.source)
-                key = (not one.is_plain, of_motor, source, i, one.words)
+                own = rf"(?<![^\W_]){re.escape(stem)}(?![^\W\d_])"
+                others = re.sub(own, "", _spelled(parted(plainly(called))))
+                rank = is_of_motor(others), plain(one.unit) in CURRENTS
+                key = (not one.is_plain, *rank, sources.index(one.source), i, one.words)
                 found.setdefault(key, []).append(one)
-    return [found[key] for key in sorted(found, key=lambda key: key[:4])]
+    return [found[key] for key in sorted(found, key=lambda key: key[:5])]
 
 
 def torques_of(columns: Mapping[str, str], kind: TorqueKind) -> list[list[Named]]:
@@ -96,12 +107,34 @@ def torques_of(columns: Mapping[str, str], kind: TorqueKind) -> list[list[Named]
 def _take_apart(column: str, called: str, stem: str, quantity: Quantity) -> Named | None:
     for bare, unit, source, words in _readings(called, quantity):
         found = _label(bare, stem) if stem in _spelled(bare) else None
-        if found is not None:
-            label, of_joints, before = found
-            said = (*words, *of_joints)
-            own = re.split("[./]", before)[-1]
-            return Named(column, stem, label, unit, source, said, whose(before), not own)
+        if found is None or _contradicts(called, unit, stem, quantity):
+            continue
+        label, of_joints, around = found
+        if stem in JOINTS_ALONE and not _are_joints_alone(bare, label, around):
+            continue
+        own = re.split("[./]", around)[-1]
+        said = (*words, *of_joints)
+        return Named(column, stem, label, unit, source, said, whose(around), not own)
     return None
+
+
+def _contradicts(called: str, unit: str, stem: str, quantity: Quantity) -> bool:
+    """Whether what a name ends with is no unit after all, as in tau_a, or lacks where it must be."""
+    if not unit:
+        return stem in ONLY_WITH_A_UNIT or (stem in JOINTS_ALONE and quantity != "q")
+    is_marked = bool(marked_unit(called, "tau")[1])
+    return plain(unit) in CURRENTS and stem not in TORQUES["current"] and not is_marked
+
+
+def _are_joints_alone(bare: str, label: str, around: str) -> bool:
+    """Whether a name is no more than that of a joint, by its number."""
+    return not _quantities(bare) and not whose(around) and joint_number(label) is not None
+
+
+def _quantities(name: str) -> frozenset[str]:
+    """Words of a name that tell a quantity."""
+    words = (word.lower() for word in WORD_OR_NUMBER.findall(parted(name)))
+    return QUANTITIES.intersection(words) - {*JOINTS_ALONE, MIXED}
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -112,28 +145,31 @@ def _readings(
     return tuple(
         (bare, unit, source, words)
         for name, unit in _with_units(called, quantity)
-        for spelling in dict.fromkeys((name, parted(name)))
-        for bare, source, words in (without_source(spelling.strip()),)
+        for spelling in dict.fromkeys((plainly(name), parted(plainly(name))))
+        for bare, source, words in (without_source(without_carriers(spelling)),)
     )
 
 
 def _with_units(called: str, quantity: Quantity) -> list[tuple[str, str]]:
     """The name without the unit that it may end with, and with no unit."""
+    called = called.strip().strip("'\"")
     ways = (suffixed_unit(called, quantity), marked_unit(called, quantity))
     return [*((name, unit) for name, unit in ways if unit), (called, "")]
 
 
 def whose(name: str) -> frozenset[str]:
     """Words of a name that tell neither a quantity nor who says it nor that it is of the joints."""
-    words = (word.lower() for word in WORD_OR_NUMBER.findall(without_source(parted(name))[0]))
+    bare = without_source(without_carriers(parted(plainly(name))))[0]
+    words = (word.lower() for word in WORD_OR_NUMBER.findall(bare))
     return frozenset(word for word in words if word not in OF_THE_ROBOT)
 
 
 def _label(name: str, stem: str) -> tuple[str, tuple[str, ...], str] | None:
-    """Whose a column with this stem is, the words of joints before it, and all else before it.
+    """Whose a column with this stem is, the words of joints before it, and all else around it.
 
-    None if it has another stem. What stands before it are its folders, which are those of HDF5
-    groups, structs and topics and end with a point, and words of its own name, as in left_q_1.
+    None if it has another stem. What stands around it are its folders, which are those of HDF5
+    groups, structs and topics and end with a point, and words of its own name, as in left_q_1 and
+    q_left[1].
     """
     words: tuple[str, ...] = ()
     rest: str | None = name
@@ -141,6 +177,9 @@ def _label(name: str, stem: str) -> tuple[str, tuple[str, ...], str] | None:
         label = _label_behind(rest, stem)
         if label is not None:
             return label, words, ""
+        element = ELEMENT.fullmatch(_spelled(rest)[len(stem) :])
+        if element is not None and _spelled(rest).startswith(stem) and not _quantities(element[1]):
+            return element[2], words, element[1]
         word, rest = without_word_of_joints(rest)
         words = (*words, word)
     if _spelled(name).endswith(stem) and name[: -len(stem)][-1] in "._/ ":
@@ -165,7 +204,7 @@ def _label_behind(name: str, stem: str) -> str | None:
     lower = _spelled(name)
     bracket = re.fullmatch(r"(.*?)\[(.+)\]", name)
     if bracket is not None:
-        return _label_of_element(_spelled(bracket[1]), bracket[2], stem)
+        return _label_of_element(_spelled(bracket[1]).rstrip("_"), bracket[2], stem)
     if lower == stem:
         return ""
     if lower.startswith(stem):

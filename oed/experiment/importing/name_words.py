@@ -36,16 +36,10 @@ FOLDER = re.compile(r"[^./]+")  # or what stands in it
 SEPARATOR = r"[._/ -]+"
 WORD = re.compile(r"[^\W\d_]+")
 WORD_OR_NUMBER = re.compile(r"[^\W_]+")  # or both, as in arm2
-HUMP = re.compile(r"(?<=[a-z])(?=[A-Z][a-z])")
+# libfranka writes what is desired as q_d; beside the number of a joint that letter is no joint's name.
+DESIRED = re.compile(r"(?<=[^\W_])_d(?=_?\d+$|\[)|(?<=\d)_d$")
 BEFORE = re.compile(rf"({'|'.join((*OF_JOINTS, AT_THIS_INSTANT))}){SEPARATOR}", re.IGNORECASE)
-NUMBERED = re.compile(
-    rf"(?:{'|'.join(OF_JOINTS)}|achse|j|a)?[._ -]?(?:(\d+)|\[(\d+)\])", re.IGNORECASE
-)
-
-
-def parted(name: str) -> str:
-    """The name with its words apart where only a capital letter begins one, as in actualPosition."""
-    return HUMP.sub("_", name)
+NUMBERED = re.compile(rf"(?:{'|'.join(OF_JOINTS)}|j|a)?[._ -]?(?:(\d+)|\[(\d+)\])", re.IGNORECASE)
 
 
 def without_source(name: str) -> tuple[str, Source, tuple[str, ...]]:
@@ -53,6 +47,7 @@ def without_source(name: str) -> tuple[str, Source, tuple[str, ...]]:
 
     What was commanded is not measured, whatever it is the feedback of; the difference is neither.
     """
+    name = DESIRED.sub("_desired", name)
     words = [word for part in FOLDER.findall(name) for word in _words_of_source(part)]
     if not words:
         return name, "", ()

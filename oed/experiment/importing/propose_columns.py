@@ -16,7 +16,8 @@ from oed.experiment.importing.quantity_names import STEMS, TORQUES
 from oed.experiment.importing.taken import of_same_joints, taken_notes
 from oed.experiment.log_format import OPTIONAL, REPETITION
 from oed.experiment.logs.table import Log, Table
-from oed.experiment.units import Quantity
+from oed.experiment.units import CURRENTS, Quantity, plain
+from oed.experiment.units_in_names import marked_unit
 
 RELATIVE = re.compile(r"[%‰]|\bper ?cent\b", re.IGNORECASE)
 
@@ -185,13 +186,14 @@ def _torque(
     stated: Mapping[str, tuple[str, ...]],
 ) -> tuple[list[Named], TorqueKind, list[str]]:
     if stated.get("tau"):
-        named = " ".join(stated["tau"]).lower()
-        kind: TorqueKind = "current" if "current" in named else "measured"
-        return _stated(stated, "tau"), kind, []
+        return _stated(stated, "tau"), _kind_of_stated(called, stated["tau"]), []
     for kind in TORQUES:
         found = of_same_joints(torques_of(called, kind), order)
         if found:
-            return found, kind, [_about(kind, found)]
+            # A torque in amperes is a current.
+            in_amperes = kind == "measured" and all(plain(one.unit) in CURRENTS for one in found)
+            own: TorqueKind = "current" if in_amperes else kind
+            return found, own, [_about(own, found)]
     message = _nothing(table, "torque (effort, current) of every joint", "tau")
     elsewhere = [
         place
@@ -205,6 +207,14 @@ def _torque(
             f"{listed(elsewhere)} is that of these joints, name it, as in --columns tau=NAME,NAME"
         )
     raise DataSetError(message, file=table.file)
+
+
+def _kind_of_stated(called: Mapping[str, str], names: Sequence[str]) -> TorqueKind:
+    """What the names of columns, or their units, say that they are."""
+    currents = {one.column for named in torques_of(called, "current") for one in named}
+    in_amperes = (plain(marked_unit(name, "tau")[1]) in CURRENTS for name in names)
+    is_current = all(name in currents or one for name, one in zip(names, in_amperes, strict=True))
+    return "current" if is_current or "current" in " ".join(names).lower() else "measured"
 
 
 def _check_not_relative(torque: Sequence[Named], table: Table) -> None:
