@@ -6,20 +6,11 @@ from numpy import ndarray
 
 from oed.dynamics.motion import Motion
 
-PLANAR_PARAMETERS = (
-    "Izz_1 + m_2 l_1^2",
-    "mx_2",
-    "my_2",
-    "Izz_2",
-    "Fc_1",
-    "Fv_1",
-    "Fc_2",
-    "Fv_2",
-)
-
 
 def planar_regressor(motion: Motion, l_1: float) -> Float[ndarray, "samples 2 8"]:
-    """Regressor (16) of the eight `PLANAR_PARAMETERS`, with sgn(0) = 0.
+    """Regressor (16), with sgn(0) = 0.
+
+    Its columns are those of Izz_1 + m_2 l_1^2, mx_2, my_2, Izz_2, Fc_1, Fv_1, Fc_2, Fv_2.
 
     Args:
         motion: Of two joints.

@@ -110,27 +110,6 @@ class StreamingLeastSquares:
         self._triangles = np.stack(updated)
         self._rows += len(torque)
 
-    def merge(self, other: StreamingLeastSquares) -> StreamingLeastSquares:
-        """The accumulator that has seen the data of both; neither is changed.
-
-        Raises:
-            ValueError: If parameters or joints differ.
-        """
-        if self._triangles.shape != other._triangles.shape:
-            raise ValueError(
-                f"factors of shape {self._triangles.shape} and {other._triangles.shape}"
-            )
-        joints, width, _ = self._triangles.shape
-        merged = StreamingLeastSquares(width - 1, joints)
-        merged._triangles = np.stack(
-            [
-                triangularise(np.vstack(pair))
-                for pair in zip(self._triangles, other._triangles, strict=True)
-            ]
-        )
-        merged._rows = self._rows + other._rows
-        return merged
-
     def squares(self, parameters: Float[ndarray, " p"]) -> Float[ndarray, " joints"]:
         """Residual sum of squares of each joint at any parameters [N^2 m^2]."""
         return np.sum((self._triangles @ np.append(-parameters, 1.0)) ** 2, axis=1)

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from oed.estimation.least_squares import batch_least_squares, stacked
+from oed.estimation.least_squares import stacked
 from oed.estimation.prior import Prior
 from oed.estimation.row_pieces import RowPieces
 from oed.estimation.streaming import StreamingLeastSquares
@@ -60,27 +60,3 @@ def variances_from_residuals(
     pieces = stacked(regressor, torque, joints)
     seen = StreamingLeastSquares.of(pieces, torque)
     return seen.solve_with_residual_variances(prior, tolerance=tolerance, iterations=iterations)[1]
-
-
-def covariance_from_residuals(
-    regressor: Float[ndarray, "rows p"],
-    torque: Float[ndarray, " rows"],
-    joints: int,
-    *,
-    prior: Prior | None = None,
-) -> Float[ndarray, "joints joints"]:
-    """Covariance (n, n) of the joints within a sample, from residuals [N^2 m^2].
-
-    The variances are those of `variances_from_residuals`, the correlations those of the
-    residuals that they weight.
-
-    Raises:
-        ValueError: If shapes disagree or a joint has no degree of freedom left.
-        NotIdentifiable: If the rows leave a direction undetermined.
-    """
-    variances = variances_from_residuals(regressor, torque, joints, prior=prior)
-    solution = batch_least_squares(regressor, torque, joints, noise=variances, prior=prior)
-    residual = (torque - regressor @ solution.parameters).reshape(-1, joints)
-    products = residual.T @ residual
-    lengths = np.sqrt(np.diag(products))
-    return products / np.outer(lengths, lengths) * np.sqrt(np.outer(variances, variances))

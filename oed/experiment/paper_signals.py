@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -30,7 +30,6 @@ from oed.robot.builtin import IMI_LINK_LENGTHS
 # (Gautier 1997, "Dynamic identification of robots with power model"): no filter can then
 # come between the two sides of the equation.
 Processing = Literal["online", "aligned", "zero_phase", "parallel", "spectral"]
-PROCESSINGS: tuple[Processing, ...] = get_args(Processing)
 Regressor = Callable[[Motion], Float[ndarray, "samples joints columns"]]
 WIDE_BAND = 10.0  # cut-off of the regressor's signals before "parallel" filtering, of the filter's
 

@@ -143,9 +143,3 @@ def plot_proof(
         panel.set_ylim(bottom=0.0)
     legend_above(figure, panels[0])
     return figure
-
-
-def _three_decades(panel: Axes) -> None:
-    """Keep the flank beyond the band from squeezing what lies within it."""
-    lower, upper = panel.get_ylim()
-    panel.set_ylim(bottom=max(lower, upper / 1e3))

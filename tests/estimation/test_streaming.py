@@ -18,15 +18,6 @@ def stream_of(W, y):
     return stream
 
 
-def test_merging_is_as_seeing_both(data):
-    W, y = data
-    merged = stream_of(W[:300], y[:300]).merge(stream_of(W[300:], y[300:])).solve()
-    whole = stream_of(W, y).solve()
-    assert np.allclose(merged.parameters, whole.parameters, rtol=1e-11)
-    assert np.allclose(merged.squares, whole.squares, rtol=1e-11)
-    assert merged.rows == whole.rows == 1000
-
-
 def test_knows_the_residual_of_each_joint_at_any_parameters(data):
     W, y = data
     anywhere = np.arange(8.0)

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from oed.estimation.weights import (
-    covariance_from_residuals,
     variances_from_repetitions,
     variances_from_residuals,
 )
@@ -44,16 +43,6 @@ def test_residual_variances_are_unbiased_with_few_samples():
     )
     error = found.std(axis=0) / np.sqrt(len(found))
     assert np.all(np.abs(found.mean(axis=0) - DEVIATIONS**2) < 4 * error)
-
-
-def test_finds_the_correlation_of_joints():
-    rng = np.random.default_rng(2)
-    W = planar_regressor(rng, 20_000)
-    mix = np.linalg.cholesky([[1.0, 0.6], [0.6, 1.0]])
-    y = torque(W, white_noise(rng, 20_000) @ mix.T)
-    found = covariance_from_residuals(W, y, 2)
-    expected = np.outer(DEVIATIONS, DEVIATIONS) * [[1.0, 0.6], [0.6, 1.0]]
-    assert np.allclose(found, expected, rtol=0.05)
 
 
 def test_refuses_a_joint_without_a_degree_of_freedom():

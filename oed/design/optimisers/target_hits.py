@@ -1,7 +1,7 @@
-"""How fast an optimiser reaches a target: histories, hit curves, medians with intervals.
+"""How fast an optimiser reaches a target: histories and hit curves.
 
-Hit curves after Hansen et al. 2021, "COCO: a platform for comparing continuous optimizers in a
-black-box setting"; intervals by the percentile bootstrap over seeds.
+After Hansen et al. 2021, "COCO: a platform for comparing continuous optimizers in a black-box
+setting".
 """
 
 from __future__ import annotations
@@ -78,35 +78,6 @@ def expected_cost(hits: Float[ndarray, " seeds"], spent: Float[ndarray, " seeds"
     if not reached.any():
         return float("inf")
     return float(np.where(reached, hits, spent).sum() / reached.sum())
-
-
-def median_interval(
-    values: Float[ndarray, " seeds"],
-    rng: np.random.Generator,
-    *,
-    level: float = 0.95,
-    resamples: int = 2000,
-) -> tuple[float, float, float]:
-    """Median of the seeds, and its bootstrap interval.
-
-    Args:
-        values: One a seed; infinities count as worse than all others.
-        rng: Source of the resamples.
-        level: Coverage.
-        resamples: How many.
-
-    Returns:
-        (median, lower, upper). Order statistics, so that infinities need no arithmetic.
-    """
-    count = len(values)
-    if count == 0:
-        raise ValueError("no values, no median")
-    ordered = np.sort(values)
-    draws = np.sort(rng.integers(0, count, size=(resamples, count)), axis=1)
-    medians = np.sort(ordered[draws[:, (count - 1) // 2]])
-    tail = (1 - level) / 2
-    low, high = (round(q * (resamples - 1)) for q in (tail, 1 - tail))
-    return float(ordered[(count - 1) // 2]), float(medians[low]), float(medians[high])
 
 
 def write_history(history: Sequence[HistoryPoint]) -> str:

@@ -60,5 +60,4 @@ def as_prepared(pattern: Prepared, motion: Motion) -> Prepared:
         recorded=np.ones(len(motion), dtype=bool),
         laid=False,
         laps=None,
-        singles=(),
     )

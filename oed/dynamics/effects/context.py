@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -133,26 +132,6 @@ class Context:
             ordered=ordered,
             beside=beside,
             temperature_range=_temperature_range(motions, later),
-        )
-
-    def covering(self, motion: Motion) -> Context:
-        """The same where the arm goes through a further motion besides."""
-        torque = self.reference.parts(motion).sum(axis=2)
-        tops = (np.quantile(np.abs(x), HIGHEST, axis=0) for x in (motion.dq, motion.ddq, torque))
-        top_speed, top_acceleration, peak_torque = tops
-        lower, upper = self.position_range.T
-        return dataclasses.replace(
-            self,
-            position_range=np.stack(
-                [
-                    np.minimum(lower, motion.q.min(axis=0)),
-                    np.maximum(upper, motion.q.max(axis=0)),
-                ],
-                axis=1,
-            ),
-            top_speed=np.maximum(self.top_speed, top_speed),
-            top_acceleration=np.maximum(self.top_acceleration, top_acceleration),
-            peak_torque=np.maximum(self.peak_torque, peak_torque),
         )
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -209,13 +209,9 @@ class CatalogueEntry:
         between_repetitions: Whether it makes repetitions differ.
         unit_coefficient: Whether its one coefficient is 1 by construction: the size is in
             the shapes, and a free coefficient would confound it with others.
-        families: What its torque depends on, in words. Two effects of one family are near to
-            one another: the second may only mend the formula of the first.
         equivalent: Names that no motion tells from this one, and why.
         holds: Names of effects that are this one with parameters left out: no motion speaks for
             them against it, and the plainer one stands until the other is needed.
-        fuller: Ways to give it more terms than its formula has, where a smooth term of its coordinate
-            that is none of these is something else; None where any is the same physics.
         narrow: Ranges of the shapes for an arm and its data.
         beside_grid: Further shapes of a first scan; None for none.
         install: The model with the effect in its exact form; None if the columns are exact.
@@ -232,10 +228,8 @@ class CatalogueEntry:
     page: EffectPage
     between_repetitions: bool = False
     unit_coefficient: bool = False
-    families: tuple[str, ...] = ()
     equivalent: tuple[str, ...] = ()
     holds: tuple[str, ...] = ()
-    fuller: Callable[[Context, Target, tuple[float, ...]], Sequence[Effect]] | None = None
     narrow: Narrow = _as_they_are
     beside_grid: Further | None = None
     install: Install | None = None

@@ -4,23 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import TypeVar
 
 from oed.dynamics.effects.effect import Columns, Effect, State, with_columns
 from oed.dynamics.effects.reference import ReferenceTorque
 from oed.dynamics.scalars import Scalar
 
 PartT = TypeVar("PartT")
-
-
-@runtime_checkable
-class OnReference(Protocol):
-    """What is evaluated on a torque as modelled so far."""
-
-    @property
-    def reference(self) -> ReferenceTorque | None:
-        """That torque."""
-        ...
 
 
 class FollowsTorque(Effect):

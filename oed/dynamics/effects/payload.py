@@ -119,10 +119,6 @@ class PayloadChange(Effect):
         taken_up = at_least(along, 0.0)
         return taken_up if np.isinf(self.held_for) else taken_up - at_least(along, self.held_for)
 
-    def throughout(self) -> PayloadChange:
-        """The same, held all the time."""
-        return dataclasses.replace(self, moment=-np.inf, start=0.0, pickups=(), held_for=np.inf)
-
     @property
     def leaving(self) -> PayloadChange:
         """The same without a memory."""

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from oed.dynamics.effects.effect import Columns, Effect, Parameter, State
-from oed.dynamics.scalars import Scalar, at_least, exp, mul
+from oed.dynamics.scalars import Scalar, exp, mul
 
 
 class ChangingFriction(Effect):
@@ -158,29 +158,6 @@ class WarmFriction(ChangingFriction):
         dq, share = state.dq[self.joint], temperature - self.reference
         both = (dq, state.sign(dq, self.width))
         return [{self.joint: mul(share, x)} for x in both], (temperature,)
-
-
-@dataclass(frozen=True)
-class FrictionJump(ChangingFriction):
-    """a dq_j + b sgn(dq_j) from a moment on, which warmth does not do.
-
-    Attributes:
-        joint: Index of the joint.
-        moment: Time since `start` [s].
-        start: As of `ThermalDrift`.
-        width: Velocity over which the sign turns [rad/s]; 0 for the exact sign.
-    """
-
-    joint: int
-    moment: float
-    start: float | None = None
-    width: float = 0.0
-    name = "friction_jump"
-    prefix = "jump"
-
-    def share(self, state: State) -> Scalar:
-        """0 before the moment, 1 from it on."""
-        return at_least(since(state.t, self.start), self.moment)
 
 
 def since(t: Scalar, start: float | None) -> Scalar:

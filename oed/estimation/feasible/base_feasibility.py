@@ -32,14 +32,12 @@ class BaseFeasibility:
         margin: Largest margin of any parameters with these base values, relative to the
             reference bodies; negative if none is feasible.
         example: (p,) the parameters with that margin: an example if it is positive.
-        base_error: How far the example's base parameters are from the given, relative.
         certificate: That no parameters have a larger margin.
         blamed: What the certificate weighs, heaviest first: links by name, and signs.
     """
 
     margin: float
     example: Float[ndarray, " p"]
-    base_error: float
     certificate: Certificate
     blamed: tuple[str, ...]
 
@@ -88,12 +86,9 @@ def base_feasibility(
     )
     scaled = [_in_unknowns(rows, coordinates) for rows in (inequality, equality)]
     inner = most_interior(coordinates, *scaled)
-    example = coordinates.parameters(inner.x)
-    missed = scaled[1].matrix @ inner.x - scaled[1].bound
     return BaseFeasibility(
         margin=inner.margin,
-        example=example,
-        base_error=float(np.max(np.abs(missed)) / max(1.0, np.max(np.abs(scaled[1].bound)))),
+        example=coordinates.parameters(inner.x),
         certificate=inner.certificate,
         blamed=_blamed(inner.certificate, model, inequality.names),
     )

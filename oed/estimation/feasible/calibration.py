@@ -74,7 +74,6 @@ class FeasibleCalibration:
 
     Attributes:
         plain: Least squares of the base parameters, and the data.
-        plain_parameters: (p,) its estimate with all regrouped parameters zero.
         estimate: The feasible one.
         curve: By which its weight was chosen; None where it was given.
         second: The same problem by the other solver; None where that failed.
@@ -94,7 +93,6 @@ class FeasibleCalibration:
     """
 
     plain: Calibration
-    plain_parameters: Float[ndarray, " p"]
     estimate: FeasibleEstimate
     curve: WeightCurve | None
     second: FeasibleSolution | None
@@ -158,13 +156,11 @@ def calibrate_feasibly(plain: Calibration, settings: FeasibleSettings) -> Feasib
     q = random_poses(model, settings.poses, rng)
     base_values = np.zeros(len(plain.base))
     base_values[list(plain.estimate.columns)] = plain.estimate.parameters
-    plain_parameters = plain.parameters
     feasibility, unanswered = _base_feasibility(plain, base_values, estimate, settings.demands)
     weighted = [block.weighted(variances) for block in blocks]
     spread = bootstrap(estimate, weighted, rng, resamples=settings.resamples)
     return FeasibleCalibration(
         plain=plain,
-        plain_parameters=plain_parameters,
         estimate=estimate,
         curve=curve,
         second=second,
@@ -180,7 +176,7 @@ def calibrate_feasibly(plain: Calibration, settings: FeasibleSettings) -> Feasib
         plain_feasibility=feasibility,
         plain_feasibility_failure=unanswered,
         positive_definite=share_positive_definite(mass_matrices(model, estimate.parameters, q)),
-        plain_positive_definite=share_positive_definite(mass_matrices(model, plain_parameters, q)),
+        plain_positive_definite=share_positive_definite(mass_matrices(model, plain.parameters, q)),
         settings=settings,
     )
 

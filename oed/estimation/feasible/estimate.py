@@ -36,7 +36,6 @@ class FeasibleEstimate:
         problem: That they solve.
         solution: The proof that they do.
         misfit: Mean squared weighted residual.
-        unconstrained_misfit: The same of least squares without any demand or pull.
         from_data: (p,) share of each value that the data decide, 1 for all and 0 for none; the
             rest is the pull to the reference.
         reference: (10 n,) bodies of that pull.
@@ -48,7 +47,6 @@ class FeasibleEstimate:
     problem: FeasibleProblem
     solution: FeasibleSolution
     misfit: float
-    unconstrained_misfit: float
     from_data: Float[ndarray, " p"]
     reference: Float[ndarray, " inertial"]
     has_prior: bool
@@ -167,14 +165,12 @@ def complete_estimate(
     model: TorqueModel, problem: FeasibleProblem, solution: FeasibleSolution, *, has_prior: bool
 ) -> FeasibleEstimate:
     """The estimate that a solution stands for."""
-    fitted = np.linalg.lstsq(problem.factor, problem.target, rcond=None)[0]
     return FeasibleEstimate(
         model=model,
         parameters=problem.coordinates.parameters(solution.x),
         problem=problem,
         solution=solution,
         misfit=problem.misfit(solution.x),
-        unconstrained_misfit=problem.misfit(fitted),
         from_data=share_from_data(problem, solution.x),
         reference=problem.coordinates.reference,
         has_prior=has_prior,

@@ -38,22 +38,6 @@ class MassRegion:
     name: str
 
     @classmethod
-    def ellipsoid(
-        cls,
-        link: int,
-        centre: Float[ndarray, "3"],
-        shape: Float[ndarray, "3 3"],
-        name: str = "ellipsoid",
-    ) -> MassRegion:
-        """All r with (r - c)^T S^-1 (r - c) <= 1, in the body frame [m, m^2]."""
-        inverse = np.linalg.inv(shape)
-        Q = np.empty((4, 4))
-        Q[:3, :3] = -inverse
-        Q[:3, 3] = Q[3, :3] = inverse @ centre
-        Q[3, 3] = 1.0 - centre @ inverse @ centre
-        return cls(link, Q[None], name)
-
-    @classmethod
     def box(
         cls,
         link: int,

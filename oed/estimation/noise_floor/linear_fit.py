@@ -50,22 +50,6 @@ class Factorisation:
         """Columns less their projections."""
         return columns - self.basis @ self._inside(columns)
 
-    def extended(self, columns: Float[ndarray, "joints rows columns"]) -> Factorisation:
-        """The span with further columns, whose parameters follow.
-
-        A column that lies inside adds nothing, and its parameter is zero.
-        """
-        inside = self._inside(columns)
-        outside = columns - self.basis @ inside
-        # Once more: what is left of a column nearly inside is mostly rounding (Kahan's rule).
-        again = self._inside(outside)
-        lengths = np.sqrt(np.einsum("jrc,jrc->c", columns, columns, optimize=True))
-        added = _factorised(outside - self.basis @ again, lengths)
-        upper = np.hstack([self.inverse, -self.inverse @ (inside + again) @ added.inverse])
-        below = np.hstack([np.zeros((len(added.inverse), self.rank)), added.inverse])
-        basis = np.concatenate([self.basis, added.basis], axis=2)
-        return Factorisation(basis, np.vstack([upper, below]))
-
     def _inside(
         self, columns: Float[ndarray, "joints rows columns"]
     ) -> Float[ndarray, "rank columns"]:
@@ -88,17 +72,10 @@ def _flat(columns: Float[ndarray, "joints rows columns"]) -> Float[ndarray, "all
 
 def factorise(regressor: Float[ndarray, "joints rows parameters"]) -> Factorisation:
     """Factorise a whitened regressor; directions that the data do not excite are left out."""
+    joints, rows, count = regressor.shape
     lengths = np.sqrt(np.einsum("jrp,jrp->p", regressor, regressor, optimize=True))
-    return _factorised(regressor, lengths)
-
-
-def _factorised(
-    columns: Float[ndarray, "joints rows columns"], lengths: Float[ndarray, " columns"]
-) -> Factorisation:
-    """Factorise columns in units of these lengths; directions shorter than the tolerance drop out."""
-    joints, rows, count = columns.shape
     lengths = np.where(lengths > 0, lengths, 1.0)
-    q, r = np.linalg.qr(columns.reshape(joints * rows, count) / lengths)
+    q, r = np.linalg.qr(regressor.reshape(joints * rows, count) / lengths)
     u, s, vt = np.linalg.svd(r, full_matrices=False)
     kept = s > RANK_TOLERANCE * max(s.max(initial=0.0), 1.0)
     basis = q @ u[:, kept]
@@ -111,10 +88,10 @@ class LinearFit:
 
     Attributes:
         model: The torque model, shapes fixed.
-        columns: (b,) indices of the model's columns that are estimated; additions follow them.
+        columns: (b,) indices of the model's columns that are estimated.
         rows: What it is fitted to.
         factorisation: Of its whitened regressor.
-        parameters: (p,) estimates of these columns, then of the additions'.
+        parameters: (p,) estimates of these columns.
         residual: (n, R) white residual.
     """
 

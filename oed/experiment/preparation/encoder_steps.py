@@ -110,16 +110,6 @@ def _rounding(prepared: Prepared, rng: np.random.Generator) -> Float[ndarray, "l
     return np.where(steps > 0, safe * (np.round(counted) - counted), 0.0)
 
 
-def encoder_torque(
-    torque: Torque,
-    prepared: Sequence[Prepared],
-    deviations: Sequence[Float[ndarray, " joints"]] | None = None,
-) -> list[Float[ndarray, "rows joints"]]:
-    """The same in the band (`fine_encoder_torque`)."""
-    errors = fine_encoder_torque(torque, prepared, deviations)
-    return [p.band.apply(error) for p, error in zip(prepared, errors, strict=True)]
-
-
 def fine_encoder_torque(
     torque: Torque,
     prepared: Sequence[Prepared],

@@ -26,8 +26,7 @@ def mean_of_repetitions(prepared: Prepared) -> tuple[Prepared, int]:
     index = _common_samples(prepared)
     if index is None:
         return prepared, 1
-    singles = tuple(_averaged(prepared, index[[k]]) for k in range(len(index)))
-    return dataclasses.replace(_averaged(prepared, index), singles=singles), len(index)
+    return _averaged(prepared, index), len(index)
 
 
 def _common_samples(prepared: Prepared) -> Int[ndarray, "repetitions samples"] | None:

@@ -37,7 +37,6 @@ class Prepared:
             them end to end in the order in which they are listed.
         laps: Of a mean repetition, its motion at the times of all that it is the mean of, one
             after another; None of others.
-        singles: Of a mean repetition, those that it is the mean of; none of others.
     """
 
     name: str
@@ -55,7 +54,6 @@ class Prepared:
     recorded: Bool[ndarray, " samples"]
     laid: bool = False
     laps: Motion | None = None
-    singles: tuple[Prepared, ...] = ()
 
     @property
     def valid(self) -> Bool[ndarray, " rows"]:

@@ -37,12 +37,6 @@ class SecondOrderFilter:
         if largest >= 1:
             raise ValueError(f"unstable: the largest pole has magnitude {largest:.6g}")
 
-    @classmethod
-    def critically_damped(cls, pole: float, period: float) -> SecondOrderFilter:
-        """Unit gain at rest and a double pole at -`pole` [rad/s]."""
-        decay = float(np.exp(-pole * period))
-        return cls((1 - decay) ** 2, 2 * decay, -(decay**2), period)
-
     @property
     def poles(self) -> Complex[ndarray, "2"]:
         """Poles in the z plane."""

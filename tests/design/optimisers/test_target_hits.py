@@ -10,7 +10,6 @@ from oed.design.optimisers.target_hits import (
     expected_cost,
     first_hit,
     hit_curve,
-    median_interval,
     read_history,
     write_history,
 )
@@ -42,24 +41,6 @@ def test_hit_curve_counts_the_seeds() -> None:
 def test_expected_cost_charges_failures_to_successes() -> None:
     assert expected_cost(np.array([2.0, np.inf, 4.0]), np.array([9.0, 10.0, 9.0])) == 8.0
     assert expected_cost(np.array([np.inf]), np.array([3.0])) == np.inf
-
-
-def test_the_interval_covers_the_median_as_often_as_it_says() -> None:
-    rng = np.random.default_rng(0)
-    covered = 0
-    for _ in range(200):
-        _, low, high = median_interval(rng.standard_normal(31), rng, resamples=300)
-        covered += low <= 0.0 <= high
-    assert 0.88 <= covered / 200 <= 1.0
-
-
-def test_infinite_values_are_only_worse() -> None:
-    middle, low, high = median_interval(
-        np.array([1.0, 2.0, np.inf, np.inf, np.inf]), np.random.default_rng(0)
-    )
-    assert middle == np.inf
-    assert low <= 2.0
-    assert high == np.inf
 
 
 @given(st.lists(st.floats(-5, 30), min_size=1, max_size=200, unique=True))

@@ -8,7 +8,11 @@ import pytest
 
 from oed.dynamics.effects import RigidBody
 from oed.dynamics.torque_model import TorqueModel
-from oed.experiment.preparation.encoder_steps import encoder_steps, encoder_torque, repeated_steps
+from oed.experiment.preparation.encoder_steps import (
+    encoder_steps,
+    fine_encoder_torque,
+    repeated_steps,
+)
 from oed.experiment.preparation.mean_repetition import mean_of_repetitions
 from oed.experiment.preparation.prepare import prepare
 from oed.experiment.recording import Recording
@@ -75,7 +79,8 @@ def test_torque_errs_as_much_as_rounded_positions_make_it():
     real = band.apply(
         model.torque(parameters, rounded.motion) - model.torque(parameters, clean.motion)
     )
-    (stated,) = encoder_torque(partial(model.torque, parameters), [rounded])
+    (errors,) = fine_encoder_torque(partial(model.torque, parameters), [rounded])
+    stated = band.apply(errors)
     assert stated.std(axis=0) == pytest.approx(real.std(axis=0), rel=0.15)
 
 
@@ -94,7 +99,8 @@ def test_rounding_errs_nothing_new_where_a_joint_rests():
     robot = imi_scara()
     model = TorqueModel(robot, (RigidBody(robot),))
     (prepared,) = prepare((resting,))
-    (errors,) = encoder_torque(partial(model.torque, robot.parameters), [prepared])
+    (fine,) = fine_encoder_torque(partial(model.torque, robot.parameters), [prepared])
+    errors = prepared.band.apply(fine)
     phase = prepared.t % PERIOD
     resting, moving = phase > 0.6 * PERIOD, (phase > 0.1 * PERIOD) & (phase < 0.4 * PERIOD)
     resting &= phase < 0.9 * PERIOD

@@ -38,8 +38,10 @@ def test_a_sinusoid_comes_out_with_the_gain_stated():
     assert np.allclose(y[5000:], expected[5000:], rtol=0, atol=1e-9)
 
 
-def test_critically_damped_has_its_double_pole():
-    filter_ = SecondOrderFilter.critically_damped(pole=30.0, period=0.001)
+def test_a_double_pole_is_found_where_it_was_put():
+    """Critical damping: unit gain at rest, both poles at -30 rad/s."""
+    decay = np.exp(-30.0 * 0.001)
+    filter_ = SecondOrderFilter((1 - decay) ** 2, 2 * decay, -(decay**2), 0.001)
     assert filter_.dc_gain == pytest.approx(1, abs=1e-9)
     assert np.allclose(filter_.poles, np.exp(-0.03), rtol=0, atol=1e-6)
     # |1 + jw/p|^2 = sqrt(2) at w = p sqrt(sqrt(2) - 1)

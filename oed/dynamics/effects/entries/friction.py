@@ -64,7 +64,6 @@ def _stribeck_plausible(
 
 STRIBECK = CatalogueEntry(
     name="stribeck",
-    families=("odd in speed",),
     scope="joint",
     shapes=(
         Shape("speed", "rad/s", 0.003, 1.0, "log", 14, 0.05),
@@ -127,7 +126,6 @@ def _nonlinear_viscous_plausible(
 
 NONLINEAR_VISCOUS = CatalogueEntry(
     name="nonlinear_viscous",
-    families=("odd in speed",),
     scope="joint",
     shapes=(
         Shape("exponent", "1", 0.25, 3.5, "log", 10, 0.6),
@@ -175,7 +173,6 @@ def _asymmetric_plausible(
 
 ASYMMETRIC_VISCOUS = CatalogueEntry(
     name="asymmetric_viscous",
-    families=("even in speed",),
     scope="joint",
     shapes=(),
     build=_asymmetric,
@@ -214,7 +211,6 @@ def _offset_plausible(
 
 TORQUE_OFFSET = CatalogueEntry(
     name="torque_offset",
-    families=("even in speed", "position"),
     scope="joint",
     shapes=(),
     build=_offset,

@@ -56,7 +56,6 @@ def _hysteresis_plausible(
 
 PRESLIDING_HYSTERESIS = CatalogueEntry(
     name="presliding_hysteresis",
-    families=("odd in speed", "reversal"),
     scope="joint",
     shapes=(
         Shape("distance", "rad", 3e-4, 0.08, "log", 12, 5e-3, open_below=True),
@@ -187,7 +186,6 @@ def _time_seen(context: Context, clock: float) -> float:
 
 THERMAL_DRIFT = CatalogueEntry(
     name="thermal_drift",
-    families=("time",),
     scope="joint",
     shapes=(Shape("time_constant", "s", 2.0, 2e4, "log", 8, 600.0, never=True), CLOCK),
     build=_thermal,

@@ -87,7 +87,6 @@ def _load_friction_plausible(
 
 LOAD_DEPENDENT_FRICTION = CatalogueEntry(
     name="load_dependent_friction",
-    families=("friction over position",),
     scope="joint",
     shapes=(
         Shape("share", "1", -1.0, 1.0, "linear", 3, 0.0, plain=True),
@@ -151,7 +150,6 @@ def _saturation_plausible(
 
 TORQUE_SATURATION = CatalogueEntry(
     name="torque_saturation",
-    families=("torque",),
     scope="joint",
     shapes=(
         Shape("exponent", "1", 2.0, 50.0, "log", 5, 3.0),
@@ -207,7 +205,6 @@ def _with_gain(
 
 TORQUE_GAIN = CatalogueEntry(
     name="torque_gain",
-    families=("torque",),
     scope="joint",
     shapes=(Shape("terms", "1", 1.0, 2.0, "formula", 1, 1.0, also=(2.0,)),),
     build=_gain,

@@ -44,7 +44,6 @@ def _with_delay(
 
 TIME_DELAY = CatalogueEntry(
     name="time_delay",
-    families=("lag",),
     scope="arm",
     # A torque comes first where it was commanded, or where positions were filtered; longer than
     # that no loop would be stable.
@@ -82,7 +81,6 @@ def _with_lag(
 
 FILTER_LAG = CatalogueEntry(
     name="filter_lag",
-    families=("lag",),
     scope="arm",
     shapes=(
         Shape("time_constant", "s", 2e-4, 0.05, "log", 12, 3e-3),
@@ -255,7 +253,6 @@ def _has_turning_joints(context: Context) -> bool:
 
 GRAVITY_DIRECTION = CatalogueEntry(
     name="gravity_direction",
-    families=("position",),
     scope="arm",
     shapes=(),
     build=_gravity,

@@ -48,7 +48,6 @@ def _rotor_plausible(
 
 ROTOR_INERTIA = CatalogueEntry(
     name="rotor_inertia",
-    families=("acceleration",),
     scope="joint",
     shapes=(),
     build=_rotor,
@@ -159,7 +158,6 @@ def _both_ways(context: Context, other: int, estimates: Float[ndarray, " columns
 
 MOTOR_COUPLING = CatalogueEntry(
     name="motor_coupling",
-    families=("acceleration",),
     scope="pair",
     shapes=(
         Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0, usual=(-1.0, 1.0)),

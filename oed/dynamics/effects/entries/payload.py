@@ -128,7 +128,6 @@ def _payload_plausible(
 
 PAYLOAD_CHANGE = CatalogueEntry(
     name="payload_change",
-    families=("time",),
     scope="arm",
     shapes=(
         Shape("moment", "s", 0.0, 1e5, "linear", 19, 10.0),

@@ -42,8 +42,6 @@ LEAST_RANGE = 0.05  # [rad]
 # mean there is part of that.
 MOST_UNEVEN = 1.5
 MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not show
-FULLER_WAVES = 4  # with which a ripple is held against any function of position
-FINER = 2  # parts of a step of the scan, to which a second wave is looked for
 # Multiples of a wave's harmonic, by its formula: with its first overtone; with the second, since
 # teeth and poles make no pure sines; with half of it, since an error of a current sensor's gain
 # comes twice an electrical turn, and that of its zero once.
@@ -128,23 +126,8 @@ def _ripple_plausible(
     return at_most(amplitude, most, "the amplitude", "N m", bound)
 
 
-def _fuller_ripples(
-    context: Context, target: Target, values: tuple[float, ...]
-) -> list[TorqueRipple]:
-    """A wave with its overtones; and two waves, as of teeth and poles, each with its first."""
-    joint, first = joint_of(target), values[0]
-    (harmonic, _) = TORQUE_RIPPLE.shapes_for(context, target)
-    step = (harmonic.upper - harmonic.lower) / (FINER * (harmonic.points - 1))
-    seconds = np.arange(harmonic.lower, harmonic.upper, step)
-    own = TorqueRipple(joint, tuple(k * first for k in range(1, FULLER_WAVES + 1)))
-    # Two lines within one of the scan are one.
-    apart = (float(second) for second in seconds if abs(second - first) > FINER * step)
-    return [own, *(TorqueRipple(joint, (first, 2 * first, x, 2 * x)) for x in apart)]
-
-
 TORQUE_RIPPLE = CatalogueEntry(
     name="torque_ripple",
-    families=("position",),
     scope="joint",
     shapes=(
         Shape("harmonic", "1/turn", 2.0, 330.0, "linear", 500, 6.0, is_bounded=True),
@@ -152,7 +135,6 @@ TORQUE_RIPPLE = CatalogueEntry(
     ),
     build=_ripple,
     plausible=_ripple_plausible,
-    fuller=_fuller_ripples,
     narrow=_ripple_harmonics,
     page=EffectPage(
         equation="a cos(n q) + b sin(n q), with overtones at 2 n and 3 n, or at 2 n and n / 2, and the "
@@ -189,7 +171,6 @@ def _position_friction(
 
 POSITION_DEPENDENT_FRICTION = CatalogueEntry(
     name="position_dependent_friction",
-    families=("friction over position",),
     scope="joint",
     shapes=(
         Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0, usual=WHOLE_TURNS),
@@ -252,7 +233,6 @@ def _spring_plausible(
 
 JOINT_SPRING = CatalogueEntry(
     name="joint_spring",
-    families=("position", "even in speed"),
     scope="joint",
     shapes=(Shape("terms", "1", 1.0, float(max(ORDERS)), "formula", 1, 1.0),),
     holds=("torque_offset",),

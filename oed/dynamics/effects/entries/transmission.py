@@ -94,7 +94,6 @@ def _with_gear(gear: Callable[[Context, Target, tuple[float, ...]], Transmission
 
 JOINT_ELASTICITY = CatalogueEntry(
     name="joint_elasticity",
-    families=("lag", "compliance"),
     scope="joint",
     shapes=(
         Shape("frequency", "Hz", 2.0, 40.0, "log", 12, 8.0),
@@ -128,7 +127,6 @@ JOINT_ELASTICITY = CatalogueEntry(
 
 BACKLASH = CatalogueEntry(
     name="backlash",
-    families=("reversal", "compliance"),
     scope="joint",
     shapes=(
         Shape("gap", "rad", 1e-4, 0.02, "log", 7, 1e-3, open_below=True),
