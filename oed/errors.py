@@ -14,7 +14,7 @@ LONGEST_MESSAGE = 1500  # letters: a dozen lines of a terminal, which is what an
 
 
 class OedError(Exception):
-    """Base class of all outcomes that this package reports as errors."""
+    """Base class of the package's errors: the input cannot be used, or has no usable result."""
 
     def __str__(self) -> str:
         """The message in one line of bounded length."""

@@ -77,12 +77,17 @@ def design_motion(
         criterion: "J_d" (log10 det of the information), "J_k" (its condition number), "A" or "E".
         clearance: Distance that links keep from one another [m].
         margin: Share of velocity and acceleration limits that is used.
-        evaluations: Of the criterion; the same number and seed give the same motion.
-        seed: Of starts and of the states of the bound.
+        evaluations: Evaluations of the criterion; the same number and seed give the same motion.
+        seed: Seed of the starts and of the states of the bound.
+
+    Returns:
+        The `design` with its status and proof, the `limits` that it was made for, and `notes` that say
+        what was assumed.
 
     Raises:
         RobotError: If the file cannot be used.
-        NoUsableResult: If no motion tells anything of some base parameter.
+        NoUsableResult: If no motion tells anything of some base parameter. A limit that is not kept
+            raises nothing: the design's status names it.
     """
     source = robot.name if isinstance(robot, Robot) else str(robot)
     config = Design(

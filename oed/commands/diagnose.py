@@ -72,15 +72,19 @@ def diagnose_data(
 
     Args:
         data: A data set, or its folder.
-        model: Base model, as of `identify`; or a model.json, for a second round, which looks for
-            what that lacks.
+        model: Base model, as of `identify`; or a model.json, to look for what that still lacks.
         max_effects: Most effects to add; three a joint if None, at least six; 0 only tests the model.
         candidates: Effects that may be named; the whole catalogue if empty.
         budget: CPU time after which nothing more is looked for [s].
-        seed: Of everything random.
+        seed: Seed of everything random.
+
+    Returns:
+        The diagnosis in `found` (verdict, effects, errors before and after [N m]), and in `following`
+        the motion that tells apart what is open, if anything is.
 
     Raises:
         DataSetError: If the folder holds no data set that can be used.
+        OedError: If a joint stands still, or the data determine nothing.
     """
     dataset = data if isinstance(data, DataSet) else read_dataset(data)
     config = Diagnose(

@@ -64,11 +64,14 @@ def identify_feasible(
         data: A data set, or its folder.
         model: As of `identify`.
         cutoff: Of the low-pass [Hz]; chosen from the data if None.
-        prior: What is pulled to: the inertials of the robot's file ("file"), bodies of the size of
-            the links ("neutral"), or the former where they are no placeholders ("auto").
-        weight: Of that pull; by cross-validation if None.
-        total_mass: Of all moving links [kg], where it is known.
-        seed: Of poses and bootstrap.
+        prior: Reference bodies for what the data leave open: the robot file's ("file"), bodies of the
+            size of the links ("neutral"), or the file's where they are no placeholders ("auto").
+        weight: Weight of the distance to the reference; by cross-validation if None.
+        total_mass: Mass of all moving links together [kg], where it is known.
+        seed: Seed of poses and bootstrap.
+
+    Returns:
+        The feasible estimate beside the plain one, with its errors on every recording.
 
     Raises:
         DataSetError: If the folder holds no data set that can be used.

@@ -40,7 +40,7 @@ def export_model(
         out: Folder to write to, new or of an earlier export.
         to: Forms, as of `oed export`: "numpy", "casadi", "c", "urdf", "sdf", "mjcf", "mujoco",
             "drake", "ros2", or one that was registered.
-        rate: At which a controller or a simulation asks for torque [Hz].
+        rate: Rate at which a controller or a simulation asks for torque [Hz].
 
     Returns:
         What was written of each form, what it lacks, and how to use it.
@@ -71,6 +71,9 @@ def export_motion(found: Result, out: str | Path, *, rate: float = 100.0) -> tup
         found: What `design_motion` returned.
         out: Folder to write to, new or of an earlier motion.
         rate: Set points a second [Hz].
+
+    Returns:
+        The files that were written, motion.csv first.
 
     Raises:
         NoUsableResult: If the motion does not keep a limit.

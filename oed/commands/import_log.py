@@ -36,7 +36,7 @@ def import_log(
 ) -> DataSet:
     """Make a data set of log files: ROS bags, CSV, Parquet, .mat, .npz, HDF5.
 
-    What is not said is concluded from the logs; the logger "oed" is told what, and from what.
+    What is not given is concluded from the logs; the logger "oed" says what, and from what.
 
     Args:
         logs: One log file, or several of one format in the order in which they were recorded.
@@ -46,14 +46,17 @@ def import_log(
         columns: Names of columns by quantity: t, q, dq, ddq, tau.
         units: Units by quantity, one or one a joint, such as {"q": "deg"}.
         sign: 1 or -1 a joint, where the log counts the other way.
-        zero: What is logged where each joint of the robot is at zero.
-        ticks_per_turn: Of encoders that are logged in ticks.
+        zero: Logged position of each joint where the robot's joint is at zero, in the log's unit.
+        ticks_per_turn: Encoder ticks a turn, where positions are in ticks.
         rate: Rows a second, where no column tells the time [Hz].
-        fixed: Where joints stood that are not logged [rad or m], by name.
+        fixed: Position [rad or m] of each joint that stood still and is not logged, by name.
         torque: How the torque was obtained: "measured", "current" or "commanded".
         current_to_torque: Joint torque per motor current, gear included, one a joint [N m/A].
         gravity: In the robot's base frame [m/s^2].
-        roles: "estimation", "validation" or "test", one a log.
+        roles: "estimation", "validation" or "test", one a log; concluded if empty.
+
+    Returns:
+        The data set, in SI units.
 
     Raises:
         DataSetError: If a log cannot be read, or something about it cannot be concluded.

@@ -68,7 +68,10 @@ def load_model(path: str | Path) -> Model:
     """Read a model that an identification, a diagnosis or a feasible estimate left.
 
     Args:
-        path: Of a model.json.
+        path: A model.json.
+
+    Returns:
+        The model with its numbers, in SI units.
 
     Raises:
         ModelFileError: In one line, if there is none, or it is damaged, of another program or of

@@ -67,15 +67,23 @@ def load_arm(
     joints: Sequence[str] = (),
     gravity: Sequence[float] = EARTH_GRAVITY,
 ) -> Robot:
-    """Load the named joints, or where none is named the arm proper.
+    """Load an arm: the named joints, or those from the base to where a hand branches off.
 
     Of several arms in one file the longest is taken, the first of equals; the robot's notes say
     so and name the joints of the others.
 
     Args:
-        source: As of `load_robot`.
-        joints: Names of the active joints; the arm proper if empty.
-        gravity: In the base frame [m/s^2].
+        source: Path of a URDF, xacro, SDF or MJCF file or of a table of Denavit-Hartenberg
+            parameters, or "builtin:NAME".
+        joints: Names of the active joints, in the order of the columns; the arm's if empty. All
+            others are held still.
+        gravity: (3,) in the base frame [m/s^2].
+
+    Returns:
+        The robot; its `notes` say what was replaced, fixed or assumed.
+
+    Raises:
+        RobotError: If the file cannot be read, contradicts itself, or lacks a joint that was named.
     """
     if joints or str(source).startswith("builtin:"):
         return load_robot(source, joints=tuple(joints) or None, gravity=gravity)

@@ -18,17 +18,18 @@ class Calibrate(DataCommand):
     Leaves a folder for each step and index.html, which links their pages.
 
     Attributes:
-        model: Base model of all steps: standard, offset or rotor; as of oed identify if not given.
-        to: Forms that the model is exported to, as of oed export.
-        rate: At which a controller or a simulation asks for torque [Hz].
-        prior: As of oed feasible.
-        max_effects: As of oed diagnose.
-        candidates: As of oed diagnose.
-        budget: As of oed diagnose.
+        model: Base model of all steps: standard, offset or rotor; as oed identify chooses it if not
+            given.
+        to: Forms that the model is exported to; see oed export.
+        rate: Rate at which a controller or a simulation asks for torque [Hz].
+        prior: Reference bodies: file, neutral or auto; see oed feasible.
+        max_effects: Most effects to add; three a joint if not given, at least six.
+        candidates: Effects that may be named; the whole catalogue if not given.
+        budget: CPU time after which the diagnosis looks for nothing more [s].
         refine: Fit simulations to the measured motion too (rollout); kept only if neither torque nor
             simulation of the validation recordings gets worse.
         smoke: Do less, to see that it works.
-        seed: Of everything random.
+        seed: Seed of everything random.
     """
 
     model: ModelName | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -59,7 +60,7 @@ class Demo(Command):
         out: Folder for everything.
         hidden: What the arm has and its model lacks.
         smoke: Do less, to see that it works.
-        seed: Of motions, noise and everything random.
+        seed: Seed of motions, noise and everything else that is random.
     """
 
     out: OutFolder = Path("oed-demo")

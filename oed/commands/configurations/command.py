@@ -30,7 +30,7 @@ class Command:
     """What holds for all commands.
 
     Attributes:
-        quiet: Say nothing but what was found and what is wrong.
+        quiet: Print only the result and what is wrong.
     """
 
     quiet: bool = False
@@ -46,7 +46,8 @@ class DataCommand(Command):
     Attributes:
         data: Folder of a data set; with --robot, a log, which is imported into OUT/data first.
         out: Folder for the results.
-        robot: Of a log: the robot's file, or builtin:NAME; oed import takes what else is to be said.
+        robot: Where DATA is a log: the robot's file, or builtin:NAME. Use oed import if the log needs
+            more options.
         model: Torque model.
     """
 
@@ -75,8 +76,9 @@ class DataSetCommand(DataCommand):
         cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
         model: Torque model: rigid body with friction (standard), with constant torques besides
             (offset), or with rotor inertias besides (rotor); if not given, rotor where the data set
-            declares gears and determines it, else standard.
-        sign_width: Velocity over which Coulomb friction turns [rad/s]; from the data if not given.
+            declares gears and determines rotor inertias, else standard.
+        sign_width: Velocity over which Coulomb friction changes its sign [rad/s]; from the data if not
+            given.
     """
 
     joints: tuple[str, ...] = ()

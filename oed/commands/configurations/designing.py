@@ -24,9 +24,9 @@ MOST_CLEARANCE = 0.15
 class Design(Command):
     """Find the motion that excites an arm best, and prove that it keeps its limits.
 
-    By default it is clear of itself, from rest to rest, and uses 90 % of the velocity and
-    acceleration limits. Leaves motion.csv, ROS 2 JointTrajectory files, design.json,
-    and report.html, in which the arm moves. Where a limit is not kept, nothing for a controller is
+    By default the arm keeps clear of itself, starts and ends at rest, and uses 90 % of the velocity
+    and acceleration limits. Leaves motion.csv, ROS 2 JointTrajectory files, design.json, and
+    report.html, in which the arm moves. Where a limit is not kept, nothing for a controller is
     written and the exit status is 3.
 
     Attributes:
@@ -35,7 +35,8 @@ class Design(Command):
         out: Folder for the results.
         joints: Names of the joints to move; the arm proper if not given.
         model: Torque model whose parameters the motion is to excite: standard, offset or rotor; or a
-            model.json, of which it excites what is in doubt. Its robot is meant where none is named.
+            model.json, of which it excites what is uncertain, and whose robot is taken where neither
+            --robot nor --data is given.
         horizon: Length of the motion [s].
         criterion: What is optimised: log10 det of the information (J_d), its condition number
             (J_k), its mean (A) or worst (E) variance.
@@ -44,35 +45,36 @@ class Design(Command):
         margin: Share of velocity and acceleration limits that is used.
         scale: Speed of the finished motion, as a share.
         gravity: In the base frame [m/s^2], for an arm on a wall or ceiling.
-        sum: Bounds on sums of positions, as coupled drives have: joint_2+0.5*joint_3:-2.8:2.8
-            [rad or m].
+        sum: Bounds on sums of positions, as coupled drives have, such as
+            joint_2+0.5*joint_3:-2.8:2.8 [rad or m].
         no_torque: Ignore effort limits.
         prior: design.json of earlier experiments, which this one completes.
         clearance: Distance that links keep from one another [m].
-        no_clearance: Links may touch; whether they do is told.
+        no_clearance: Let links touch; the status says whether they do.
         avoid_collision: Refuse a motion that cannot be proven clear.
-        package: Where a ROS package lies, as NAME=DIR, should its meshes not be found.
+        package: Folder of a ROS package, as NAME=DIR, where its meshes are not found.
         box: Least and largest x, then y, then z, that no body's origin may leave [m].
         rate: Set points a second [Hz].
-        evaluations: Of the criterion; the same number and seed give the same motion.
+        evaluations: Evaluations of the criterion; the same number and seed give the same motion.
         budget: CPU time after which the optimiser stops in any case [s].
         trajectory: Class of motions, by name: fourier (a series), collocation (piecewise-linear
             acceleration), spline (of degree 5), harmonic (sines of free frequencies, as the
             paper's), or one that was registered from outside.
         optimiser: By name: interior_point, slsqp, hopping, evolution (CMA-ES), genetic (the paper's),
             random_search, or one that was registered from outside.
-        robust: Count as well the models that the data do not tell from --model FILE: torque limits hold
-            under each, and the criterion is its mean (expected) or its worst over them where it depends on
-            them. The nominal motion is searched for too, to compare.
-        scenarios: How many of these are drawn.
+        robust: Also count models drawn from the covariance of --model FILE: torque limits hold under
+            each, and the criterion is its mean (expected) or its worst over them. A motion for the
+            nominal model is found too, to compare with.
+        scenarios: With --robust: number of models that are drawn.
         payload: Excite what the arm holds, the arm being known; --horizon 3 to 10 is enough.
-        arm: model.json of the arm, whose errors then count; the arm is taken for known if not given.
+        arm: With --payload: model.json of the arm, whose errors then count; if not given, those that
+            30 s of general motion leave.
         frame: Link or frame of the robot's file that holds the load; the flange, or the last link,
             if not given.
         static: With --payload: postures to stand in, and no motion.
-        poses: How many of these.
+        poses: With --static: number of postures.
         smoke: Do less, to see that it works.
-        seed: Of starts and of the states of the bound.
+        seed: Seed of the starts and of the states of the bound.
     """
 
     robot: str = ""

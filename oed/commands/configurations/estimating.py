@@ -33,8 +33,8 @@ class Identify(DataSetCommand):
     Leaves model.json, estimate.json, parameters.csv and report.html.
 
     Attributes:
-        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has. As drives
-            and data have it if not given.
+        model: Torque model: standard, offset or rotor, or a model.json with its effects; if not given,
+            rotor where the data set declares gears and determines rotor inertias, else standard.
         robust: Use Huber's loss in place of least squares.
     """
 
@@ -50,16 +50,16 @@ class Feasible(DataSetCommand):
     robot file is loaded again and its torques are compared.
 
     Attributes:
-        model: Torque model: standard, offset or rotor; or a model.json, whose effects it has. As drives
-            and data have it if not given.
-        prior: What is pulled to: the inertials of the robot's file (file), bodies of the size of
-            the links (neutral), or the former where they are no placeholders (auto).
-        kind: Of that pull.
-        weight: Of that pull, from 1e-12 to 1e6; by cross-validation if not given.
-        total_mass: Of all moving links [kg], where it is known.
-        collision: Each link's mass lies within its collision geometry.
+        model: Torque model: standard, offset or rotor, or a model.json with its effects; if not given,
+            rotor where the data set declares gears and determines rotor inertias, else standard.
+        prior: Reference bodies for what the data leave open: the robot file's (file), bodies of the
+            size of the links (neutral), or the file's where they are no placeholders (auto).
+        kind: Measure of the distance to the reference.
+        weight: Weight of that distance, from 1e-12 to 1e6; by cross-validation if not given.
+        total_mass: Mass of all moving links together [kg], where it is known.
+        collision: Keep each link's mass within its collision geometry.
         smoke: Do less, to see that it works.
-        seed: Of poses and bootstrap.
+        seed: Seed of poses and bootstrap.
     """
 
     model: ModelName | Path | None = None  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -76,18 +76,18 @@ class Feasible(DataSetCommand):
 class Diagnose(DataCommand):
     """Find out what the torque model lacks, add it, and show the error before and after.
 
-    Every term is added, dropped and named by one criterion; test recordings report, and have no
-    say. Leaves diagnosis.json, report.html, model.json, figures and, where two causes cannot be
-    told apart, the motion that tells them apart.
+    One criterion adds, drops and names every term; test recordings only report. Leaves
+    diagnosis.json, report.html, model.json, figures and, where two causes cannot be told apart, the
+    motion that tells them apart.
 
     Attributes:
-        model: Base model; as of oed identify if not given. Or a model.json: a second round, which looks
-            for what that lacks.
+        model: Base model: standard, offset or rotor; as oed identify chooses it if not given. Or a
+            model.json, to look for what that still lacks.
         max_effects: Most effects to add; three a joint if not given, at least six;
             0 only tests the model.
         candidates: Effects that may be named; the whole catalogue if not given.
         smoke: Do less, to see that it works.
-        seed: Of everything random.
+        seed: Seed of everything random.
         budget: CPU time after which nothing more is looked for [s].
     """
 

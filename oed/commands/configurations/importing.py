@@ -27,14 +27,14 @@ class ImportLog(Command):
         columns: Columns, as in t=time q=a,b tau=c,d; dq= leaves velocities out.
         units: Units, as in q=deg tau=mNm t=ms.
         sign: 1 or -1 a joint, where the log counts the other way.
-        zero: What is logged where each joint of the robot is at zero.
-        ticks_per_turn: Of encoders that are logged in ticks.
+        zero: Logged position of each joint where the robot's joint is at zero, in the log's unit.
+        ticks_per_turn: Encoder ticks a turn, where positions are in ticks.
         rate: Rows a second, where no column tells the time [Hz].
-        fixed: Where joints stood that are not logged [rad or m], as in finger=0.04.
+        fixed: Position [rad or m] of each joint that stood still and is not logged, as in finger=0.04.
         torque: How the torque was obtained.
         current_to_torque: Joint torque per motor current, gear included, one a joint [N m/A].
         gravity: In the robot's base frame [m/s^2].
-        roles: One a log.
+        roles: Role of each log: estimation, validation or test; concluded if not given.
         reference: Leave logs where they are instead of copying them.
     """
 

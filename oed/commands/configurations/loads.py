@@ -19,7 +19,7 @@ class LoadCommand(Command):
             if not given.
         joints: Names of the joints to use; all if not given.
         cutoff: Cut-off of the low-pass [Hz]; chosen from the data if not given.
-        torque_model: Of the arm: as --model of oed identify.
+        torque_model: Torque model of the arm; as oed identify chooses it if not given.
     """
 
     out: OutFolder
@@ -33,9 +33,9 @@ class LoadCommand(Command):
 class Payload(LoadCommand):
     """Weigh what an arm carries: mass, centre of mass and inertia, with intervals.
 
-    The arm is known from recordings without the load (--bare), from a model that was identified
-    before (--model), or else from the robot's file, which is wide. Leaves payload.json, the load as
-    URDF, SDF, MJCF, ROS 2 message and URScript, and report.html.
+    The arm is known from recordings without the load (--bare), from an earlier model (--model), or else
+    from the robot's file, which gives wide intervals. Leaves payload.json, the load as URDF, SDF, MJCF,
+    ROS 2 message and URScript, and report.html.
 
     Attributes:
         loaded: Data set with the load.
@@ -56,15 +56,15 @@ class Payload(LoadCommand):
 class Gains(LoadCommand):
     """Find every joint's N m per A, gear included, from recordings with known loads.
 
-    Leaves gains.json, report.html and, where every gain is told, drive.toml with the lines for
-    dataset.toml. Without a mass only ratios of gains are told. The exit status is 3 if nothing is.
+    Leaves gains.json, report.html and, where every gain is determined, drive.toml with the lines for
+    dataset.toml. Without a mass only ratios of gains are determined. The exit status is 3 if none is.
 
     Attributes:
         loaded: Data sets with a load each.
         bare: Data set of the same arm without a load.
-        mass: Of the load in each data set, or of the one that is in all [kg].
-        com: Its centre of mass in the frame, x y z for each or for the one [m]; estimated if not
-            given.
+        mass: Mass of the load in each data set, or of the one load in all [kg].
+        com: Centre of mass of the load in the frame, x y z for each data set or once for all [m];
+            estimated if not given.
     """
 
     loaded: tuple[Path, ...] = ()

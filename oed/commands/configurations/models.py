@@ -28,10 +28,10 @@ class Export(Command):
             files), mujoco or drake (simulations with all effects), ros2 (parameters), or one that
             was registered from outside.
         out: Folder for the files.
-        rate: At which a controller or a simulation asks for torque [Hz].
-        samples: Number of models to draw that the data do not tell from this one, for those who
-            randomise their simulation: samples.json and randomisation.json.
-        seed: Of these draws.
+        rate: Rate at which a controller or a simulation asks for torque [Hz].
+        samples: Number of models to draw from the covariance, to randomise a simulation with:
+            samples.json and randomisation.json.
+        seed: Seed of these draws.
     """
 
     model: Annotated[Path, tyro.conf.Positional]
@@ -54,8 +54,8 @@ class CrossCheck(Command):
     Attributes:
         robots: Robot files, or builtin:NAME.
         out: Folder for the table; printed only if not given.
-        states: Random states a robot.
-        seed: Of the states.
+        states: Number of random states for each robot.
+        seed: Seed of the states.
     """
 
     robots: Annotated[tuple[str, ...], tyro.conf.Positional]
