@@ -63,7 +63,7 @@ print(dataset.notes or "nothing is doubtful")
 # ## Parameters
 #
 # This arm declares no gears, so its model is `standard`: rigid body with Coulomb and viscous friction. Where `[drive]` in dataset.toml
-# declares `gear_ratio` and the data determine it, the model is `rotor`, without a word.
+# declares `gear_ratio` and the data determine rotor inertias, the model is `rotor`.
 
 # %%
 calibration = oed.identify(dataset, model="standard")
