@@ -25,7 +25,6 @@ from oed.export.model_record import (
     MeasurementRecord,
     ModelFileError,
     ModelRecord,
-    OriginRecord,
     ParameterRecord,
     RangesRecord,
     ReferenceRecord,
@@ -34,6 +33,7 @@ from oed.export.model_record import (
 from oed.export.robot_record import bounds_of, pairs_of, robot_of, robot_record
 from oed.input_file import UnreadableFile, read_json
 from oed.report.json_file import write_atomically
+from oed.report.records.models import OriginRecord
 
 NAME = "model.json"
 ROUNDING = 1e-6  # of correlations that went through a solver and a file

@@ -8,6 +8,7 @@ import msgspec
 from msgspec import Meta, field
 
 from oed.errors import OedError
+from oed.report.records.models import OriginRecord
 from oed.report.records.record import Record
 
 FORMAT = "oed model"
@@ -135,18 +136,6 @@ class RangesRecord(Record, frozen=True, kw_only=True):
     dq: list[Pair]
     ddq: list[Pair]
     tau: list[Pair]
-
-
-class OriginRecord(Record, frozen=True, kw_only=True):
-    """Where the numbers come from."""
-
-    command: str
-    data: str
-    method: str
-    date: str
-    commit: str | None
-    seed: int | None
-    versions: dict[str, str]
 
 
 class ModelRecord(Record, frozen=True, kw_only=True):

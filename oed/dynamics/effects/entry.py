@@ -37,7 +37,6 @@ class Shape:
             best place of those.
         points: Number of trial values in a first scan.
         default: The value if nothing is known.
-        usual: Values that machines are built with.
         also: Values of a first scan besides those that are evenly spaced.
         fine: Number of trial values in a second scan, where a first one misses crests; 0 for none.
         never: Whether its default, beyond its range, stands for what never happens, and is no
@@ -57,7 +56,6 @@ class Shape:
     scale: Literal["log", "signed log", "linear", "choice", "formula"]
     points: int
     default: float
-    usual: tuple[float, ...] = ()
     also: tuple[float, ...] = ()
     fine: int = 0
     never: bool = False

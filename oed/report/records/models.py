@@ -91,8 +91,8 @@ class ExportedRecord(Record, frozen=True, kw_only=True):
     notes: list[str]
 
 
-class ModelOriginRecord(Record, frozen=True, kw_only=True):
-    """Where the model's numbers come from."""
+class OriginRecord(Record, frozen=True, kw_only=True):
+    """Where the numbers come from."""
 
     command: str
     data: str
@@ -107,7 +107,7 @@ class ExportRecord(ResultRecord, frozen=True, kw_only=True):
     """export.json."""
 
     model: str
-    origin: ModelOriginRecord
+    origin: OriginRecord
     exports: dict[str, ExportedRecord]
     date: str
 

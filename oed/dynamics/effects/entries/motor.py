@@ -87,7 +87,7 @@ def _ratios(context: Context, target: Target, shapes: tuple[Shape, ...]) -> tupl
     if context.drives.of_motors:
         rows = dataclasses.replace(rows, upper=WHOLE_TORQUE, also=(*rows.also, WHOLE_TORQUE))
     if joint < other:
-        return dataclasses.replace(ratio, lower=-ALIKE, upper=ALIKE, usual=()), rows
+        return dataclasses.replace(ratio, lower=-ALIKE, upper=ALIKE), rows
     return dataclasses.replace(ratio, lower=-1 / ALIKE, upper=1 / ALIKE), rows
 
 
@@ -160,7 +160,7 @@ MOTOR_COUPLING = CatalogueEntry(
     name="motor_coupling",
     scope="pair",
     shapes=(
-        Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0, usual=(-1.0, 1.0)),
+        Shape("ratio", "1", -1.0, 1.0, "linear", 3, 0.0),
         Shape("rows", "1", 1.0, BOTH_ROWS, "formula", 1, BOTH_ROWS, also=(1.0,)),
     ),
     build=_coupling,

@@ -48,7 +48,6 @@ MOST_SPRING = 2.0  # peak torques: what a balancer carries, the drive does not s
 MULTIPLES = {1: (1.0,), 2: (1.0, 2.0), 3: (1.0, 2.0, 3.0), 4: (1.0, 2.0, 0.5)}
 # Waves a turn of what turns with a joint out of true: a shaft or a seal once, a bent one twice, a
 # bearing pressed in at three places.
-WHOLE_TURNS = (1.0, 2.0, 3.0)
 WAVES = Shape("waves", "1", 1.0, 2.0, "formula", 1, 1.0)
 RIPPLE_WAVES = dataclasses.replace(WAVES, upper=float(max(MULTIPLES)))
 # Orders of a spring, by its formula, and stretches of the range that each have their own stiffness:
@@ -157,8 +156,7 @@ def _friction_harmonics(
     joint, shape = joint_of(target), shapes[0]
     radius = context.model.robot.joints[joint].speed(1.0)  # of a slide's pinion, or a screw's lead
     bounds = {x: getattr(shape, x) / radius for x in ("lower", "upper", "default")}
-    usual = tuple(k / radius for k in shape.usual)
-    shape = dataclasses.replace(shape, **bounds, usual=usual)
+    shape = dataclasses.replace(shape, **bounds)
     return (_spaced_by_range(context, joint, shape), *shapes[1:])
 
 
@@ -173,7 +171,7 @@ POSITION_DEPENDENT_FRICTION = CatalogueEntry(
     name="position_dependent_friction",
     scope="joint",
     shapes=(
-        Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0, usual=WHOLE_TURNS),
+        Shape("harmonic", "1/turn", 0.5, 16.0, "linear", 24, 1.0),
         WAVES,
     ),
     build=_position_friction,
@@ -184,7 +182,7 @@ POSITION_DEPENDENT_FRICTION = CatalogueEntry(
         source="Armstrong 1988, IEEE Int. Conf. Robotics and Automation, 1440-1447; Popović and "
         "Goldenberg 1998, IEEE Trans. Robotics and Automation 14(1), 114-122",
         parameters="a, b in N m, amplitude 5 to 40 % of Coulomb friction; k periods a joint turn, "
-        "1, 2 or 3 unless the data ask for another number",
+        "mostly 1, 2 or 3",
         signature="Coulomb friction that varies with position; turns its sign with the velocity",
         confused_with=("load_dependent_friction", "torque_ripple"),
         exposed_by="both directions through every position",
