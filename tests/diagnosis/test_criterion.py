@@ -154,3 +154,9 @@ def test_false_terms_of_pure_noise_are_worth_nothing():
             worth(Moments(np.array([[x @ x]]), np.array([x @ y]), 500.0), np.log(40)).nats
         )
     assert max(worths) < 0
+
+
+def test_unit_information_is_that_of_one_independent_row():
+    X, y = _problem()
+    found = worth(Moments(X.T @ X, X.T @ y, ROWS, dilution=4.0), price=0.0)
+    assert found.precision == pytest.approx(X.T @ X / (ROWS / 4))

@@ -1,10 +1,15 @@
 """Projections and white columns against what they stand for."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from oed.diagnosis.evidence import model
 from oed.diagnosis.evidence.columns import pieces, white_effect, white_model
 from oed.diagnosis.evidence.fit import project
+from oed.diagnosis.evidence.model import fit
+from oed.diagnosis.evidence.term import Term
 from oed.diagnosis.rows.white_rows import WhiteRows
 from oed.diagnosis.setup import pose
 from oed.dynamics.effects import RotorInertia
@@ -126,3 +131,36 @@ def test_blocks_hold_all_repetitions_of_a_phase(problem):
     assert max(shared) <= 2
     assert isinstance(rows.rows, Rows)
     assert isinstance(rows, WhiteRows)
+
+
+def test_the_power_of_a_term_is_the_mean_square_of_what_it_gives_to_the_rows_that_count(problem):
+    law = next(c for c in problem.names if c.label == "stribeck@1")
+    fitted = fit(problem, (Term(law, (0.1, 2.0, 0.0)),), problem.rows.fitted)
+    (place,), (size,) = fitted.places, fitted.coefficients
+    white = white_effect(law.effect(problem.context, (0.1, 2.0, 0.0)), problem.base, problem.rows)
+    given = white[0][:, 0] * size[0]
+    expected = given @ given / problem.rows.counts[0].sum()
+    assert expected > 0
+    assert fitted.power(place) == pytest.approx([expected, 0.0])
+
+
+@pytest.mark.parametrize(("step", "is_moved"), [(0.005, False), (0.03, True), (0.08, True)])
+def test_a_step_is_taken_where_rows_tell_what_it_leaves_out(step, is_moved):
+    """Of what a step d of a gain of 0.05 gives, its first order leaves out the share d / 0.05."""
+    dataset = data_set(21, repetitions=2)
+    base = TorqueModel.standard(dataset.robot)
+    problem = pose(dataset, base, names=("torque_gain",))[0].sparse
+    law = next(c for c in problem.names if c.label == "torque_gain@1")
+    own = fit(problem, (Term(law, (1.0,), steps=((0.05,),)),), problem.rows.fitted)
+    term, (place,) = dataclasses.replace(own.terms[0], steps=((0.05,),)), own.places
+    # Alike in all rows, and so large that of a step of 0.01 the squares left out are a tenth of a row's.
+    height = np.sqrt(0.1 * own.variance[0] / own.projection.used.sum()) / (0.01 * 0.01 / 0.05)
+    columns, coefficients = (
+        np.zeros_like(own.projection.columns),
+        own.projection.coefficients.copy(),
+    )
+    columns[0, :, place], coefficients[place] = height, step
+    projection = dataclasses.replace(own.projection, columns=columns, coefficients=coefficients)
+    moved = dataclasses.replace(own, projection=projection)
+    assert model._moves(moved, term, place, settled=False) is is_moved
+    assert model._moves(moved, term, place, settled=True)

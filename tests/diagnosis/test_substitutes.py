@@ -1,6 +1,7 @@
 """What is asked in a term's place: a curve within noise of a formula is none of its rivals."""
 
 import dataclasses
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from oed.diagnosis.selection.screen import evaluate
 from oed.diagnosis.selection.substitutes import in_place, substitutes_of
 from oed.diagnosis.selection.tables import Tables, as_term
 from oed.diagnosis.setup import pose
+from oed.dynamics.effects.coordinates import Coordinate
 from oed.dynamics.torque_model import TorqueModel
 from tests.diagnosis.arm import data_set
 
@@ -84,3 +86,18 @@ def test_curves_reach_as_far_as_all_that_is_fitted():
     q = np.concatenate([p.motion.q[:, 0] for p in problem.rows.prepared if p.role == "validation"])
     assert curve.lower == pytest.approx(q.min(), abs=0.05)
     assert curve.upper == pytest.approx(q.max(), abs=0.05)
+
+
+def test_a_small_arm_has_curves_over_any_two_of_its_coordinates():
+    dataset = data_set(62, repetitions=1, near=0.5)
+    problem = pose(dataset, TorqueModel.standard(dataset.robot), names=("joint_spring",))[0]
+    states = ("q_1", "dq_1", "q_2", "dq_2")
+    for joint in range(2):
+        found = {
+            frozenset(f"{c.kind}_{c.joint + 1}" for c in own.term.coordinates)
+            for own in problem.smooth
+            if own.joint == joint
+            and len(own.term.coordinates) == 2
+            and all(isinstance(c, Coordinate) for c in own.term.coordinates)
+        }
+        assert {frozenset(pair) for pair in combinations(states, 2)} <= found

@@ -80,3 +80,14 @@ def test_what_is_alike_is_its_mean_over_repetitions_and_nothing_is_lost():
     assert columns[:, :, :base] + rest == pytest.approx(design.columns[:, :, :base])
     apart = design.columns[:, :, place] - columns[:, :, place]
     assert told == pytest.approx(apart @ found[place])
+    # What the fit to all rows explains is what is alike, and that.
+    left = problem.rows.torque - told - columns @ grown.every.projection.coefficients
+    assert grown.every.projection.residual == pytest.approx(left, abs=1e-9)
+    assert np.abs(told).max() > 1e-3
+
+
+def test_what_noise_leaves_of_a_row_is_one_of_means_and_of_differences():
+    views = Views.of(_posed(data_set(7, repetitions=4)), (), "fitted")
+    for which in ("fitted", "held_out"):
+        assert views.apart(which) == pytest.approx([1.0, 1.0], abs=0.25)
+        assert views.left(which) == pytest.approx([1.0, 1.0], abs=0.25)
