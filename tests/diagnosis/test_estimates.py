@@ -1,5 +1,7 @@
 """Deviations of a term's sizes and shapes against the whole model's covariance, worked out at once."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -17,14 +19,17 @@ SPEED, DILUTION = 0.15, 3.0
 
 @pytest.fixture(scope="module")
 def whole():
-    """Stribeck's law, and a curve over position that is held by its prior alone where rows are few."""
+    """Stribeck's law, and a curve over speed that would take much of it up if its prior did not hold it."""
     dataset = data_set(33, repetitions=1, extra=stribeck(1.5, SPEED))
     problem = pose(dataset, TorqueModel.standard(dataset.robot), names=("stribeck",))[0]
     start = Views.of(problem, (), "all")
     law = next(c for c in problem.names if c.label == "stribeck@1")
-    curve = next(c for c in problem.smooth if c.label == "f(q_1)[11]@1")
+    curve = next(c for c in problem.smooth if c.label == "f(dq_1)[11]@1")
     terms = [evaluate(c, v, start.means) for c, v in ((law, (SPEED, 2.0, 0.0)), (curve, ()))]
-    return start.grown(tuple(as_term(t) for t in terms if t is not None), "all").told
+    known, bent = (as_term(t) for t in terms if t is not None)
+    assert bent.precision is not None
+    held = dataclasses.replace(bent, precision=1e4 * bent.precision)
+    return start.grown((known, held), "all").told
 
 
 def _slopes(whole):
@@ -43,21 +48,25 @@ def _slopes(whole):
     return np.stack(columns, axis=1)
 
 
+def _deviations(information):
+    lengths = np.sqrt(np.diag(information))
+    covariance = np.linalg.inv(information / np.outer(lengths, lengths))
+    return np.sqrt(DILUTION * np.diag(covariance)) / lengths
+
+
 def test_deviations_are_those_of_all_parameters_together(whole):
     projection = whole.projection
     slopes = np.zeros((2, projection.columns.shape[1], 2))
     slopes[0] = _slopes(whole)
     J = np.concatenate([projection.columns, slopes], axis=2)[:, projection.used]
     J = (J * projection.weights[:, None, None]).reshape(-1, J.shape[2])
-    information = J.T @ J
-    bent = whole.places[1]
-    assert whole.terms[1].precision is not None
-    information[bent, bent] += whole.terms[1].precision
-    lengths = np.sqrt(np.diag(information))
-    covariance = np.linalg.inv(information / np.outer(lengths, lengths))
-    std = np.sqrt(DILUTION * np.diag(covariance)) / lengths
+    held = np.zeros((J.shape[1], J.shape[1]))
+    held[whole.places[1], whole.places[1]] = whole.terms[1].precision
+    std = _deviations(J.T @ J + held)
+    free = _deviations(J.T @ J + held / 1e4)
     found = estimates(whole, 0, DILUTION)
     assert [p.name for p in found] == ["Fs_1", "speed", "exponent", "tail"]
+    assert std[whole.places[0].start] < 0.7 * free[whole.places[0].start]
     expected = (std[whole.places[0].start], std[-2], std[-1])
     for own, value in zip(found, expected, strict=False):
         assert own.std == pytest.approx(value, rel=0.01)
