@@ -206,3 +206,13 @@ def test_the_oldest_python_that_is_named_is_the_least_and_the_tests_run_with_it(
     oldest = min(named, key=Version)
     assert PROJECT["requires-python"] == f">={oldest}"
     assert sys.version.startswith(f"{oldest}.")
+
+
+def test_what_is_said_names_no_page_of_the_checkout():
+    named = []
+    for path in (REPO / "oed").rglob("*.py"):
+        nodes = list(ast.walk(ast.parse(path.read_text())))
+        docstrings = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+        said = (n for n in nodes if isinstance(n, ast.Constant) and id(n) not in docstrings)
+        named += [(path.name, n.value) for n in said if re.search(r"docs/\S+\.md", str(n.value))]
+    assert not named

@@ -102,7 +102,7 @@ def test_nothing_is_loaded_before_it_is_used() -> None:
 
 
 def test_identify_loads_only_what_it_uses() -> None:
-    heavy = "{'pandas', 'pyarrow', 'matplotlib', 'cvxpy', 'h5py', 'rosbags', 'numba', 'xacro'}"
+    heavy = "{'casadi', 'pandas', 'pyarrow', 'matplotlib', 'cvxpy', 'h5py', 'rosbags', 'numba', 'xacro'}"
     code = f"import oed.commands.identify, sys; print({heavy} & set(sys.modules))"
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout.strip() == "set()"

@@ -7,10 +7,11 @@ array sweep nor in an expression graph.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
+from types import ModuleType
 from typing import Any
 
-import casadi
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -26,6 +27,12 @@ STILL = 1e-6  # change of a velocity over a step, as a share of it, that is none
 def is_zero(a: Scalar) -> bool:
     """Whether `a` is the structural zero, not merely an expression that may vanish."""
     return isinstance(a, float) and bool(a == 0.0)
+
+
+def _symbolic(a: Scalar) -> ModuleType | None:
+    """CasADi where `a` is an expression of it, else none: who has no expression need not load it."""
+    casadi = sys.modules.get("casadi")
+    return casadi if casadi is not None and isinstance(a, casadi.SX) else None
 
 
 def add(a: Scalar, b: Scalar) -> Scalar:
@@ -105,51 +112,60 @@ def apply_transposed(rows: Matrix, a: Vector) -> Vector:
 
 def sin(a: Scalar) -> Scalar:
     """Sine of any kind of scalar."""
-    return casadi.sin(a) if isinstance(a, casadi.SX) else np.sin(a)
+    casadi = _symbolic(a)
+    return casadi.sin(a) if casadi else np.sin(a)
 
 
 def cos(a: Scalar) -> Scalar:
     """Cosine of any kind of scalar."""
-    return casadi.cos(a) if isinstance(a, casadi.SX) else np.cos(a)
+    casadi = _symbolic(a)
+    return casadi.cos(a) if casadi else np.cos(a)
 
 
 def tanh(a: Scalar) -> Scalar:
     """Hyperbolic tangent of any kind of scalar."""
-    return casadi.tanh(a) if isinstance(a, casadi.SX) else np.tanh(a)
+    casadi = _symbolic(a)
+    return casadi.tanh(a) if casadi else np.tanh(a)
 
 
 def exp(a: Scalar) -> Scalar:
     """Exponential of any kind of scalar."""
-    return casadi.exp(a) if isinstance(a, casadi.SX) else np.exp(a)
+    casadi = _symbolic(a)
+    return casadi.exp(a) if casadi else np.exp(a)
 
 
 def magnitude(a: Scalar) -> Scalar:
     """Absolute value of any kind of scalar."""
-    return casadi.fabs(a) if isinstance(a, casadi.SX) else np.abs(a)
+    casadi = _symbolic(a)
+    return casadi.fabs(a) if casadi else np.abs(a)
 
 
 def asinh(a: Scalar) -> Scalar:
     """Inverse hyperbolic sine of any kind of scalar."""
-    return casadi.asinh(a) if isinstance(a, casadi.SX) else np.arcsinh(a)
+    casadi = _symbolic(a)
+    return casadi.asinh(a) if casadi else np.arcsinh(a)
 
 
 def within(a: Scalar, lower: float, upper: float) -> Scalar:
     """Any kind of scalar, brought to the nearer bound where it is outside."""
-    if isinstance(a, casadi.SX):
+    casadi = _symbolic(a)
+    if casadi:
         return casadi.fmin(casadi.fmax(a, lower), upper)
     return np.clip(a, lower, upper)
 
 
 def at_least(a: Scalar, bound: float) -> Scalar:
     """1 where any kind of scalar is no less than a bound, else 0."""
-    if isinstance(a, casadi.SX):
+    casadi = _symbolic(a)
+    if casadi:
         return casadi.if_else(a >= bound, 1.0, 0.0)
     return np.asarray(a >= bound, dtype=float)[()]
 
 
 def sign(a: Scalar) -> Scalar:
     """Sign of any kind of scalar, with sign(0) = 0."""
-    return casadi.sign(a) if isinstance(a, casadi.SX) else np.sign(a)
+    casadi = _symbolic(a)
+    return casadi.sign(a) if casadi else np.sign(a)
 
 
 def mean_sign(v: Float[ndarray, " samples"], width: float) -> Float[ndarray, " samples"]:
@@ -177,4 +193,5 @@ def mean_sign(v: Float[ndarray, " samples"], width: float) -> Float[ndarray, " s
 
 def power(a: Scalar, exponent: float) -> Scalar:
     """Any kind of scalar raised to a constant."""
-    return casadi.power(a, exponent) if isinstance(a, casadi.SX) else np.power(a, exponent)
+    casadi = _symbolic(a)
+    return casadi.power(a, exponent) if casadi else np.power(a, exponent)

@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
-import casadi
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
@@ -26,6 +26,9 @@ from oed.dynamics.effects.payload import PayloadChange
 from oed.dynamics.motion import Motion
 from oed.dynamics.newton_euler import filled
 from oed.robot import Robot
+
+if TYPE_CHECKING:
+    import casadi
 
 OF_BODIES = (RigidBody, PayloadChange)  # whose parameters have the same units at every joint
 
@@ -132,6 +135,8 @@ class TorqueModel:
             ddq: Acceleration.
             sign_width: Smoothing of the velocity sign [rad/s], so that it has a derivative.
         """
+        import casadi  # noqa: PLC0415  a quarter of a second that only expressions need
+
         state = State(0.0, *(casadi.vertsplit(x) for x in (q, dq, ddq)), sign_width=sign_width)
         result = casadi.SX(self.robot.n, len(self.parameters))
         for column, by_joint in enumerate(self._entries(state)):

@@ -52,7 +52,9 @@ class TomlTable:
     def value(self, key: str) -> object:
         """The value, of whatever type; the key must be there."""
         if key not in self._content:
-            raise self.error(key, "missing; add it (the format's page describes each key)")
+            raise self.error(
+                key, "missing; add it (oed import writes a dataset.toml with every key)"
+            )
         return self._content[key]
 
     def text(self, key: str) -> str:

@@ -28,7 +28,8 @@ def calibrated_robot(model: Model) -> CalibratedRobot:
         if not (body[0] > 0 and eigenvalues[0] > -ROUNDING * eigenvalues[-1]):
             raise NoUsableResult(
                 f"{joint.link}: no body has the inertia of this model (mass {body[0]:.3g} kg): it is "
-                "one of base parameters; oed calibrate, or oed feasible, leaves one of bodies"
+                "one of base parameters; oed calibrate DATA, or oed feasible DATA --model FILE, leaves one of "
+                "bodies"
             )
     return calibrated
 

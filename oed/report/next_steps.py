@@ -15,8 +15,6 @@ from oed.report.term_words import in_words, words_of_terms
 from oed.report.unnamed_terms import Unnamed, unnamed_terms
 
 MODEL = "model.json"  # that a diagnosis leaves
-OWN_EFFECT = "docs/how-to/effect.md"
-RECORDINGS = "docs/reference/dataset.md"
 SLOWER = 0.5  # of the speed: of a friction law two points, and a quarter of the inertial torque
 
 
@@ -69,8 +67,8 @@ def next_steps(found: Diagnosis, following: NextExperiment | None, run: Run) -> 
         *_repetitions(found),
         *_own_effect(unnamed),
         Step(
-            f"Add every new log to the data set, as a [[recording]] of dataset.toml ({RECORDINGS}), and "
-            "diagnose again.",
+            "Add every new log to the data set, as a [[recording]] of dataset.toml with its file, a name and "
+            'role = "estimation", and diagnose again.',
             (_line("diagnose", str(run.data), "--out", "again/"),),
         ),
     )
@@ -170,7 +168,7 @@ def _over_time(unnamed: Sequence[Unnamed]) -> tuple[Step, ...]:
     return (
         Step(
             f"What is left at {_listed(joints)} changes with time: record one motion cold and warm, and log "
-            f"the drive's temperature, as a column temperature_1 and so on ({RECORDINGS})."
+            "the drive's temperature, as a column temperature_1 and so on."
         ),
     )
 
@@ -180,9 +178,9 @@ def _repetitions(found: Diagnosis) -> tuple[Step, ...]:
         return ()
     return (
         Step(
-            "Run each motion several times in a row, and give repetitions and period in dataset.toml "
-            f"({RECORDINGS}): noise is then what differs between runs. Nothing was repeated here: the noise "
-            f"floor is what a {found.noise_source} leaves, and may hide or hold part of what is left."
+            "Run each motion several times in a row, and write repetitions = 6 and period = 10.0 (times, and "
+            "seconds each) in its [[recording]] of dataset.toml: noise is then what differs between runs. "
+            f"Nothing was repeated here: the noise floor is what a {found.noise_source} leaves, and may hide or hold part of what is left."
         ),
     )
 
@@ -219,8 +217,8 @@ def _own_effect(unnamed: Sequence[Unnamed]) -> tuple[Step, ...]:
         return ()
     return (
         Step(
-            "If you know a cause that the catalogue lacks, write its formula as an effect of your own "
-            f"({OWN_EFFECT}): it is then weighed like the others."
+            "If you know a cause that the catalogue lacks, write its formula as an effect of your own, "
+            "with oed.dynamics.effects.catalogue.named_effect: it is then weighed like the others."
         ),
     )
 

@@ -228,6 +228,8 @@ def test_nothing_is_looked_for_when_the_time_is_over():
     assert found.effects == ()
     assert any("its 0 s of CPU time were over" in note for note in found.notes)
     assert not any(line.startswith("+") for line in said)
+    explained = next(i for i, line in enumerate(said) if "in noise floors; nats" in line)
+    assert explained < next(i for i, line in enumerate(said) if " shapes of " in line)
     assert {e.role for e in found.errors} == {"estimation", "validation", "test"}
 
 

@@ -162,7 +162,7 @@ def test_base_parameters_are_no_bodies(tmp_path, capsys):
     assert run(["export", str(path), "--to", "urdf", "--out", str(tmp_path / "out")]) == 3
     told = capsys.readouterr().err
     assert "no body has the inertia" in told
-    assert "oed calibrate" in told
+    assert "oed feasible DATA --model FILE" in told
     assert not list((tmp_path / "out").glob("*.urdf"))
     assert run(["export", str(path), "--to", "c", "--out", str(tmp_path / "out")]) == 0
 

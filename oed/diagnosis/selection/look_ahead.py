@@ -37,7 +37,7 @@ def look_ahead(
         gain, best = options[0]
         current = _refined(with_refitted_sign(grown, "fitted"), 1)
         say(
-            f"+ {best.candidate.label} {short(best.values)} {gain:.1f} nats, left "
+            f"+ {best.candidate.label}{_values(best)} {gain:.1f} nats, left "
             f"{short(current.left('fitted'))}, held out {short(current.left('held_out'))}; beside "
             + ", ".join(f"{o[1].candidate.label} {o[0]:.1f}" for o in options[1:4])
         )
@@ -142,6 +142,11 @@ def _freedom(
 ) -> float:
     A = columns.T @ columns
     return float(np.trace(np.linalg.lstsq(A + precision, A)[0]))
+
+
+def _values(scored: Scored) -> str:
+    """Of its nonlinear parameters, if it has any."""
+    return f" {short(scored.values)}" if len(scored.values) else ""
 
 
 def short(values: Sequence[float] | ndarray) -> tuple[float, ...]:

@@ -54,6 +54,10 @@ def search(problem: Problem, say: Say = lambda _: None, over: Over = lambda: Fal
     tables = Tables.of(start, problem.candidates)
     lines = len(tables.alike.lines) + len(tables.changing.lines)
     say(
+        "below, left and held out are what is left at each joint, in noise floors; nats, how much "
+        "likelier a term makes held-out rows; f(q_1)[39]@1, a curve over q_1 with 39 coefficients at joint 1"
+    )
+    say(
         f"{lines} shapes of {len(problem.candidates)} candidates, left {short(start.left('fitted'))}"
     )
     views = _ahead_and_back(tables, start, say, over)

@@ -65,7 +65,8 @@ def assign_joints(
         return positions, joints.chosen
     message = (
         f"joints are named {listed(list(labels))} in the log, {listed(joints.movable)} in the robot's "
-        f"file; say {_which(len(labels), joints)}"
+        f"file; name the file of the robot that was logged with --robot, or, if it is this one, say "
+        f"{_which(len(labels), joints)}"
     )
     raise DataSetError(message, file=table.file)
 

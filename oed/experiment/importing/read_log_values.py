@@ -203,7 +203,7 @@ def _better_clock(
     if spans[1] > 0 and abs(spans[0] / spans[1] - 1) > SAME_SPAN:
         why = f"since the headers' stamps span {spans[0]:.4g} s while {spans[1]:.4g} s passed"
         return RECEIVED, why
-    start = ", which start at zero" if stamp[0] < STARTS_AT_ZERO else ""
+    start = ", from a clock that starts at zero" if stamp[0] < STARTS_AT_ZERO else ""
     late = float(apart.max())
     other = f"differ by up to {1e3 * late:.2g} ms" if late > SAME_STAMP else "say the same"
     return STAMP, f"made where it was measured{start}; the recorder's stamps {other}"

@@ -32,7 +32,7 @@ def test_a_recorded_bag_gives_the_errors_that_are_known(name, urdf, rows, error,
     found = propose_import([bag], choices, tmp_path / name)
     dataset = found.dataset
     assert sum(len(r) for r in dataset.recordings) == rows
-    assert any("which start at zero" in note for note in found.notes)
+    assert any("a clock that starts at zero" in note for note in found.notes)
     model = build_model("rotor", dataset.robot, sign_width=0.02)
     settings = choose_velocity(
         dataset, model, choose_settings(dataset.recordings, cutoff=BANDS[name])

@@ -153,3 +153,10 @@ def test_a_unit_that_is_not_known_is_not_taken_for_si():
     units = {"tau": ("mNm",)}
     found = find_columns(log, robot, LogFormat(columns={"t": ("t",), **stated}, units=units))
     assert found.fields["tau"] == stated["tau"]
+
+
+def test_joints_of_another_arm_may_be_of_another_file():
+    with pytest.raises(DataSetError, match="the file of the robot that was logged with --robot"):
+        propose_columns(
+            log_of(("t", "q_hip", "q_knee", "tau_hip", "tau_knee")), RobotJoints(JOINTS, JOINTS), {}
+        )
